@@ -1,0 +1,66 @@
+"""rumu 入木: Chinese calligraphy as 3-D surfaces, and an honest mark for a learner's copy.
+
+The public doors are listed in `__all__`; each is loaded when it is first used, so that importing rumu
+costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "read_capture": "rumu.capture.folder",
+    "reconstruct": "rumu.pipeline",
+    "relief": "rumu.surface.relief",
+    "relight": "rumu.surface.relight",
+    "integrate": "rumu.surface.integrate",
+    "register": "rumu.pipeline",
+    "assess": "rumu.pipeline",
+    "Capture": "rumu.values",
+    "Surface": "rumu.values",
+    "Registration": "rumu.values",
+    "Assessment": "rumu.values",
+    "RumuError": "rumu.errors",
+}
+
+__all__ = [
+    "Assessment",
+    "Capture",
+    "Registration",
+    "RumuError",
+    "Surface",
+    "assess",
+    "integrate",
+    "read_capture",
+    "reconstruct",
+    "register",
+    "relief",
+    "relight",
+]
+
+if TYPE_CHECKING:
+    from rumu.capture.folder import read_capture as read_capture
+    from rumu.errors import RumuError as RumuError
+    from rumu.pipeline import assess as assess
+    from rumu.pipeline import reconstruct as reconstruct
+    from rumu.pipeline import register as register
+    from rumu.surface.integrate import integrate as integrate
+    from rumu.surface.relief import relief as relief
+    from rumu.surface.relight import relight as relight
+    from rumu.values import Assessment as Assessment
+    from rumu.values import Capture as Capture
+    from rumu.values import Registration as Registration
+    from rumu.values import Surface as Surface
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'rumu' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -1,0 +1,56 @@
+"""Everything that rumu raises on purpose.
+
+    RumuError
+    ├── ImageError          a file or array that is no usable image
+    ├── CaptureError        photographs, lamps or masks that do not belong together
+    ├── SurfaceError        no surface can be computed from what was given
+    ├── RegistrationError   two surfaces that cannot be compared at all
+    ├── RefusedImage        a picture that holds nothing to mark: blank, black, noise
+    ├── CalibrationError    marks that cannot carry a calibration
+    ├── GalleryError        a work that is not there or not whole
+    └── OutputError         a place that cannot be written
+
+Each message names what was given, what was expected and what came.
+"""
+
+from __future__ import annotations
+
+
+class RumuError(Exception):
+    """Base of every error raised on purpose; its text is one clear line for a person."""
+
+
+class ImageError(RumuError):
+    """A file or an array that is no usable image."""
+
+
+class CaptureError(RumuError):
+    """Photographs, lamps or masks that do not belong together."""
+
+
+class SurfaceError(RumuError):
+    """No surface can be computed from what was given."""
+
+
+class RegistrationError(RumuError):
+    """Two surfaces that cannot be compared at all."""
+
+
+class RefusedImage(RumuError):
+    """A picture that holds nothing to mark; `reason` is the short word for it."""
+
+    def __init__(self, message: str, *, reason: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+
+class CalibrationError(RumuError):
+    """Marks that cannot carry a calibration."""
+
+
+class GalleryError(RumuError):
+    """A work that is not there or not whole."""
+
+
+class OutputError(RumuError):
+    """A place that cannot be written."""

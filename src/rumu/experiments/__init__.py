@@ -1,0 +1,1 @@
+"""What the paper measured, on data that exists."""

@@ -1,0 +1,1 @@
+"""Works that are kept and shown."""

@@ -1,0 +1,77 @@
+"""An output appears whole or not at all: it is written beside its place and moved there at the end."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from rumu.errors import OutputError
+
+
+@contextlib.contextmanager
+def whole_file(path: str | Path) -> Iterator[Path]:
+    """Yield a temporary path; on success it replaces `path`, on failure nothing is left.
+
+    Raises OutputError when the folder of `path` cannot be written.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise OutputError(f"{target}: expected a file to write, found a folder")
+    with _workspace(target) as folder:
+        part = folder / target.name
+        yield part
+        with _refused(target):
+            part.replace(target)
+
+
+@contextlib.contextmanager
+def whole_folder(path: str | Path, *, marker: str) -> Iterator[Path]:
+    """Yield an empty temporary folder; on success it takes the place of `path`.
+
+    A folder already at `path` is replaced only when it is empty or holds a file named `marker`, that is,
+    when it is an earlier output of the same kind; a stranger's folder is never touched.
+    Raises OutputError when the place cannot be written.
+    """
+    target = Path(path)
+    if target.exists() and not _replaceable(target, marker):
+        raise OutputError(f"{target}: expected a new or empty folder, or one with {marker}; it holds other things")
+    with _workspace(target) as folder:
+        part, old = folder / "new", folder / "old"
+        part.mkdir()
+        yield part
+        with _refused(target):
+            if target.exists():
+                target.replace(old)
+            try:
+                part.replace(target)
+            except OSError:
+                if old.exists():
+                    old.replace(target)
+                raise
+
+
+def _replaceable(target: Path, marker: str) -> bool:
+    return target.is_dir() and ((target / marker).is_file() or not any(target.iterdir()))
+
+
+@contextlib.contextmanager
+def _workspace(target: Path) -> Iterator[Path]:
+    with _refused(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _refused(target: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({os.strerror(error.errno or 0)})") from error

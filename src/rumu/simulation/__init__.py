@@ -1,0 +1,1 @@
+"""The oracle: renders known surfaces and makes known faults; imports nothing that it judges."""

@@ -1,0 +1,1 @@
+"""Capture or one image -> Surface."""

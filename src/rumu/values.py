@@ -1,0 +1,245 @@
+"""The values that travel between the rooms; shape, unit and frame are checked here, once.
+
+Frame: x right, y up, z toward the camera. Arrays are indexed [row, column]; rows grow downward, so
+dz/drow = -q where q = dz/dy. Values are frozen: nothing is changed after it is made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.errors import CaptureError, RegistrationError, SurfaceError
+
+FloatArray = npt.NDArray[np.floating[Any]]
+BoolArray = npt.NDArray[np.bool_]
+
+Source = Literal["photometric", "inflation", "density"]
+Unit = Literal["mm", "px"]
+Level = Literal["excellent", "good", "medium", "bad"]
+
+SOURCES: tuple[Source, ...] = ("photometric", "inflation", "density")
+UNITS: tuple[Unit, ...] = ("mm", "px")
+
+
+def _require(ok: bool, error: type[Exception], expected: str, came: object) -> None:
+    if not ok:
+        raise error(f"expected {expected}, got {came}")
+
+
+def _require_finite(array: FloatArray, error: type[Exception], name: str) -> None:
+    bad = int(array.size - np.count_nonzero(np.isfinite(array)))
+    _require(bad == 0, error, f"{name} to be finite", f"{bad} values that are NaN or infinite")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Capture:
+    """N photographs of one sheet from one camera, each lit by one lamp.
+
+    images: (N, H, W) or (N, H, W, 3) float32, linear in light, in [0, 1], N >= 3.
+    lights: (N, 3) float64, unit length, from the sheet toward the lamp, not all in one plane.
+    mask: (H, W) bool, True where the object is; all True when none was given.
+    strengths: (N,) float64, relative strength of each lamp, mean 1; None when unknown.
+    spacing: millimetres per pixel, None when unknown.
+    names: the file each image came from, for messages.
+    """
+
+    images: FloatArray
+    lights: FloatArray
+    mask: BoolArray
+    strengths: FloatArray | None = None
+    spacing: float | None = None
+    names: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        n = self.images.shape[0]
+        _require(
+            self.images.ndim == 3 or (self.images.ndim == 4 and self.images.shape[3] == 3),
+            CaptureError,
+            "images of shape (N, H, W) or (N, H, W, 3)",
+            self.images.shape,
+        )
+        _require(n >= 3, CaptureError, "at least 3 images", n)
+        _require(self.lights.shape == (n, 3), CaptureError, f"lights of shape ({n}, 3)", self.lights.shape)
+        _require(
+            self.mask.shape == self.images.shape[1:3] and self.mask.dtype == np.bool_,
+            CaptureError,
+            f"a bool mask of shape {self.images.shape[1:3]}",
+            f"{self.mask.dtype} {self.mask.shape}",
+        )
+        _require(bool(self.mask.any()), CaptureError, "a mask with at least one pixel", "an empty mask")
+        _require_finite(self.images, CaptureError, "images")
+        _require_finite(self.lights, CaptureError, "lights")
+        lengths = np.linalg.norm(self.lights, axis=1)
+        _require(bool(np.allclose(lengths, 1.0, atol=1e-6)), CaptureError, "unit light vectors", lengths)
+        _require(
+            float(np.linalg.svd(self.lights, compute_uv=False)[-1]) > 1e-3,
+            CaptureError,
+            "lamps that do not all lie in one plane",
+            f"{n} directions of rank below 3",
+        )
+        if self.strengths is not None:
+            _require(self.strengths.shape == (n,), CaptureError, f"{n} strengths", self.strengths.shape)
+            _require(bool((self.strengths > 0).all()), CaptureError, "positive strengths", self.strengths)
+
+    @property
+    def gray(self) -> FloatArray:
+        """(N, H, W) float32: mean of the colour channels."""
+        return self.images if self.images.ndim == 3 else self.images.mean(axis=3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """A sheet as a surface.
+
+    height: (H, W) float32, in `unit`, 0 at the paper or at the mean; finite everywhere.
+    normals: (H, W, 3) float32, unit length, x right, y up, z to the camera.
+    albedo: (H, W) or (H, W, 3) float32 in [0, 1], linear; lamp strength times albedo, scaled.
+    mask: (H, W) bool. A relief: the ink. A photometric surface: the pixels that were measured.
+    confidence: (H, W) float32 in [0, 1], 0 where the height was filled in.
+    spacing: length of one pixel in `unit` (1.0 when the unit is 'px').
+    source: where the height comes from. Only 'photometric' was measured; 'inflation' and 'density'
+        are computed from the ink of one image and say nothing about real relief.
+    quality: named figures about how well the capture fits (documented where they are made).
+    """
+
+    height: FloatArray
+    normals: FloatArray
+    albedo: FloatArray
+    mask: BoolArray
+    confidence: FloatArray
+    spacing: float
+    unit: Unit
+    source: Source
+    quality: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        shape = self.height.shape
+        _require(len(shape) == 2, SurfaceError, "a height map of shape (H, W)", shape)
+        _require(self.normals.shape == (*shape, 3), SurfaceError, f"normals {(*shape, 3)}", self.normals.shape)
+        _require(
+            self.albedo.shape in (shape, (*shape, 3)), SurfaceError, f"albedo of {shape}", self.albedo.shape
+        )
+        _require(self.mask.shape == shape, SurfaceError, f"a mask of {shape}", self.mask.shape)
+        _require(self.mask.dtype == np.bool_, SurfaceError, "a bool mask", self.mask.dtype)
+        _require(self.confidence.shape == shape, SurfaceError, f"confidence {shape}", self.confidence.shape)
+        for name in ("height", "normals", "albedo", "confidence"):
+            _require_finite(getattr(self, name), SurfaceError, name)
+        _require(self.unit in UNITS, SurfaceError, f"a unit among {UNITS}", self.unit)
+        _require(self.source in SOURCES, SurfaceError, f"a source among {SOURCES}", self.source)
+        _require(np.isfinite(self.spacing) and self.spacing > 0, SurfaceError, "spacing > 0", self.spacing)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointSet:
+    """Ink points of one surface, in the frame of its own cell.
+
+    xyz: (N, 3) float64. x right, y up, origin at the centroid of the ink; x, y in units of the rms
+        radius of the ink (rms distance from the centroid is 1), z the relief in [0, 1] times zeta.
+    direction: (N, 2) float64, (cos 2t, sin 2t) of the stroke direction t, times coherence in [0, 1].
+    centre: (2,) float64, the centroid as a fraction of the image's sides, from its centre, y up.
+    radius: the rms radius as a fraction of the image's longer side.
+    pixel: length of one pixel in units of the rms radius.
+    """
+
+    xyz: FloatArray
+    direction: FloatArray
+    centre: FloatArray
+    radius: float
+    pixel: float
+
+    def __post_init__(self) -> None:
+        n = self.xyz.shape[0]
+        _require(self.xyz.shape == (n, 3) and n >= 3, RegistrationError, "(N >= 3, 3) points", self.xyz.shape)
+        _require(
+            self.direction.shape == (n, 2), RegistrationError, f"directions of ({n}, 2)", self.direction.shape
+        )
+        _require_finite(self.xyz, RegistrationError, "points")
+        _require_finite(self.direction, RegistrationError, "directions")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Registration:
+    """The rigid pose that lays the probe on the reference, and what remains.
+
+    T_reference_probe: (4, 4) float64, det of its rotation is +1; applied to `probe.xyz`.
+    scale: rms radius of the probe's ink over that of the reference, both as fractions of their cells;
+        removed before registration, never by it. 1 is the same size.
+    angle: degrees, rotation about z that was needed; positive when the probe leaned clockwise.
+    shift: (2,) float64, centroid of the probe less that of the reference, in fractions of the cell,
+        x right, y up.
+    overlap: share of the pairs kept by trimming, in [0.4, 1]; trimming serves the pose alone.
+    d_ms: mean squared distance of the untrimmed probe points to the reference, in rms radii squared.
+    forward: (N,) float64, distance of each probe point to the reference, in rms radii of the reference.
+    backward: (M,) float64, distance of each reference point to the probe.
+    converged: False when the loop ended on its iteration limit.
+    """
+
+    probe: PointSet
+    reference: PointSet
+    T_reference_probe: FloatArray
+    scale: float
+    angle: float
+    shift: FloatArray
+    overlap: float
+    d_ms: float
+    forward: FloatArray
+    backward: FloatArray
+    converged: bool
+    iterations: int
+
+    def __post_init__(self) -> None:
+        T = self.T_reference_probe
+        _require(T.shape == (4, 4), RegistrationError, "a (4, 4) pose", T.shape)
+        _require_finite(T, RegistrationError, "the pose")
+        det = float(np.linalg.det(T[:3, :3]))
+        _require(abs(det - 1.0) < 1e-6, RegistrationError, "a rigid pose of determinant +1", det)
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """One thing a teacher would say.
+
+    kind: name of the fault, e.g. 'lean', 'size', 'missing', 'extra', 'heavy'.
+    size: how large, in `unit`; severity: points of the mark it stands for, for ordering.
+    region: (x0, y0, x1, y1) in fractions of the copy's cell, origin top left; None for the whole.
+    zh, en: what is wrong and what to do.
+    """
+
+    kind: str
+    size: float
+    unit: str
+    severity: float
+    region: tuple[float, float, float, float] | None
+    zh: str
+    en: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assessment:
+    """A mark and what it rests on.
+
+    score: 0-100 on the scale of the human panel that calibrated it; None when refused.
+    level: 'excellent', 'good', 'medium' or 'bad'; None when refused.
+    interval: 80 % interval of the panel's mark; None when refused.
+    sim_paper: the paper's similarity, in per cent, as printed. Saturates near 100; never the mark.
+    similarity: two-sided similarity, 1 is identical, below about 0.7 unrelated.
+    parts: 'brushwork', 'structure', 'ink', each 0-100.
+    source: where the heights of copy and master come from.
+    refused: the reason when the copy cannot be marked, else None.
+    """
+
+    score: float | None
+    level: Level | None
+    interval: tuple[float, float] | None
+    sim_paper: float | None
+    similarity: float | None
+    parts: Mapping[str, float]
+    remarks: tuple[Remark, ...]
+    registration: Registration | None
+    source: tuple[Source, Source] | None
+    refused: str | None = None
