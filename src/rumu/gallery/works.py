@@ -1,0 +1,180 @@
+"""The starter gallery: thirty works and the sample copies that come with the package.
+
+Files lie in `starter/`, written by scripts/make_starter.py: works.json and samples.json say what each
+picture is, whose hand it shows, where it comes from and under which licence.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import json
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from rumu.errors import GalleryError
+from rumu.values import Level
+
+Script = Literal["seal", "clerical", "regular", "running", "cursive"]
+SCRIPTS: tuple[Script, ...] = get_args(Script)
+
+
+@dataclass(frozen=True, slots=True)
+class Bilingual:
+    """The same words in traditional Chinese and in English."""
+
+    zh: str
+    en: str
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """One character in one script by one hand.
+
+    id: ASCII, unique, e.g. 'regular-shui'. character: one character. hand: who wrote or drew it.
+    period: when, as far as the source says. material: what the picture is a picture of.
+    source: where the glyph was taken from. licence: SPDX name or words. attribution: the credit to give.
+    path: 8-bit gray PNG, 512 x 512, black ink on white. sha256: of that file.
+    """
+
+    id: str
+    title: Bilingual
+    character: str
+    script: Script
+    hand: Bilingual
+    period: Bilingual
+    material: Bilingual
+    source: str
+    licence: str
+    attribution: str
+    path: Path
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class SampleFault:
+    """One fault that was put into a sample copy on purpose.
+
+    fault: name in the simulation's table. severity: 0 (none) to 5 (gross).
+    size: how large, in `unit`. region: (x0, y0, x1, y1) in fractions of the cell, origin top left.
+    """
+
+    fault: str
+    severity: float
+    size: float
+    unit: str
+    region: tuple[float, float, float, float]
+    description: Bilingual
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """A made-up copy of a work with known faults; nobody wrote it, and nobody marked it.
+
+    work: id of the work it copies. degree: how bad it was made, a declared convention and no mark.
+    simulated: always True, so that no list can pass it off as handwriting.
+    """
+
+    id: str
+    work: str
+    degree: Level
+    faults: tuple[SampleFault, ...]
+    simulated: bool
+    note: Bilingual
+    licence: str
+    attribution: str
+    path: Path
+    sha256: str
+
+
+def starter_works(*, script: str | None = None, character: str | None = None) -> tuple[Work, ...]:
+    """The works of the package, by script (seal first) and character; of one script or character if given.
+
+    Raises GalleryError for an unknown script, or when the package is not whole.
+    """
+    if script is not None and script not in SCRIPTS:
+        raise GalleryError(f"expected a script among {', '.join(SCRIPTS)}, got {script!r}")
+    return tuple(
+        work for work in _works() if script in (None, work.script) and character in (None, work.character)
+    )
+
+
+def find_work(work_id: str) -> Work:
+    """The work with this id. Raises GalleryError that names the closest ids when there is none."""
+    for work in _works():
+        if work.id == work_id:
+            return work
+    raise GalleryError(
+        f"no work {work_id!r} in the starter gallery{_hint(work_id, [w.id for w in _works()])}"
+    )
+
+
+def starter_samples(*, work: str | None = None) -> tuple[Sample, ...]:
+    """The simulated copies of the package, best first; of one work if its id is given.
+
+    Raises GalleryError when that work does not exist, or when the package is not whole.
+    """
+    if work is not None:
+        find_work(work)
+    return tuple(sample for sample in _samples() if work in (None, sample.work))
+
+
+def _hint(asked: str, known: list[str]) -> str:
+    close = difflib.get_close_matches(asked, known, n=3, cutoff=0.5)
+    if not close:  # an id never holds the character itself, but a person may well type it
+        close = [w.id for w in _works() if w.character in asked][:5]
+    return f"; did you mean {', '.join(close)}?" if close else f"; there are {', '.join(known[:5])}, ..."
+
+
+@functools.cache
+def _works() -> tuple[Work, ...]:
+    return tuple(_work(entry) for entry in _entries("works.json"))
+
+
+@functools.cache
+def _samples() -> tuple[Sample, ...]:
+    return tuple(_sample(entry) for entry in _entries("samples.json"))
+
+
+def _entries(name: str) -> list[dict[str, Any]]:
+    path = _starter() / name
+    try:
+        entries: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise GalleryError(
+            f"{path}: expected the starter gallery's list, cannot read it ({error})"
+        ) from error
+    return entries
+
+
+def _starter() -> Path:
+    return Path(str(resources.files("rumu.gallery").joinpath("starter")))
+
+
+def _file(entry: dict[str, Any]) -> Path:
+    path = _starter() / entry["file"]
+    if not path.is_file():
+        raise GalleryError(f"{path}: the picture of {entry['id']} is missing from the package")
+    return path
+
+
+def _work(entry: dict[str, Any]) -> Work:
+    both = {name: Bilingual(**entry[name]) for name in ("title", "hand", "period", "material")}
+    plain = {name: entry[name] for name in ("id", "character", "script", "source", "licence", "attribution")}
+    return Work(**both, **plain, path=_file(entry), sha256=entry["sha256"])
+
+
+def _sample(entry: dict[str, Any]) -> Sample:
+    faults = tuple(
+        SampleFault(
+            **{name: fault[name] for name in ("fault", "severity", "size", "unit")},
+            region=tuple(fault["region"]),
+            description=Bilingual(**fault["description"]),
+        )
+        for fault in entry["faults"]
+    )
+    plain = {name: entry[name] for name in ("id", "work", "degree", "simulated", "licence", "attribution")}
+    note = Bilingual(**entry["note"])
+    return Sample(**plain, faults=faults, note=note, path=_file(entry), sha256=entry["sha256"])
