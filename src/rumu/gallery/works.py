@@ -154,14 +154,16 @@ def _starter() -> Path:
 
 
 def _file(entry: dict[str, Any]) -> Path:
-    path = _starter() / entry["file"]
+    path: Path = _starter() / str(entry["file"])
     if not path.is_file():
         raise GalleryError(f"{path}: the picture of {entry['id']} is missing from the package")
     return path
 
 
 def _work(entry: dict[str, Any]) -> Work:
-    both = {name: Bilingual(**entry[name]) for name in ("title", "hand", "period", "material")}
+    both: dict[str, Any] = {
+        name: Bilingual(**entry[name]) for name in ("title", "hand", "period", "material")
+    }
     plain = {name: entry[name] for name in ("id", "character", "script", "source", "licence", "attribution")}
     return Work(**both, **plain, path=_file(entry), sha256=entry["sha256"])
 
