@@ -1,0 +1,48 @@
+"""The command line: thin. Every heavy import stands inside its command, so that `rumu --help` is instant."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+import rumu
+from rumu.cli import assess, demo, experiments, gallery, surfaces
+from rumu.cli.outcome import interrupted, quiet_pipes, speak_plainly
+
+app = typer.Typer(
+    name="rumu",
+    help="Chinese calligraphy as 3-D surfaces, and an honest mark for a learner's copy.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,  # the rich help costs more time than the rest of the start
+    pretty_exceptions_enable=False,
+)
+for room in (demo, surfaces, assess, gallery, experiments):
+    room.register(app)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"rumu {rumu.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _rumu(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
+    ] = False,
+) -> None:
+    pass
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run one command; ends with 0 (fine), 1 (refused or failed), 2 (wrong usage) or 130 (Ctrl-C)."""
+    speak_plainly()
+    try:
+        with quiet_pipes():
+            app(args=sys.argv[1:] if arguments is None else arguments, prog_name="rumu")
+    except KeyboardInterrupt:
+        interrupted()

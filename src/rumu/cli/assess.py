@@ -1,0 +1,187 @@
+"""assess: the mark of one copy, or of every pair in a table."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from rumu.cli.options import AsJson, level_cuts, master_path, not_an_input
+from rumu.cli.outcome import Outcome, ends_well
+from rumu.cli.progress import bar, working
+
+if TYPE_CHECKING:
+    from rumu.report.wording import Text
+    from rumu.values import Assessment, Surface
+
+
+def register(app: typer.Typer) -> None:
+    app.command()(assess)
+
+
+@ends_well
+def assess(
+    *,
+    copy: Annotated[
+        Path | None, typer.Argument(metavar="COPY", help="The learner's copy: an image or a surface folder.")
+    ] = None,
+    reference: Annotated[
+        str | None, typer.Option(metavar="MASTER", help="The master: a path, or the id of a starter work.")
+    ] = None,
+    report: Annotated[Path | None, typer.Option(help="Write one self-contained HTML page.")] = None,
+    pairs: Annotated[
+        Path | None, typer.Option(help="CSV with the columns copy,reference, instead of COPY.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="CSV to write, with --pairs.")] = None,
+    root: Annotated[
+        Path | None, typer.Option(help="Folder of the paths in PAIRS (default: the folder of PAIRS).")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes, with --pairs (default: all cores).")
+    ] = None,
+    levels: Annotated[
+        str, typer.Option(help="Cut-offs of the levels: panel, rubric, or a JSON file.")
+    ] = "panel",
+    as_json: AsJson = False,
+) -> Outcome:
+    """The mark of a copy against its master: score, interval, level, parts, remarks."""
+    if pairs is not None:
+        _only_with(one={"COPY": copy, "--reference": reference, "--report": report}, mode="--pairs")
+        if out is None:
+            raise typer.BadParameter("--pairs needs -o OUT.csv")
+        return _assess_table(pairs, out, root=root, jobs=jobs, levels=levels)
+    _only_with(one={"-o": out, "--root": root, "--jobs": jobs}, mode="one COPY")
+    if copy is None or reference is None:
+        raise typer.BadParameter("expected COPY --reference MASTER, or --pairs PAIRS.csv -o OUT.csv")
+    not_an_input(report, copy, reference)
+    return _assess_one(copy, reference, report=report, levels=levels)
+
+
+def _only_with(*, one: Mapping[str, object], mode: str) -> None:
+    given = [name for name, value in one.items() if value is not None]
+    if given:
+        raise typer.BadParameter(f"{', '.join(given)} cannot go with {mode}")
+
+
+def _assess_one(copy: Path, reference: str, *, report: Path | None, levels: str) -> Outcome:
+    cuts = level_cuts(levels)
+    with working("Comparing"):
+        surface, master, mark = marked(copy, master_path(reference), levels=cuts)
+        if report is not None:
+            page(mark, copy=surface, master=master, names=(str(copy), reference), levels=cuts, target=report)
+    facts = {"copy": copy, "reference": reference, **mark_facts(mark), "report": report}
+    if mark.refused is not None:
+        return Outcome(
+            {**facts, "error": mark.refused}, f"{copy}: not marked", refused=f"{copy}: {mark.refused}"
+        )
+    return Outcome(facts, _described(mark, report))
+
+
+def _assess_table(pairs: Path, out: Path, *, root: Path | None, jobs: int | None, levels: str) -> Outcome:
+    from rumu.cli.pairs import assess_pairs
+
+    not_an_input(out, pairs)
+    started = time.perf_counter()
+    with bar("Marking") as advance:
+        marked_rows, refused_rows = assess_pairs(
+            pairs, out, root=root or pairs.parent, jobs=jobs, levels=level_cuts(levels), advance=advance
+        )
+    seconds = time.perf_counter() - started
+    facts = {"out": out, "pairs": marked_rows + refused_rows, "marked": marked_rows, "refused": refused_rows}
+    text = f"{out}: {marked_rows} marked, {refused_rows} refused, {seconds:.1f} s"
+    none = (
+        f"{out}: no pair of {pairs} could be marked; the column 'refused' says why"
+        if not marked_rows
+        else None
+    )
+    return Outcome({**facts, "seconds": round(seconds, 3)}, text, refused=none)
+
+
+def marked(copy: Path, master: Path, *, levels: Any = None) -> tuple[Surface | None, Surface, Assessment]:
+    """(surface of the copy or None when it was refused, surface of the master, the mark)."""
+    from rumu import pipeline
+    from rumu.errors import RefusedImage
+
+    reference = pipeline.surface_of(master)
+    try:
+        probe = pipeline.surface_of(copy)
+    except RefusedImage:
+        return None, reference, pipeline.assess(copy, reference, levels=levels)
+    return probe, reference, pipeline.assess(probe, reference, levels=levels)
+
+
+def page(
+    mark: Assessment,
+    *,
+    copy: Surface | None,
+    master: Surface,
+    names: tuple[str, str],
+    levels: Mapping[str, float],
+    target: Path,
+    note: Text | None = None,
+) -> None:
+    """Write the page of one mark, whole or not at all."""
+    from rumu.outputs import whole_file
+    from rumu.report.pages import assessment_page
+
+    copy_name, master_name = names
+    html = assessment_page(
+        mark,
+        copy=copy,
+        master=master,
+        title=Path(copy_name).stem,
+        copy_name=copy_name,
+        master_name=master_name,
+        levels=levels,
+        note=note,
+    )
+    with whole_file(target) as part:
+        part.write_text(html, encoding="utf-8")
+
+
+def mark_facts(mark: Assessment) -> dict[str, Any]:
+    """The mark without its point sets: what a script wants to keep."""
+    pose = mark.registration
+    return {
+        "score": mark.score,
+        "level": mark.level,
+        "interval": mark.interval,
+        "sim_paper": mark.sim_paper,
+        "similarity": mark.similarity,
+        "parts": mark.parts,
+        "remarks": mark.remarks,
+        "pose": None
+        if pose is None
+        else {
+            "angle": pose.angle,
+            "shift": pose.shift,
+            "scale": pose.scale,
+            "overlap": pose.overlap,
+            "d_ms": pose.d_ms,
+            "converged": pose.converged,
+            "iterations": pose.iterations,
+        },
+        "source": mark.source,
+        "refused": mark.refused,
+    }
+
+
+def _described(mark: Assessment, report: Path | None) -> str:
+    from rumu.report.wording import LEVELS, SOURCES
+
+    low, high = mark.interval or (0.0, 100.0)
+    level = LEVELS[mark.level] if mark.level else None
+    lines = [
+        f"{mark.score:.0f} of 100 ({low:.0f} to {high:.0f}), {level.en} {level.zh}"
+        if level
+        else f"{mark.score:.0f} of 100 ({low:.0f} to {high:.0f})",
+        "  " + ", ".join(f"{name} {value:.0f}" for name, value in mark.parts.items()),
+        *(f"  - {remark.en} {remark.zh}" for remark in sorted(mark.remarks, key=lambda r: -r.severity)),
+        *(f"  {SOURCES[source].en}" for source in dict.fromkeys(mark.source or ())),
+    ]
+    if report is not None:
+        lines.append(f"  report: {report}")
+    return "\n".join(line for line in lines if line.strip())

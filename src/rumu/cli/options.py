@@ -1,0 +1,86 @@
+"""Options that several commands share, and the checks that need more than a type."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from rumu.errors import CalibrationError, GalleryError, ImageError
+
+AsJson = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")
+]
+
+
+def finite(value: float) -> float:
+    """For angles and lengths: 'nan' and 'inf' parse as numbers, but mean nothing here."""
+    if not math.isfinite(value):
+        raise typer.BadParameter(f"expected a number, got {value}")
+    return value
+
+
+def not_an_input(output: Path | None, *inputs: Path | str | None) -> None:
+    """Refuse to write over what is read: a slip of the hand would lose the original."""
+    if output is None:
+        return
+    for path in inputs:
+        if path is not None and output.resolve() == Path(path).resolve():
+            raise typer.BadParameter(f"{output} is an input and would be written over")
+
+
+def master_path(master: str, *, root: Path | None = None) -> Path:
+    """The file or folder of a master, named by path (relative to `root`) or by the id of a starter work.
+
+    Raises ImageError when it is neither.
+    """
+    path = Path(master) if root is None else root / master
+    if path.exists():
+        return path
+    from rumu.gallery.works import find_work
+
+    try:
+        return find_work(master).path
+    except GalleryError as error:
+        if Path(master).name != master or Path(master).suffix:
+            raise ImageError(f"{path}: there is no such file") from error
+        raise ImageError(f"{path}: there is no such file, and {error}") from error
+
+
+def level_cuts(name: str) -> Mapping[str, float]:
+    """Cut-offs by the name of a set, or from a JSON file: {"excellent": 69, "good": 55, "medium": 40}.
+
+    Raises CalibrationError that names the known sets, or what is wrong with the file.
+    """
+    from rumu.assessment.calibration import LEVELS
+
+    if name in LEVELS:
+        return LEVELS[name]
+    path = Path(name)
+    if path.suffix.lower() != ".json":
+        raise CalibrationError(f"levels {name!r}: expected one of {', '.join(LEVELS)}, or a .json file")
+    try:
+        cuts = json.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError as error:
+        raise CalibrationError(f"{path}: there is no such file") from error
+    except (OSError, ValueError) as error:
+        raise CalibrationError(
+            f"{path}: expected a JSON object of levels, cannot read it ({error})"
+        ) from error
+    return _checked_cuts(cuts, path)
+
+
+def _checked_cuts(cuts: Any, path: Path) -> Mapping[str, float]:
+    wanted = ("excellent", "good", "medium")
+    if not isinstance(cuts, dict) or sorted(cuts) != sorted(wanted):
+        raise CalibrationError(f"{path}: expected an object with exactly {', '.join(wanted)}")
+    values = [cuts[name] for name in wanted]
+    if not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values):
+        raise CalibrationError(f"{path}: expected numbers, got {values}")
+    if not 100 >= values[0] > values[1] > values[2] >= 0:
+        raise CalibrationError(f"{path}: expected 100 >= excellent > good > medium >= 0, got {values}")
+    return {name: float(cuts[name]) for name in wanted}

@@ -1,0 +1,154 @@
+"""How a command ends: what it prints, where, and with which exit code.
+
+A command returns an Outcome or raises; `ends_well` turns either into output and an exit code, so that no
+traceback reaches a person and `--json` is always one object on stdout and nothing else there.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import functools
+import json
+import math
+import os
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn, ParamSpec
+
+import typer
+
+from rumu.errors import RumuError
+
+P = ParamSpec("P")
+
+FINE, FAILED, INTERRUPTED = 0, 1, 130
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """facts: what `--json` prints. text: what a person reads, a string or something rich can print.
+    refused: one line for stderr when the command did its work and the answer is no (exit code 1)."""
+
+    facts: Mapping[str, Any]
+    text: Any
+    refused: str | None = None
+
+
+def ends_well(command: Callable[P, Outcome]) -> Callable[P, None]:
+    """Print what `command` returns, or one line about why it failed, and end with the right code."""
+
+    @functools.wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        as_json = bool(kwargs.get("as_json"))
+        try:
+            outcome = command(*args, **kwargs)
+        except RumuError as error:
+            _fail(str(error), as_json=as_json)
+        except KeyboardInterrupt:
+            interrupted()
+        except (typer.BadParameter, typer.Exit, BrokenPipeError):
+            raise
+        except Exception as error:
+            _fail(_unexpected(error), as_json=as_json)
+        _print(outcome, as_json=as_json)
+        if outcome.refused is not None:
+            _complain(outcome.refused)
+            raise SystemExit(FAILED)
+
+    return run
+
+
+def plain(value: Any) -> Any:
+    """`value` as JSON can say it: dataclasses as objects, arrays as lists, NaN and infinity as null."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):  # numpy arrays and scalars, without importing numpy
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return str(value) if isinstance(value, Path) else value
+
+
+def speak_plainly() -> None:
+    """Warnings as one line; a terminal that lacks a character gets its escape instead of a crash."""
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(AttributeError, ValueError):
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    with contextlib.suppress(ValueError):  # only the main thread may
+        signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+    if not _debugging():
+        # What the rooms warn about is said in UserWarning; the rest speaks to programmers.
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("default", UserWarning)
+        warnings.showwarning = _warn
+
+
+@contextlib.contextmanager
+def quiet_pipes() -> Iterator[None]:
+    """`rumu ... | head` ends quietly when the reader leaves."""
+    try:
+        yield
+    except BrokenPipeError:
+        # Python flushes stdout once more at exit; it must find a place that takes it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(FINE) from None
+
+
+def interrupted() -> NoReturn:
+    """Ctrl-C: no words, the shell's own code."""
+    raise SystemExit(INTERRUPTED)
+
+
+def _print(outcome: Outcome, *, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(plain(outcome.facts), ensure_ascii=False, allow_nan=False))
+    elif isinstance(outcome.text, str):
+        print(outcome.text)
+    else:
+        from rich.console import Console
+
+        Console(soft_wrap=not sys.stdout.isatty()).print(outcome.text)
+    sys.stdout.flush()
+
+
+def _fail(message: str, *, as_json: bool) -> NoReturn:
+    if as_json:
+        print(json.dumps({"error": _one_line(message)}, ensure_ascii=False), flush=True)
+    _complain(message)
+    raise SystemExit(FAILED) from None
+
+
+def _unexpected(error: Exception) -> str:
+    if _debugging():
+        import traceback
+
+        traceback.print_exception(error, file=sys.stderr)
+    hint = "" if _debugging() else " (RUMU_DEBUG=1 shows where)"
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename or 'file'}: {error.strerror}{hint}"
+    return f"unexpected {type(error).__name__}: {error}{hint}"
+
+
+def _complain(message: str) -> None:
+    print(f"rumu: {_one_line(message)}", file=sys.stderr)
+
+
+def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
+    _complain(f"warning: {message}")
+
+
+def _one_line(message: str) -> str:
+    return " ".join(message.split())
+
+
+def _debugging() -> bool:
+    return os.environ.get("RUMU_DEBUG", "") not in ("", "0")

@@ -1,0 +1,190 @@
+"""A table of pairs, marked in parallel: rows stream in and out in order, so memory stays flat."""
+
+from __future__ import annotations
+
+import csv
+import functools
+import os
+import signal
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rumu.cli.options import master_path
+from rumu.errors import ImageError, RumuError
+from rumu.outputs import whole_file
+
+if TYPE_CHECKING:
+    from rumu.cli.progress import Advance
+    from rumu.values import Assessment, Surface
+
+COLUMNS = (
+    "copy",
+    "reference",
+    "score",
+    "level",
+    "low",
+    "high",
+    "sim_paper",
+    "similarity",
+    "brushwork",
+    "structure",
+    "ink",
+    "angle",
+    "shift_x",
+    "shift_y",
+    "scale",
+    "refused",
+)
+
+_AHEAD = 8  # pairs handed to each process before its answers are awaited
+
+
+class Pair(NamedTuple):
+    """One row as it stands in the table; None where the row ends too early."""
+
+    copy: str | None
+    reference: str | None
+
+
+def assess_pairs(
+    pairs: Path, out: Path, *, root: Path, jobs: int | None, levels: Mapping[str, float], advance: Advance
+) -> tuple[int, int]:
+    """Mark every row of `pairs` and write `out` in the same order; returns (marked, refused) rows.
+
+    A row that cannot be marked carries its reason in `refused` and stops nothing. Raises RumuError when the
+    table itself cannot be read, OutputError when `out` cannot be written; then nothing is written.
+    """
+    total = sum(1 for _ in read_pairs(pairs))
+    if total == 0:
+        raise ImageError(f"{pairs}: expected at least one pair below the header, found none")
+    marked = 0
+    with whole_file(out) as part, part.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.DictWriter(stream, COLUMNS)
+        writer.writeheader()
+        work = functools.partial(mark_row, root=root, levels=levels)
+        processes = min(jobs or _cores(), total)
+        for done, row in enumerate(_in_order(work, read_pairs(pairs), processes=processes), start=1):
+            writer.writerow(row)
+            marked += row["refused"] == ""
+            advance(done, total)
+    return marked, total - marked
+
+
+def read_pairs(path: Path) -> Iterator[Pair]:
+    """The rows of a CSV with the columns copy and reference (others are ignored), UTF-8 with or without BOM.
+
+    Raises ImageError naming the file when it is missing, no UTF-8 text, or lacks a column.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as stream:
+            rows = csv.DictReader(stream)
+            names = [name.strip() for name in rows.fieldnames or ()]
+            missing = [name for name in ("copy", "reference") if name not in names]
+            if missing:
+                found = ", ".join(names) or "nothing"
+                raise ImageError(
+                    f"{path}: expected the columns copy,reference in the first line, found {found}"
+                )
+            rows.fieldnames = names
+            for row in rows:
+                yield Pair(row["copy"] or None, row["reference"] or None)
+    except OSError as error:
+        raise ImageError(f"{path}: cannot be read ({os.strerror(error.errno or 0)})") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ImageError(f"{path}: expected a CSV in UTF-8, cannot read it ({error})") from error
+
+
+def mark_row(pair: Pair, *, root: Path, levels: Mapping[str, float]) -> dict[str, Any]:
+    """One row of the result; whatever goes wrong is told in its column `refused`."""
+    row: dict[str, Any] = dict.fromkeys(COLUMNS, "") | {"copy": pair.copy, "reference": pair.reference}
+    if pair.copy is None or pair.reference is None:
+        return row | {"refused": "expected a copy and a reference in this row"}
+    from rumu import pipeline
+
+    try:
+        master = _master(master_path(pair.reference, root=root))
+        return row | _cells(pipeline.assess(root / pair.copy, master, levels=levels))
+    except RumuError as error:
+        return row | {"refused": " ".join(str(error).split())}
+    except Exception as error:  # one row must never cost the others
+        return row | {"refused": f"unexpected {type(error).__name__}: {' '.join(str(error).split())}"}
+
+
+@functools.lru_cache(maxsize=4)  # tables come sorted by character; each surface may hold many pixels
+def _master(path: Path) -> Surface:
+    from rumu import pipeline
+
+    return pipeline.surface_of(path)
+
+
+def _cells(mark: Assessment) -> dict[str, Any]:
+    if mark.refused is not None:
+        return {"refused": " ".join(mark.refused.split())}
+    low, high = mark.interval or (None, None)
+    cells: dict[str, Any] = {
+        "score": _number(mark.score, 2),
+        "level": mark.level or "",
+        "low": _number(low, 2),
+        "high": _number(high, 2),
+        "sim_paper": _number(mark.sim_paper, 6),
+        "similarity": _number(mark.similarity, 6),
+    }
+    cells |= {name: _number(mark.parts.get(name), 2) for name in ("brushwork", "structure", "ink")}
+    pose = mark.registration
+    if pose is not None:
+        cells |= {"angle": _number(pose.angle, 3), "scale": _number(pose.scale, 5)}
+        cells |= {"shift_x": _number(float(pose.shift[0]), 5), "shift_y": _number(float(pose.shift[1]), 5)}
+    return cells
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "" if value is None else f"{value:.{digits}f}"
+
+
+def _in_order(work: Any, pairs: Iterable[Pair], *, processes: int) -> Iterator[dict[str, Any]]:
+    """`work` of each pair, in order, at most _AHEAD pairs in flight for each process."""
+    if processes == 1:
+        yield from map(work, pairs)
+        return
+    with _pool(processes) as pool:
+        waiting: deque[Future[dict[str, Any]]] = deque()
+        try:
+            for pair in pairs:
+                waiting.append(pool.submit(work, pair))
+                if len(waiting) >= _AHEAD * processes:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+        except BrokenProcessPool as error:
+            raise RumuError("a process was ended from outside (out of memory?); try fewer --jobs") from error
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _pool(processes: int) -> ProcessPoolExecutor:
+    import multiprocessing
+
+    # One thread a process: the processes already fill the cores. Read when numpy is loaded over there.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    # Not fork: the progress bar runs in a thread, and a fork would copy its locks.
+    method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+    context = multiprocessing.get_context(method)
+    if method == "forkserver":
+        context.set_forkserver_preload(["rumu.pipeline"])
+    return ProcessPoolExecutor(processes, mp_context=context, initializer=_worker)
+
+
+def _worker() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is answered by the parent alone
+    import cv2
+
+    cv2.setNumThreads(1)
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,156 @@
+"""reconstruct, relief, relight: photographs or one image into a surface, and light on it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from rumu.cli.options import AsJson, finite
+from rumu.cli.outcome import Outcome, ends_well
+from rumu.cli.progress import working
+
+if TYPE_CHECKING:
+    from rumu.values import Surface
+
+Solver = Literal["robust", "least_squares", "trimmed", "l1"]
+Integrator = Literal["auto", "dct", "frankot_chellappa"]
+Rectify = Literal["none", "bands", "svd", "masked"]
+Method = Literal["inflation", "density"]
+Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
+
+Folder = Annotated[
+    Path, typer.Option("-o", "--out", help="Folder to write; an earlier result there is replaced.")
+]
+
+
+def register(app: typer.Typer) -> None:
+    app.command()(reconstruct)
+    app.command()(relief)
+    app.command()(relight)
+
+
+@ends_well
+def reconstruct(
+    *,
+    capture_dir: Annotated[
+        Path,
+        typer.Argument(
+            metavar="CAPTURE_DIR", help="Folder of photographs of one sheet, each under one lamp."
+        ),
+    ],
+    out: Folder,
+    solver: Annotated[Solver, typer.Option(help="How normals are solved for.")] = "robust",
+    integrator: Annotated[Integrator, typer.Option(help="How normals become height.")] = "auto",
+    rectify: Annotated[Rectify, typer.Option(help="Even out the lighting first.")] = "none",
+    mm_per_pixel: Annotated[
+        float | None, typer.Option(min=1e-6, help="Scale of the photographs; the height is then in mm.")
+    ] = None,
+    as_json: AsJson = False,
+) -> Outcome:
+    """Photographs of one sheet under three or more lamps -> albedo, normals, height, mesh, report."""
+    from dataclasses import replace
+
+    from rumu import pipeline
+    from rumu.capture.folder import read_capture
+
+    with working("Reconstructing"):
+        capture = read_capture(capture_dir)
+        if mm_per_pixel is not None:
+            capture = replace(capture, spacing=finite(mm_per_pixel))
+        surface = pipeline.reconstruct(capture, solver=solver, integrator=integrator, rectify=rectify)
+        return _written(surface, out, title=capture_dir.resolve().name)
+
+
+@ends_well
+def relief(
+    *,
+    image: Annotated[
+        Path,
+        typer.Argument(metavar="IMAGE", help="Scan or photograph of ink on paper, silk or stone rubbing."),
+    ],
+    out: Folder,
+    method: Annotated[Method, typer.Option(help="Where the height comes from.")] = "inflation",
+    mode: Annotated[Mode, typer.Option(help="Wide strokes high, all alike, or between.")] = "inhomogeneous",
+    as_json: AsJson = False,
+) -> Outcome:
+    """One image of ink -> a surface computed from the ink (not measured relief)."""
+    from rumu.capture.image import read_image
+    from rumu.surface import relief as room
+
+    with working("Raising the ink"):
+        surface = room.relief(read_image(image), method=method, mode=mode)
+        return _written(surface, out, title=image.stem)
+
+
+@ends_well
+def relight(
+    *,
+    surface_dir: Annotated[
+        Path, typer.Argument(metavar="OUT", help="Folder written by reconstruct or relief.")
+    ],
+    tilt: Annotated[
+        float, typer.Option(help="Degrees counter-clockwise from the right: 90 is from the top.")
+    ],
+    slant: Annotated[float, typer.Option(min=0, max=90, help="Degrees from straight above: 90 grazes.")],
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", help="PNG to write (default: named after OUT, in this folder)."),
+    ] = None,
+    bits: Annotated[int, typer.Option(help="8 or 16 bits for each channel.")] = 8,
+    as_json: AsJson = False,
+) -> Outcome:
+    """A surface under any lamp, as an sRGB PNG."""
+    from rumu.surface.folder import read_surface
+    from rumu.surface.relight import relight as light
+
+    finite(tilt), finite(slant)
+    target = out or Path(f"{surface_dir.resolve().name}-tilt{tilt:g}-slant{slant:g}.png")
+    if target.suffix.lower() != ".png":
+        raise typer.BadParameter(f"expected a name that ends in .png, got {target}", param_hint="'-o'")
+    if bits not in (8, 16):
+        raise typer.BadParameter(f"expected 8 or 16, got {bits}", param_hint="'--bits'")
+    surface = read_surface(surface_dir)
+    _write_png(light(surface, tilt=tilt, slant=slant), target, bits=bits)
+    facts = {"file": target, "tilt": tilt, "slant": slant, "bits": bits, "source": surface.source}
+    return Outcome(facts, f"{target}: tilt {tilt:g}°, slant {slant:g}°")
+
+
+def _written(surface: Surface, out: Path, *, title: str) -> Outcome:
+    from rumu.report.pages import surface_page
+    from rumu.surface.folder import write_surface
+
+    write_surface(surface, out, extra={"report.html": surface_page(surface, title=title)})
+    facts = {
+        "out": out,
+        "report": out / "report.html",
+        "source": surface.source,
+        "shape": surface.height.shape,
+        "spacing": surface.spacing,
+        "unit": surface.unit,
+        "height": {"low": surface.height.min(), "high": surface.height.max()},
+        "measured_share": surface.mask.mean(),
+        "quality": surface.quality,
+    }
+    return Outcome(facts, _described(surface, out))
+
+
+def _described(surface: Surface, out: Path) -> str:
+    from rumu.report.wording import SOURCES
+
+    rows, columns = surface.height.shape
+    low, high = float(surface.height.min()), float(surface.height.max())
+    quality = "".join(f"\n  {name}: {value:.4g}" for name, value in surface.quality.items())
+    return (
+        f"{out}: {columns} x {rows} pixels, height {low:.3g} to {high:.3g} {surface.unit}\n"
+        f"  {SOURCES[surface.source].en}{quality}\n  report: {out / 'report.html'}"
+    )
+
+
+def _write_png(linear: Any, target: Path, *, bits: int) -> None:
+    from rumu.outputs import whole_file
+    from rumu.report.pictures import png_bytes, srgb
+
+    with whole_file(target) as part:
+        part.write_bytes(png_bytes(srgb(linear, bits=bits)))

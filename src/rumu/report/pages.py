@@ -1,0 +1,331 @@
+"""Self-contained HTML pages: nothing is fetched, every picture lies in the page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rumu.report import wording
+from rumu.report.mesh_picture import mesh_picture
+from rumu.report.overlay import MISSING, OverlaySettings, overlay_picture, uncovered_share
+from rumu.report.pictures import (
+    HEIGHT_STOPS,
+    RESIDUAL_STOPS,
+    Picture,
+    PictureSettings,
+    albedo_picture,
+    css_gradient,
+    data_uri,
+    height_picture,
+    normals_picture,
+    shaded_picture,
+    share_picture,
+)
+from rumu.report.wording import Text
+from rumu.values import Assessment, Level, Registration, Remark, Surface
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+# Upper left, as a reader expects the light on a page.
+_LAMP_TILT = 135.0
+
+
+class Shown(NamedTuple):
+    """One picture with what stands under it."""
+
+    uri: str
+    alt: str
+    caption: Text
+
+
+@dataclass(frozen=True, slots=True)
+class IndexSample:
+    """One row of the demo's table: a copy, its mark and its page."""
+
+    work: str
+    made: Text
+    assessment: Assessment
+    href: str
+    copy: Surface | None
+
+
+@dataclass(frozen=True, slots=True)
+class IndexWork:
+    """One work of the contact sheet."""
+
+    id: str
+    character: str
+    title: str
+    line: str
+    surface: Surface
+
+
+def assessment_page(
+    assessment: Assessment,
+    *,
+    copy: Surface | None,
+    master: Surface,
+    title: str,
+    copy_name: str,
+    master_name: str,
+    levels: Mapping[str, float] | None = None,
+    note: Text | None = None,
+) -> str:
+    """The mark of one copy as a page: what it is, what it rests on, and what to do next.
+
+    levels: level -> lowest score of it, drawn on the scale; None draws none. note: a line that must not be
+    overlooked, e.g. that the sample is simulated. copy may be None only when the copy was refused.
+    """
+    context: dict[str, Any] = {
+        "title": title,
+        "copy_name": copy_name,
+        "master_name": master_name,
+        "note": note,
+        "a": assessment,
+    }
+    if assessment.refused is not None or copy is None or assessment.registration is None:
+        reason = assessment.refused or "there is nothing to compare"
+        return _render("refused.html", **context, reason=reason, pictures=_refused_pictures(copy, master))
+    return _render(
+        "assessment.html",
+        **context,
+        level=wording.LEVELS[assessment.level] if assessment.level else None,
+        zones=level_zones(levels or {}),
+        parts=[(*_part(name), value) for name, value in assessment.parts.items()],
+        pose=_pose(assessment.registration),
+        remarks=_remarks(assessment.remarks),
+        copy_picture=_uri(albedo_picture(copy)),
+        pictures=_side_by_side(copy, master),
+        overlay=_overlay(assessment.registration, master),
+        sources=_sources(assessment),
+    )
+
+
+def surface_page(surface: Surface, *, title: str, notes: Sequence[Text] = ()) -> str:
+    """A surface as a page: its maps, its form under four lamps, its mesh, and how far to trust it."""
+    heights, (low, high) = height_picture(surface)
+    return _render(
+        "surface.html",
+        title=title,
+        notes=notes,
+        source=wording.SOURCES[surface.source],
+        measured=surface.source == "photometric",
+        size=f"{surface.height.shape[1]} × {surface.height.shape[0]}",
+        spacing=f"{surface.spacing:.4g} {surface.unit}",
+        maps=_maps(surface),
+        heights=_uri(heights),
+        height_bar={"gradient": css_gradient(HEIGHT_STOPS), "low": low, "high": high, "unit": surface.unit},
+        lit=[(f"{tilt}°", _uri(shaded_picture(surface, tilt=tilt))) for tilt in (0, 90, 180, 270)],
+        mesh=_mesh(surface),
+        quality=[(wording.quality_meaning(n), n, f"{v:.4g}") for n, v in surface.quality.items()],
+    )
+
+
+def demo_index(samples: Sequence[IndexSample], works: Sequence[IndexWork], *, title: str) -> str:
+    """The first page of the demo: the marks of the samples, and the starter works as a contact sheet."""
+    small = PictureSettings(side=200)
+    rows = [
+        (
+            sample,
+            wording.LEVELS[sample.assessment.level] if sample.assessment.level else None,
+            _uri(albedo_picture(sample.copy, settings=small), small) if sample.copy else None,
+        )
+        for sample in samples
+    ]
+    sheet = [
+        (
+            work,
+            _uri(albedo_picture(work.surface, settings=small), small),
+            _uri(shaded_picture(work.surface, tilt=_LAMP_TILT, settings=small), small),
+        )
+        for work in works
+    ]
+    return _render("demo.html", title=title, rows=rows, sheet=sheet, simulated=wording.SIMULATED)
+
+
+def level_zones(levels: Mapping[str, float]) -> list[dict[str, Any]]:
+    """The scale from 0 to 100 cut by `levels` (level -> lowest score): name, low, high, from low to high."""
+    cuts = sorted((low, name) for name, low in levels.items() if name in wording.LEVELS and name != "bad")
+    if not cuts:
+        return []
+    names: list[Level] = ["bad", *(name for _, name in cuts)]  # type: ignore[list-item]
+    edges = [0.0, *(low for low, _ in cuts), 100.0]
+    return [
+        {"level": name, "text": wording.LEVELS[name], "low": low, "high": high}
+        for name, low, high in zip(names, edges[:-1], edges[1:], strict=True)
+    ]
+
+
+def _part(name: str) -> tuple[Text, Text]:
+    plain = Text(name, name.replace("_", " ").capitalize())
+    return wording.PARTS.get(name, (plain, Text("", "")))
+
+
+def _pose(registration: Registration) -> list[tuple[Text, str, Text]]:
+    """Lean, place and size of the copy as written, with which way."""
+    lean, scale = registration.angle, registration.scale
+    right, up = (float(v) * 100 for v in registration.shift)
+    return [
+        (
+            Text("倾斜", "Lean"),
+            f"{abs(lean):.1f}°",
+            _either(
+                lean,
+                0.05,
+                Text("右倾", "clockwise"),
+                Text("左倾", "counter-clockwise"),
+                Text("正", "upright"),
+            ),
+        ),
+        (
+            Text("左右", "Across"),
+            f"{abs(right):.1f} %",
+            _either(
+                right, 0.05, Text("偏右", "to the right"), Text("偏左", "to the left"), Text("正", "centred")
+            ),
+        ),
+        (
+            Text("上下", "Up and down"),
+            f"{abs(up):.1f} %",
+            _either(up, 0.05, Text("偏高", "too high"), Text("偏低", "too low"), Text("正", "centred")),
+        ),
+        (
+            Text("大小", "Size"),
+            f"{scale * 100:.0f} %",
+            _either(
+                scale - 1,
+                0.005,
+                Text("比范字大", "larger"),
+                Text("比范字小", "smaller"),
+                Text("相同", "same"),
+            ),
+        ),
+    ]
+
+
+def _either(value: float, still: float, plus: Text, minus: Text, none: Text) -> Text:
+    if abs(value) < still:
+        return none
+    return plus if value > 0 else minus
+
+
+def _remarks(remarks: Sequence[Remark]) -> list[dict[str, Any]]:
+    """Worst first, numbered, with the region as CSS percentages."""
+    ordered = sorted(remarks, key=lambda remark: -remark.severity)
+    return [
+        {
+            "number": number,
+            "kind": wording.kind_name(remark.kind),
+            "text": Text(remark.zh, remark.en),
+            "size": wording.with_unit(remark.size, remark.unit),
+            "box": _box(remark.region),
+        }
+        for number, remark in enumerate(ordered, start=1)
+    ]
+
+
+def _box(region: tuple[float, float, float, float] | None) -> dict[str, float] | None:
+    if region is None:
+        return None
+    x0, y0, x1, y1 = (float(np.clip(v, 0, 1)) for v in region)
+    return {"left": 100 * x0, "top": 100 * y0, "width": 100 * (x1 - x0), "height": 100 * (y1 - y0)}
+
+
+def _side_by_side(copy: Surface, master: Surface) -> list[tuple[Shown, Shown]]:
+    """Copy and master as written, shaded, and as mesh."""
+    written, lit = Text("原图", "As written"), Text("曲面（左上来光）", "Surface, lit from the upper left")
+    return [
+        (_shown(albedo_picture(copy), written, "copy"), _shown(albedo_picture(master), written, "master")),
+        (_shown(_lit(copy), lit, "copy"), _shown(_lit(master), lit, "master")),
+        (_mesh(copy, "copy"), _mesh(master, "master")),
+    ]
+
+
+def _shown(picture: Picture, caption: Text, who: str) -> Shown:
+    return Shown(_uri(picture), f"{caption.en}: {who}", caption)
+
+
+def _lit(surface: Surface) -> Picture:
+    return shaded_picture(surface, tilt=_LAMP_TILT)
+
+
+def _mesh(surface: Surface, who: str = "the surface") -> Shown:
+    picture, raised = mesh_picture(surface)
+    zh, en = (f"（高度放大 {raised:.1f} 倍）", f", height × {raised:.1f}") if raised > 1.05 else ("", "")
+    return Shown(_uri(picture), f"Mesh: {who}", Text(f"网格{zh}", f"Mesh{en}"))
+
+
+def _overlay(registration: Registration, master: Surface) -> dict[str, Any]:
+    settings = OverlaySettings()
+    return {
+        "uri": _uri(overlay_picture(registration, master=master, settings=settings)),
+        "gradient": css_gradient(RESIDUAL_STOPS),
+        "full": settings.full,
+        "missing": settings.missing,
+        "missing_colour": "rgb({} {} {})".format(*MISSING),
+        "uncovered": f"{100 * uncovered_share(registration, settings=settings):.0f} %",
+    }
+
+
+def _sources(assessment: Assessment) -> list[Text]:
+    """Each source once: copy and master mostly share theirs."""
+    return [wording.SOURCES[source] for source in dict.fromkeys(assessment.source or ())]
+
+
+def _refused_pictures(copy: Surface | None, master: Surface) -> list[Shown]:
+    shown = [] if copy is None else [_shown(albedo_picture(copy), Text("临作", "Copy"), "copy")]
+    return [*shown, _shown(albedo_picture(master), Text("范字", "Master"), "master")]
+
+
+def _maps(surface: Surface) -> list[Shown]:
+    return [
+        Shown(_uri(albedo_picture(surface)), "Albedo", Text("反照率", "Albedo: the sheet without its light")),
+        Shown(
+            _uri(normals_picture(surface)),
+            "Normals",
+            Text("法线：红 x，绿 y，蓝 z", "Normals: red x, green y, blue z"),
+        ),
+        Shown(
+            _uri(share_picture(surface.confidence)),
+            "Confidence",
+            Text("可信度：白为可信，黑为填补", "Confidence: white is sure, black was filled in"),
+        ),
+    ]
+
+
+def _uri(picture: Picture, settings: PictureSettings | None = None) -> str:
+    return data_uri(picture, settings=settings)
+
+
+def _render(template: str, **context: Any) -> str:
+    import rumu
+
+    return (
+        _environment()
+        .get_template(template)
+        .render(
+            **context,
+            means=wording.MEANS,
+            means_not=wording.MEANS_NOT,
+            advice=wording.REFUSED_ADVICE,
+            version=rumu.__version__,
+        )
+    )
+
+
+@lru_cache(maxsize=1)
+def _environment() -> Environment:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    return Environment(
+        loader=PackageLoader("rumu.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )

@@ -1,0 +1,142 @@
+"""What the pages say, in Chinese and English; one place, so that the two never drift apart."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rumu.values import Level, Source
+
+
+class Text(NamedTuple):
+    """One statement in both languages."""
+
+    zh: str
+    en: str
+
+
+LEVELS: dict[Level, Text] = {
+    "excellent": Text("优", "excellent"),
+    "good": Text("良", "good"),
+    "medium": Text("中", "medium"),
+    "bad": Text("差", "bad"),
+}
+
+PARTS: dict[str, tuple[Text, Text]] = {
+    "brushwork": (
+        Text("用笔", "Brushwork"),
+        Text(
+            "笔画的粗细、起收与边缘像不像范字。",
+            "How like the master the strokes' weight, ends and edges are.",
+        ),
+    ),
+    "structure": (
+        Text("结体", "Structure"),
+        Text(
+            "笔画的位置、长短与方向像不像范字。",
+            "How like the master the strokes' places, lengths and directions are.",
+        ),
+    ),
+    "ink": (
+        Text("墨法", "Ink"),
+        Text("墨量的多少与分布像不像范字。", "How like the master the amount and spread of the ink are."),
+    ),
+}
+
+SOURCES: dict[Source, Text] = {
+    "photometric": Text(
+        "高度由多灯照片测得（光度立体）。", "Height measured from photographs under several lamps."
+    ),
+    "inflation": Text(
+        "高度由墨迹“充气”计算而来，不是实测的起伏。",
+        "Height computed from the ink by inflation; not measured relief.",
+    ),
+    "density": Text(
+        "高度由墨色浓淡计算而来，不是实测的起伏。",
+        "Height computed from the darkness of the ink; not measured relief.",
+    ),
+}
+
+KINDS: dict[str, Text] = {
+    "lean": Text("倾斜", "Lean"),
+    "size": Text("大小", "Size"),
+    "shift": Text("偏位", "Off centre"),
+    "missing": Text("缺笔", "Missing"),
+    "extra": Text("多余", "Extra"),
+    "heavy": Text("偏粗", "Too heavy"),
+    "light": Text("偏细", "Too light"),
+    "thin": Text("偏细", "Too thin"),
+    "thick": Text("偏粗", "Too thick"),
+    "stray": Text("走位", "Out of place"),
+}
+
+UNITS: dict[str, str] = {"deg": "°", "degrees": "°", "percent": "%"}
+
+MEANS: tuple[Text, ...] = (
+    Text(
+        "分数估计一组人给这张临作打出的平均分（零至一百）。它按真人给楷书毛笔临作的评分校准，校准时从不使用同一个字的评分来检验。",
+        "The score estimates the mean mark that a panel of people would give this copy, from 0 to 100. It is "
+        "calibrated on human marks of brush copies in regular script, and tested on characters held out.",
+    ),
+    Text(
+        "区间是八成区间：同样的临作，十次里约有八次，评委的平均分会落在其中。",
+        "The interval is an 80 % one: for about eight in ten such copies the panel's mean lies inside it.",
+    ),
+    Text(
+        "倾斜、位置和大小先被扣除、单独列出；分数比较的是摆正之后的字。",
+        "Lean, place and size are taken out first and listed apart; what is compared stands upright.",
+    ),
+)
+
+MEANS_NOT: tuple[Text, ...] = (
+    Text(
+        "它不是对书写者的评价；一张纸说明不了一个人的水平。",
+        "It is no verdict on the writer: one sheet does not show what a person can do.",
+    ),
+    Text(
+        "篆、隶、行、草没有真人评分可校准，分数只宜在同一字的几次临写之间比较。",
+        "No human marks calibrate seal, clerical, running or cursive script: there, compare only copies of "
+        "one character with each other.",
+    ),
+    Text(
+        "由墨迹算出的高度看不见力度与纸上的起伏。",
+        "A height computed from ink does not see pressure or the relief of the paper.",
+    ),
+)
+
+SIMULATED = Text("模拟样本，并非真人书写", "Simulated sample, not written by a person")
+
+REFUSED_ADVICE: tuple[Text, ...] = (
+    Text(
+        "一张照片只拍一个字，字占画面一半以上，四边留白。",
+        "Show one character alone, filling more than half of the picture, with paper on all four sides.",
+    ),
+    Text(
+        "光线均匀，墨黑纸白；手和影子不要入画。",
+        "Light the sheet evenly: dark ink, pale paper, no hand and no shadow in the picture.",
+    ),
+    Text("对焦清楚，字边至少两百像素。", "Focus well; the character should be at least 200 pixels tall."),
+)
+
+QUALITY: dict[str, Text] = {
+    "residual": Text("照片与模型之差（越小越好）", "What the model leaves unexplained in the photographs"),
+    "ink_share": Text("墨迹占画面的比例", "Share of the picture that is ink"),
+    "tilt_degrees": Text("纸面整体倾斜", "Mean slant of the sheet, which should be near zero"),
+}
+
+
+def quality_meaning(name: str) -> Text:
+    """What a named figure of `Surface.quality` tells; an unknown one is shown by its name alone."""
+    plain = name.replace("_", " ")
+    return QUALITY.get(name, Text(plain, plain))
+
+
+def kind_name(kind: str) -> Text:
+    """The short name of a remark's kind."""
+    return KINDS.get(kind, Text(kind, kind.replace("_", " ").capitalize()))
+
+
+def with_unit(size: float, unit: str) -> str:
+    """'3.2°', '12 %', '0.4 mm': one decimal under ten, none above."""
+    number = f"{size:.1f}" if abs(size) < 10 else f"{size:.0f}"
+    sign = UNITS.get(unit, unit)
+    return f"{number}{sign}" if sign == "°" else f"{number} {sign}".rstrip()
