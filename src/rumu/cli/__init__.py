@@ -9,7 +9,7 @@ import typer
 
 import rumu
 from rumu.cli import assess, demo, experiments, gallery, surfaces
-from rumu.cli.outcome import interrupted, quiet_pipes, speak_plainly
+from rumu.cli.outcome import interrupted, speak_plainly
 
 app = typer.Typer(
     name="rumu",
@@ -42,7 +42,6 @@ def main(arguments: list[str] | None = None) -> None:
     """Run one command; ends with 0 (fine), 1 (refused or failed), 2 (wrong usage) or 130 (Ctrl-C)."""
     speak_plainly()
     try:
-        with quiet_pipes():
-            app(args=sys.argv[1:] if arguments is None else arguments, prog_name="rumu")
+        app(args=sys.argv[1:] if arguments is None else arguments, prog_name="rumu")
     except KeyboardInterrupt:
         interrupted()

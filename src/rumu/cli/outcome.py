@@ -51,11 +51,12 @@ def ends_well(command: Callable[P, Outcome]) -> Callable[P, None]:
             _fail(str(error), as_json=as_json)
         except KeyboardInterrupt:
             interrupted()
-        except (typer.BadParameter, typer.Exit, BrokenPipeError):
+        except (typer.BadParameter, typer.Exit):
             raise
         except Exception as error:
             _fail(_unexpected(error), as_json=as_json)
-        _print(outcome, as_json=as_json)
+        with _quiet_pipe():
+            _print(outcome, as_json=as_json)
         if outcome.refused is not None:
             _complain(outcome.refused)
             raise SystemExit(FAILED)
@@ -93,7 +94,7 @@ def speak_plainly() -> None:
 
 
 @contextlib.contextmanager
-def quiet_pipes() -> Iterator[None]:
+def _quiet_pipe() -> Iterator[None]:
     """`rumu ... | head` ends quietly when the reader leaves."""
     try:
         yield

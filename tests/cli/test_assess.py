@@ -1,0 +1,176 @@
+"""assess, one pair: the mark, the page, and everything that can be wrong with a pair."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+KEYS = {"copy", "reference", "score", "level", "interval", "sim_paper", "similarity", "parts", "remarks"} | {
+    "pose",
+    "source",
+    "refused",
+    "report",
+}
+
+
+def test_a_copy_is_marked(rumu, desk):
+    ended = rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--json")
+    facts = ended.facts
+    assert (ended.code, ended.err, set(facts)) == (0, "", KEYS)
+    low, high = facts["interval"]
+    assert 0 <= low <= facts["score"] <= high <= 100
+    assert facts["level"] in ("excellent", "good", "medium", "bad")
+    assert set(facts["parts"]) == {"brushwork", "structure", "ink"}
+    assert facts["source"] == ["inflation", "inflation"] and facts["refused"] is None
+
+
+def test_the_master_itself_beats_a_crooked_copy(rumu, desk):
+    scores = [
+        rumu("assess", desk / name, "--reference", desk / "master.png", "--json").facts["score"]
+        for name in ("master.png", "a copy.png", "copy.png")
+    ]
+    assert scores[0] > scores[1] > scores[2]
+
+
+def test_for_people(rumu, desk):
+    ended = rumu("assess", desk / "copy.png", "--reference", desk / "master.png")
+    assert ended.code == 0
+    assert "of 100" in ended.out and "brushwork" in ended.out and "not measured relief" in ended.out
+
+
+def test_a_page_is_written(rumu, desk):
+    target = desk / "mark.html"
+    ended = rumu(
+        "assess", desk / "copy.png", "--reference", desk / "master.png", "--report", target, "--json"
+    )
+    page = target.read_text(encoding="utf-8")
+    assert ended.facts["report"] == str(target)
+    assert page.count("data:image/") >= 7 and "http" not in page
+    assert f">{ended.facts['score']:.0f} <small>" in page
+
+
+def test_the_master_may_be_a_starter_work(rumu, tmp_path):
+    rumu("gallery", "show", "regular-shui", "-o", tmp_path / "shui.png")
+    facts = rumu("assess", tmp_path / "shui.png", "--reference", "regular-shui", "--json").facts
+    assert facts["level"] == "excellent" and facts["reference"] == "regular-shui"
+
+
+def test_a_surface_folder_may_be_compared(rumu, desk):
+    rumu("relief", desk / "master.png", "-o", desk / "out")
+    facts = rumu("assess", desk / "copy.png", "--reference", desk / "out", "--json").facts
+    straight = rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--json").facts
+    assert facts["score"] == pytest.approx(straight["score"], abs=1)
+
+
+@pytest.mark.parametrize("kind", ["blank", "black", "noise"])
+def test_a_copy_that_holds_nothing_is_refused_with_a_reason_and_a_page(rumu, desk, kind):
+    page = {"blank": np.full((160, 160), 250), "black": np.full((160, 160), 4)}.get(kind)
+    if page is None:
+        page = np.random.default_rng(7).integers(0, 256, (160, 160))
+    Image.fromarray(page.astype(np.uint8)).save(desk / "nothing.png")
+    target = desk / "mark.html"
+    ended = rumu(
+        "assess", desk / "nothing.png", "--reference", desk / "master.png", "--report", target, "--json"
+    )
+    ended.failed_with("nothing.png")
+    facts = ended.facts
+    assert facts["score"] is None and facts["level"] is None and facts["refused"]
+    assert "This copy was not marked" in target.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["empty.png", "cut.png", "words.png", "gone.png"])
+@pytest.mark.parametrize("role", ["copy", "reference"])
+def test_a_file_that_is_no_picture(rumu, desk, name, role):
+    copy, master = ("master.png", name) if role == "reference" else (name, "master.png")
+    target = desk / "mark.html"
+    ended = rumu("assess", desk / copy, "--reference", desk / master, "--report", target, "--json")
+    ended.failed_with(name)
+    assert "error" in ended.facts
+    assert not target.exists()
+
+
+def test_a_blank_master_is_an_error(rumu, desk):
+    ended = rumu("assess", desk / "copy.png", "--reference", desk / "blank.png", "--json")
+    ended.failed_with("blank.png")
+
+
+def test_a_master_that_is_neither_file_nor_work(rumu, desk):
+    ended = rumu("assess", desk / "copy.png", "--reference", "regular-shiu")
+    ended.failed_with("regular-shiu", "did you mean", "regular-shui")
+
+
+@pytest.mark.parametrize("place", ["{desk}/file.txt/mark.html", "/proc/mark.html", "{desk}"])
+def test_a_page_that_cannot_be_written(rumu, desk, place):
+    place = place.format(desk=desk)
+    ended = rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--report", place)
+    ended.failed_with(place)
+
+
+def test_levels_are_a_teacher_s_choice(rumu, desk):
+    (desk / "strict.json").write_text(json.dumps({"excellent": 100, "good": 99.9, "medium": 99.8}))
+    (desk / "kind.json").write_text(json.dumps({"excellent": 1, "good": 0.9, "medium": 0.8}))
+    told = {
+        name: rumu(
+            *("assess", desk / "copy.png", "--reference", desk / "master.png", "--json"),
+            *("--levels", desk / f"{name}.json"),
+        ).facts
+        for name in ("strict", "kind")
+    }
+    assert told["strict"]["score"] == told["kind"]["score"]
+    assert (told["strict"]["level"], told["kind"]["level"]) == ("bad", "excellent")
+
+
+@pytest.mark.parametrize("name", ["panel", "rubric"])
+def test_named_levels(rumu, desk, name):
+    pair = ("assess", desk / "copy.png", "--reference", desk / "master.png")
+    assert rumu(*pair, "--levels", name).code == 0
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("{", "cannot read"),
+        ("[]", "expected an object with exactly excellent, good, medium"),
+        ('{"excellent": 80, "good": 60}', "exactly"),
+        ('{"excellent": 60, "good": 80, "medium": 40}', "excellent > good > medium"),
+        ('{"excellent": "a", "good": 60, "medium": 40}', "numbers"),
+        ('{"excellent": NaN, "good": 60, "medium": 40}', "excellent > good > medium"),
+    ],
+)
+def test_levels_that_are_none(rumu, desk, content, words):
+    (desk / "mine.json").write_text(content)
+    pair = ("assess", desk / "copy.png", "--reference", desk / "master.png")
+    rumu(*pair, "--levels", desk / "mine.json").failed_with("mine.json", words)
+
+
+def test_an_unknown_set_of_levels_names_the_known_ones(rumu, desk):
+    pair = ("assess", desk / "copy.png", "--reference", desk / "master.png")
+    rumu(*pair, "--levels", "harsh").failed_with("harsh", "panel", "rubric")
+    rumu(*pair, "--levels", desk / "gone.json").failed_with("gone.json", "no such file")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (),
+        ("copy.png",),
+        ("copy.png", "--reference", "master.png", "-o", "x.csv"),
+        ("copy.png", "--reference", "master.png", "--jobs", "2"),
+        ("--pairs", "pairs.csv"),
+        ("copy.png", "--pairs", "pairs.csv", "-o", "x.csv"),
+        ("--pairs", "pairs.csv", "-o", "pairs.csv"),
+        ("--pairs", "pairs.csv", "-o", "x.csv", "--jobs", "0"),
+        ("copy.png", "--reference", "master.png", "--report", "master.png"),
+        ("copy.png", "--reference", "master.png", "--report", "copy.png"),
+    ],
+)
+def test_wrong_usage(rumu, desk, monkeypatch, arguments):
+    monkeypatch.chdir(desk)
+    (desk / "pairs.csv").write_text("copy,reference\ncopy.png,master.png\n")
+    before = {path.name: path.read_bytes() for path in desk.iterdir()}
+    ended = rumu("assess", *arguments)
+    assert ended.code == 2 and ended.out == "" and ended.err
+    assert {path.name: path.read_bytes() for path in desk.iterdir()} == before

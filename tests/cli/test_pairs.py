@@ -1,0 +1,156 @@
+"""assess --pairs: order kept, a bad row costs nothing but itself, and the table is whole or not there."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from rumu.cli.pairs import COLUMNS, mark_row, read_pairs
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def table(desk: Path, *rows: str, header: str = "copy,reference", encoding: str = "utf-8") -> Path:
+    path = desk / "pairs.csv"
+    path.write_text("\n".join([header, *rows]) + "\n", encoding=encoding)
+    return path
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_rows_keep_their_order_and_a_bad_one_its_reason(rumu, desk, jobs):
+    pairs = table(
+        desk,
+        "copy.png,master.png",
+        "cut.png,master.png",
+        "a copy.png,master.png",
+        "gone.png,master.png",
+        "blank.png,master.png",
+        "copy.png,gone.png",
+        "copy.png",
+        "master.png,regular-ren",
+        f"{desk / 'master.png'},master.png",
+    )
+    ended = rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", jobs, "--json")
+    rows = rows_of(desk / "out.csv")
+    assert (ended.code, ended.err) == (0, "")
+    assert {name: ended.facts[name] for name in ("pairs", "marked", "refused")} == {
+        "pairs": 9,
+        "marked": 4,
+        "refused": 5,
+    }
+    assert tuple(rows[0]) == COLUMNS
+    assert [Path(row["copy"]).name for row in rows] == [
+        *("copy.png", "cut.png", "a copy.png", "gone.png", "blank.png"),
+        *("copy.png", "copy.png", "master.png", "master.png"),
+    ]
+    assert [bool(row["refused"]) for row in rows] == [
+        False,
+        True,
+        False,
+        True,
+        True,
+        True,
+        True,
+        False,
+        False,
+    ]
+    assert [bool(row["score"]) for row in rows] == [not row["refused"] for row in rows]
+    assert "cut.png" in rows[1]["refused"] and "gone.png" in rows[3]["refused"]
+    assert "expected a copy and a reference" in rows[6]["refused"]
+
+
+def test_a_row_says_what_one_command_says(rumu, desk):
+    rumu("assess", "--pairs", table(desk, "copy.png,master.png"), "-o", desk / "out.csv", "--jobs", 1)
+    row = rows_of(desk / "out.csv")[0]
+    facts = rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--json").facts
+    assert float(row["score"]) == pytest.approx(facts["score"], abs=0.01)
+    assert row["level"] == facts["level"]
+    assert [float(row["low"]), float(row["high"])] == pytest.approx(facts["interval"], abs=0.01)
+    assert float(row["ink"]) == pytest.approx(facts["parts"]["ink"], abs=0.01)
+    assert float(row["angle"]) == pytest.approx(facts["pose"]["angle"], abs=0.001)
+
+
+def test_a_table_from_a_spreadsheet(rumu, desk):
+    """A BOM, blanks in the header, further columns, Windows line ends."""
+    pairs = desk / "pairs.csv"
+    pairs.write_bytes(b"\xef\xbb\xbfpupil, copy ,reference\r\nLi,a copy.png,master.png\r\n\r\n")
+    assert rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1).code == 0
+    assert [row["copy"] for row in rows_of(desk / "out.csv")] == ["a copy.png"]
+
+
+def test_paths_may_lie_under_another_folder(rumu, desk, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "pairs.csv"
+    elsewhere.write_text("copy,reference\ncopy.png,master.png\n")
+    ended = rumu("assess", "--pairs", elsewhere, "-o", desk / "out.csv", "--root", desk, "--jobs", 1)
+    assert ended.code == 0 and "1 marked, 0 refused" in ended.out
+
+
+def test_a_table_in_which_nothing_could_be_marked(rumu, desk):
+    pairs = table(desk, "gone.png,master.png", "empty.png,master.png")
+    ended = rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1, "--json")
+    ended.failed_with("no pair", "refused")
+    assert ended.facts["refused"] == 2
+    assert len(rows_of(desk / "out.csv")) == 2
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", ("expected the columns copy,reference", "found nothing")),
+        (b"copy,master\na,b\n", ("expected the columns copy,reference", "copy, master")),
+        (b"copy,reference\n", ("at least one pair",)),
+        (b"copy,reference\n\xff\xfe\x00,b\n", ("UTF-8",)),
+    ],
+)
+def test_a_table_that_is_none(rumu, desk, content, words):
+    (desk / "pairs.csv").write_bytes(content)
+    (desk / "out.csv").write_text("an earlier result\n")
+    ended = rumu("assess", "--pairs", desk / "pairs.csv", "-o", desk / "out.csv")
+    ended.failed_with("pairs.csv", *words)
+    assert (desk / "out.csv").read_text() == "an earlier result\n"
+
+
+def test_a_table_that_is_not_there(rumu, desk):
+    rumu("assess", "--pairs", desk / "gone.csv", "-o", desk / "out.csv").failed_with(
+        "gone.csv", "No such file"
+    )
+    rumu("assess", "--pairs", desk, "-o", desk / "out.csv").failed_with("cannot be read")
+
+
+@pytest.mark.parametrize("place", ["{desk}/file.txt/out.csv", "/proc/out.csv", "{desk}"])
+def test_a_table_that_cannot_be_written(rumu, desk, place):
+    place = place.format(desk=desk)
+    pairs = table(desk, "copy.png,master.png")
+    rumu("assess", "--pairs", pairs, "-o", place, "--jobs", 1).failed_with(place)
+
+
+def test_an_interrupted_run_leaves_nothing(rumu, desk, monkeypatch):
+    def interrupt(*_args, **_kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("rumu.cli.pairs.mark_row", interrupt)
+    pairs = table(desk, "copy.png,master.png")
+    before = sorted(desk.iterdir())
+    assert rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1).code == 130
+    assert sorted(desk.iterdir()) == before
+
+
+def test_a_row_survives_a_fault_of_ours(monkeypatch, desk):
+    def stumble(*_args, **_kwargs):
+        raise ZeroDivisionError("division\nby zero")
+
+    monkeypatch.setattr("rumu.pipeline.assess", stumble)
+    pair = next(read_pairs(table(desk, "copy.png,master.png")))
+    row = mark_row(pair, root=desk, levels={})
+    assert row["refused"] == "unexpected ZeroDivisionError: division by zero"
+
+
+def test_rows_are_read_one_by_one(desk):
+    pairs = read_pairs(table(desk, *(f"{n}.png,master.png" for n in range(3))))
+    assert next(pairs) == ("0.png", "master.png")
+    assert [pair.copy for pair in pairs] == ["1.png", "2.png"]

@@ -1,0 +1,149 @@
+"""reconstruct, relief, relight: whole commands on tiny inputs, and bad ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PIL import Image
+
+UNWRITABLE = ["{desk}/file.txt/out", "/proc/out"]
+
+
+def test_reconstruct_writes_a_surface_and_a_report(rumu, capture, tmp_path):
+    ended = rumu("reconstruct", capture, "-o", tmp_path / "out", "--json")
+    facts = ended.facts
+    assert (ended.code, ended.err, facts["source"], facts["shape"]) == (0, "", "photometric", [40, 40])
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "data:image/png;base64," in page and "Height measured from photographs" in page
+
+
+def test_reconstruct_says_what_came_out(rumu, capture, tmp_path):
+    ended = rumu("reconstruct", capture, "-o", tmp_path / "out", "--solver", "least_squares")
+    assert ended.code == 0 and "40 x 40 pixels" in ended.out and "report.html" in ended.out
+
+
+def test_a_known_scale_gives_millimetres(rumu, capture, tmp_path):
+    facts = rumu("reconstruct", capture, "-o", tmp_path / "out", "--mm-per-pixel", "0.05", "--json").facts
+    assert (facts["unit"], facts["spacing"]) == ("mm", 0.05)
+    pixels = rumu("reconstruct", capture, "-o", tmp_path / "px", "--json").facts
+    rise = facts["height"]["high"] - facts["height"]["low"]
+    assert rise == pytest.approx(0.05 * (pixels["height"]["high"] - pixels["height"]["low"]), rel=1e-3)
+
+
+@pytest.mark.parametrize("scale", ["nan", "inf", "0", "-1", "wide"])
+def test_a_scale_that_is_none_is_wrong_usage(rumu, capture, tmp_path, scale):
+    assert rumu("reconstruct", capture, "-o", tmp_path / "out", "--mm-per-pixel", scale).code == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_images_of_different_sizes(rumu, capture, tmp_path):
+    Image.new("L", (41, 40), 90).save(capture / "lamp 2.png")
+    ended = rumu("reconstruct", capture, "-o", tmp_path / "out")
+    ended.failed_with("lamp 2.png", "40")
+    assert not (tmp_path / "out").exists()
+
+
+def test_lamps_with_a_wrong_count(rumu, capture, tmp_path):
+    lines = (capture / "lights.lp").read_text().splitlines()
+    (capture / "lights.lp").write_text("\n".join(["7", *lines[1:]]))
+    rumu("reconstruct", capture, "-o", tmp_path / "out").failed_with("lights.lp", "7", "5")
+
+
+def test_lamps_that_name_a_missing_file(rumu, capture, tmp_path):
+    (capture / "lamp 3.png").unlink()
+    rumu("reconstruct", capture, "-o", tmp_path / "out").failed_with("lamp 3.png")
+
+
+def test_a_capture_that_is_not_there(rumu, tmp_path):
+    ended = rumu("reconstruct", tmp_path / "nowhere", "-o", tmp_path / "out", "--json")
+    ended.failed_with("nowhere")
+    assert "nowhere" in ended.facts["error"]
+
+
+@pytest.mark.parametrize("place", UNWRITABLE)
+def test_reconstruct_into_a_place_that_cannot_be_written(rumu, capture, desk, place):
+    place = place.format(desk=desk)
+    rumu("reconstruct", capture, "-o", place).failed_with(place, "cannot be written")
+
+
+def test_reconstruct_leaves_a_stranger_s_folder_alone(rumu, capture, desk):
+    before = sorted(path.name for path in desk.iterdir())
+    rumu("reconstruct", capture, "-o", desk).failed_with("it holds other things")
+    assert sorted(path.name for path in desk.iterdir()) == before
+
+
+def test_a_result_may_be_made_again(rumu, capture, tmp_path):
+    for _ in range(2):
+        assert rumu("reconstruct", capture, "-o", tmp_path / "out", "--json").code == 0
+
+
+def test_relief_says_that_it_measured_nothing(rumu, desk):
+    ended = rumu("relief", desk / "master.png", "-o", desk / "out")
+    assert ended.code == 0 and "not measured relief" in ended.out
+    assert "not measured relief" in (desk / "out" / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "options", [("--method", "density"), ("--mode", "homogeneous"), ("--mode", "hybrid")]
+)
+def test_relief_has_other_ways(rumu, desk, options):
+    facts = rumu("relief", desk / "master.png", "-o", desk / "out", *options, "--json").facts
+    assert facts["source"] == ("density" if "density" in options else "inflation")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("empty.png", ("empty",)),
+        ("cut.png", ()),
+        ("words.png", ()),
+        ("blank.png", ()),
+        ("gone.png", ()),
+    ],
+)
+def test_relief_of_what_is_no_picture(rumu, desk, name, words):
+    ended = rumu("relief", desk / name, "-o", desk / "out", "--json")
+    ended.failed_with(name, *words)
+    assert list(ended.facts) == ["error"]
+    assert not (desk / "out").exists()
+
+
+def test_relight_goes_to_the_current_folder(rumu, desk, monkeypatch):
+    rumu("relief", desk / "master.png", "-o", desk / "out")
+    monkeypatch.chdir(desk)
+    facts = rumu("relight", "out", "--tilt", "45", "--slant", "60", "--json").facts
+    assert facts["file"] == "out-tilt45-slant60.png"
+    picture = Image.open(desk / facts["file"])
+    assert picture.size == (160, 160) and np.ptp(np.asarray(picture)) > 100
+
+
+def test_light_from_the_other_side_is_another_picture(rumu, desk):
+    rumu("relief", desk / "master.png", "-o", desk / "out")
+    pictures = []
+    for tilt in (0, 180):
+        target = desk / f"{tilt}.png"
+        assert (
+            rumu("relight", desk / "out", "--tilt", tilt, "--slant", 50, "-o", target, "--bits", 16).code == 0
+        )
+        pictures.append(np.asarray(Image.open(target)).astype(int))
+    assert pictures[0].max() > 255  # 16 bits
+    assert np.abs(pictures[0] - pictures[1]).max() > 1000
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--tilt", "45"),
+        ("--tilt", "45", "--slant", "120"),
+        ("--tilt", "nan", "--slant", "30"),
+        ("--tilt", "45", "--slant", "nan"),
+        ("--tilt", "45", "--slant", "30", "--bits", "12"),
+        ("--tilt", "45", "--slant", "30", "-o", "x.jpg"),
+    ],
+)
+def test_relight_with_wrong_usage(rumu, desk, options):
+    assert rumu("relight", desk, *options).code == 2
+
+
+def test_relight_of_a_folder_that_holds_no_surface(rumu, desk):
+    rumu("relight", desk, "--tilt", 45, "--slant", 30).failed_with(str(desk))

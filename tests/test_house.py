@@ -1,0 +1,97 @@
+"""The house stays in order: public names, one direction of imports, light doors, files one can read."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rumu
+
+ROOT = Path(__file__).parents[1]
+SRC = ROOT / "src" / "rumu"
+FILES = sorted(SRC.rglob("*.py"))
+
+PUBLIC = {
+    "Assessment",
+    "Capture",
+    "Registration",
+    "RumuError",
+    "Surface",
+    "assess",
+    "integrate",
+    "read_capture",
+    "reconstruct",
+    "register",
+    "relief",
+    "relight",
+}
+
+
+def loaded_by(statement: str) -> set[str]:
+    """Top-level modules in a fresh interpreter after `statement`."""
+    code = f"{statement}\nimport sys; print(' '.join(name.split('.')[0] for name in sys.modules))"
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(answer.stdout.split())
+
+
+def test_public_names_are_locked():
+    assert set(rumu.__all__) == PUBLIC
+
+
+@pytest.mark.parametrize("name", sorted(PUBLIC))
+def test_every_public_name_can_be_had(name):
+    assert getattr(rumu, name).__doc__
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = rumu.nothing
+
+
+def test_imports_go_down_only():
+    lint = Path(sys.executable).with_name("lint-imports")
+    answer = subprocess.run([lint, "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+
+
+HEAVY = {"numpy", "scipy", "cv2", "skimage", "trimesh", "matplotlib", "jinja2", "PIL", "tifffile"}
+
+
+def test_importing_rumu_loads_nothing_heavy():
+    assert not loaded_by("import rumu") & HEAVY
+
+
+def test_the_command_line_starts_without_anything_heavy():
+    assert not loaded_by("import rumu.cli") & (HEAVY | {"rich", "webbrowser", "multiprocessing"})
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.relative_to(SRC).as_posix())
+def test_files_are_short_and_named_for_what_they_hold(path):
+    assert path.stem not in {"utils", "util", "helpers", "helper", "common", "misc"}
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.relative_to(SRC).as_posix())
+def test_modules_and_public_functions_say_what_they_are(path):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    kinds = (ast.FunctionDef, ast.ClassDef)
+    public = [n for n in tree.body if isinstance(n, kinds) and not n.name.startswith("_")]
+    silent = [n.name for n in public if not ast.get_docstring(n) and n.name not in ("main", "register")]
+    assert ast.get_docstring(tree), "a module without a docstring"
+    assert not silent
+
+
+def test_every_module_of_a_test_has_a_module_to_test():
+    """tests/<room>/test_<module>.py mirrors src/rumu/<room>/<module>.py."""
+    rooms = [room for room in (ROOT / "tests").iterdir() if (SRC / room.name).is_dir()]
+    strays = [
+        test.relative_to(ROOT).as_posix()
+        for room in rooms
+        for test in room.glob("test_*.py")
+        if not (SRC / room.name / f"{test.stem.removeprefix('test_')}.py").exists()
+    ]
+    assert not strays
