@@ -54,8 +54,8 @@ def points_of(ink: np.ndarray) -> PointSet:
 def registration_of(copy: np.ndarray, master: np.ndarray) -> Registration:
     """Centroid on centroid, nothing else: enough for a picture."""
     probe, reference = points_of(copy), points_of(master)
-    forward = cKDTree(reference.xyz).query(probe.xyz)[0]
-    backward = cKDTree(probe.xyz).query(reference.xyz)[0]
+    forward, forward_index = cKDTree(reference.xyz).query(probe.xyz)
+    backward, backward_index = cKDTree(probe.xyz).query(reference.xyz)
     return Registration(
         probe=probe,
         reference=reference,
@@ -67,6 +67,8 @@ def registration_of(copy: np.ndarray, master: np.ndarray) -> Registration:
         d_ms=float((forward**2).mean()),
         forward=forward,
         backward=backward,
+        forward_index=forward_index,
+        backward_index=backward_index,
         converged=True,
         iterations=12,
     )

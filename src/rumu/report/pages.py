@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rumu.report import wording
-from rumu.report.mesh_picture import mesh_picture
+from rumu.report.mesh_picture import MeshView, mesh_picture
 from rumu.report.overlay import MISSING, OverlaySettings, overlay_picture, uncovered_share
 from rumu.report.pictures import (
     HEIGHT_STOPS,
@@ -121,7 +121,7 @@ def surface_page(surface: Surface, *, title: str, notes: Sequence[Text] = ()) ->
         heights=_uri(heights),
         height_bar={"gradient": css_gradient(HEIGHT_STOPS), "low": low, "high": high, "unit": surface.unit},
         lit=[(f"{tilt}°", _uri(shaded_picture(surface, tilt=tilt))) for tilt in (0, 90, 180, 270)],
-        mesh=_mesh(surface),
+        mesh=_mesh(surface, view=MeshView(width=1000, cells=110)),
         quality=[(wording.quality_meaning(n), n, f"{v:.4g}") for n, v in surface.quality.items()],
     )
 
@@ -254,8 +254,8 @@ def _lit(surface: Surface) -> Picture:
     return shaded_picture(surface, tilt=_LAMP_TILT)
 
 
-def _mesh(surface: Surface, who: str = "the surface") -> Shown:
-    picture, raised = mesh_picture(surface)
+def _mesh(surface: Surface, who: str = "the surface", *, view: MeshView | None = None) -> Shown:
+    picture, raised = mesh_picture(surface, view=view)
     zh, en = (f"（高度放大 {raised:.1f} 倍）", f", height × {raised:.1f}") if raised > 1.05 else ("", "")
     return Shown(_uri(picture), f"Mesh: {who}", Text(f"网格{zh}", f"Mesh{en}"))
 

@@ -30,13 +30,13 @@ class PictureSettings:
 
     side: longest side in pixels. jpeg_over: bytes of a PNG above which a JPEG is used.
     jpeg_quality: its quality. slant: degrees of the lamp that shades.
-    clay: albedo under which a surface is shaded, so that black ink shows its form.
+    clay: albedo (linear RGB) under which a surface is shaded, so that black ink shows its form.
     """
 
     side: int = 640
     jpeg_over: int = 220_000
     jpeg_quality: int = 88
-    clay: float = 0.8
+    clay: tuple[float, float, float] = (0.86, 0.82, 0.75)
     slant: float = 52.0
 
 
@@ -102,7 +102,8 @@ def shaded_picture(
     from rumu.surface.relight import relight
 
     settings = settings or PictureSettings()
-    clay = replace(surface, albedo=np.full(surface.height.shape, settings.clay, dtype=np.float32))
+    pale = np.broadcast_to(np.float32(settings.clay), (*surface.height.shape, 3))
+    clay = replace(surface, albedo=pale)
     lit = relight(clay, tilt=tilt, slant=settings.slant if slant is None else slant)
     return srgb(fitted(np.asarray(lit, dtype=np.float32), side=settings.side))
 

@@ -1,0 +1,179 @@
+"""Pages: everything in one file, nothing left out, nothing let through unescaped."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from rumu.report.pages import IndexSample, IndexWork, assessment_page, demo_index, level_zones, surface_page
+from rumu.report.wording import PARTS, SIMULATED, Text
+from rumu.values import Remark
+
+CUTS = {"excellent": 69.0, "good": 55.0, "medium": 40.0}
+
+
+class Outline(HTMLParser):
+    """What a page holds: its tags balanced, its addresses, its pictures, its visible text."""
+
+    VOID = frozenset({"meta", "link", "img", "input", "br"})
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.addresses: list[str] = []
+        self.pictures: list[dict[str, str | None]] = []
+        self.words: list[str] = []
+        self.feed(html)
+        assert not self.open, f"unclosed: {self.open}"
+
+    def handle_starttag(self, tag, attrs):
+        held = dict(attrs)
+        self.addresses += [held[name] for name in ("src", "href") if held.get(name)]
+        if tag == "img":
+            self.pictures.append(held)
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, tag
+
+    def handle_data(self, data):
+        if "style" not in self.open:
+            self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.words).split())
+
+
+def page(assessment, copy, master, **options) -> str:
+    options = {"title": "十", "copy_name": "copy.png", "master_name": "master.png", "levels": CUTS} | options
+    return assessment_page(assessment, copy=copy, master=master, **options)
+
+
+@pytest.fixture(scope="module")
+def html(assessment, copy_surface, master_surface):
+    return page(assessment, copy_surface, master_surface)
+
+
+def needs_no_network(html: str) -> bool:
+    outline = Outline(html)
+    return all(a.startswith("data:") or not re.match(r"(\w+:|//)", a) for a in outline.addresses) and not (
+        re.search(r"url\(|@import|<script", html)
+    )
+
+
+def test_the_page_is_whole_and_alone(html):
+    assert needs_no_network(html)
+    assert html.startswith("<!doctype html>") and html.rstrip().endswith("</html>")
+
+
+def test_every_picture_is_there_and_described(html):
+    pictures = Outline(html).pictures
+    assert len(pictures) == 8  # remarks, overlay, and twice: as written, shaded, mesh
+    assert all(p["alt"] and p["src"].startswith("data:image/") for p in pictures)
+
+
+def test_the_mark_and_what_it_rests_on(html):
+    text = Outline(html).text
+    for words in (
+        "57 / 100",
+        "44–69",  # 44.5 rounds to even
+        "良 good",
+        "not measured relief",
+        "99.987 %",
+        "is not the mark",
+        "0.913",
+        "counter-clockwise",
+        "2.1 %",
+        "What it does not mean",
+    ):
+        assert words in text, words
+
+
+def test_parts_come_with_their_meaning(html):
+    text = Outline(html).text
+    for name, meaning in PARTS.values():
+        assert name.en in text and name.zh in text and meaning.en in text and meaning.zh in text
+
+
+def test_remarks_worst_first_and_drawn_where_they_are(html):
+    text = Outline(html).text
+    assert text.index("The lying stroke is missing.") < text.index("Leans 3° to the left.")
+    assert "left:10.00%;top:40.00%;width:80.00%;height:20.00%" in html
+    assert html.count('class="box"') == 1  # the lean has no place of its own
+
+
+def test_a_mark_without_remarks(assessment, copy_surface, master_surface):
+    assert "What to change first" not in page(replace(assessment, remarks=()), copy_surface, master_surface)
+
+
+def test_names_are_escaped(assessment, copy_surface, master_surface):
+    remark = Remark("lean", 1, "deg", 1, None, "<b>斜</b>", "<script>alert(1)</script>")
+    html = page(
+        replace(assessment, remarks=(remark,)),
+        copy_surface,
+        master_surface,
+        title="<i>十</i>",
+        copy_name='"><img src=x>',
+    )
+    assert needs_no_network(html) and "<i>十" not in html and "src=x>" not in html.replace("src=x&gt;", "")
+
+
+def test_a_simulated_copy_says_so(assessment, copy_surface, master_surface):
+    text = Outline(page(assessment, copy_surface, master_surface, note=SIMULATED)).text
+    assert SIMULATED.zh in text and SIMULATED.en in text
+
+
+def test_both_languages_stand_apart(html):
+    assert html.count('class="zh"') > 30
+    assert abs(html.count('class="zh"') - html.count('class="en"')) <= 1
+
+
+def test_a_refusal_says_why_and_what_to_do(refusal, master_surface):
+    outline = Outline(page(refusal, None, master_surface))
+    assert "the page is blank: no ink was found" in outline.text
+    assert "Light the sheet evenly" in outline.text and "/ 100" not in outline.text
+    assert len(outline.pictures) == 1
+
+
+def test_a_surface_page(master_surface):
+    outline = Outline(surface_page(master_surface, title="十", notes=[Text("注", "a note")]))
+    assert len(outline.pictures) == 9  # mesh, four lamps, albedo, normals, confidence, height
+    for words in ("not measured relief", "96 × 96", "1 px", "ink_share", "a note", "tilt 270°"):
+        assert words in outline.text, words
+
+
+def test_a_surface_in_millimetres_says_so(master_surface):
+    metric = replace(master_surface, spacing=0.05, unit="mm", source="photometric", quality={})
+    text = Outline(surface_page(metric, title="十")).text
+    assert "0.05 mm" in text and "Height measured from photographs" in text
+    assert "How far to trust it" not in text
+
+
+def test_the_demo_s_first_page(assessment, refusal, copy_surface, master_surface):
+    samples = [
+        IndexSample("天 tian", Text("推笔", "pushed"), assessment, "a.html", copy_surface),
+        IndexSample("人 ren", Text("空白", "blank"), refusal, "b.html", None),
+    ]
+    works = [IndexWork(f"w{n}", "天", f"work {n}", "a hand", master_surface) for n in range(3)]
+    html = demo_index(samples, works, title="rumu")
+    outline = Outline(html)
+    assert needs_no_network(html)
+    assert {"a.html", "b.html"} <= set(outline.addresses)
+    assert len(outline.pictures) == 1 + 2 * 3
+    assert "no ink was found" in outline.text and "not written by a person" in outline.text
+
+
+def test_levels_cut_the_scale():
+    zones = level_zones(CUTS)
+    assert [(z["level"], z["low"], z["high"]) for z in zones] == [
+        ("bad", 0.0, 40.0),
+        ("medium", 40.0, 55.0),
+        ("good", 55.0, 69.0),
+        ("excellent", 69.0, 100.0),
+    ]
+    assert level_zones({}) == []

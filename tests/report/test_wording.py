@@ -1,0 +1,52 @@
+"""What is said is said in both languages."""
+
+from __future__ import annotations
+
+import typing
+
+import pytest
+
+from rumu.report import wording
+from rumu.values import Level, Source
+
+
+def texts() -> list[wording.Text]:
+    found = []
+    for value in vars(wording).values():
+        held = value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else ()
+        for item in held:
+            found += [t for t in (item if isinstance(item, tuple) else ()) if isinstance(t, wording.Text)]
+            found += [item] if isinstance(item, wording.Text) else []
+    return found
+
+
+def test_nothing_is_left_untranslated():
+    said = texts()
+    assert len(said) > 30
+    for text in said:
+        assert any("一" <= sign <= "鿿" for sign in text.zh), text
+        assert text.en.isascii(), text
+
+
+def test_every_level_and_source_has_words():
+    assert set(wording.LEVELS) == set(typing.get_args(Level))
+    assert set(wording.SOURCES) == set(typing.get_args(Source))
+
+
+@pytest.mark.parametrize(
+    ("size", "unit", "shown"),
+    [
+        (3.24, "deg", "3.2°"),
+        (12.3, "%", "12 %"),
+        (0.44, "mm", "0.4 mm"),
+        (-15, "deg", "-15°"),
+        (2, "", "2.0"),
+    ],
+)
+def test_sizes_with_their_unit(size, unit, shown):
+    assert wording.with_unit(size, unit) == shown
+
+
+def test_an_unknown_name_is_shown_plainly():
+    assert wording.quality_meaning("odd_figure").en == "odd figure"
+    assert wording.kind_name("ink_blot").en == "Ink blot"
