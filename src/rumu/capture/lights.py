@@ -63,6 +63,7 @@ def tilt_slant(vector: npt.ArrayLike) -> tuple[float, float]:
     if v.shape != (3,) or not np.isfinite(v).all() or not v.any():
         raise CaptureError(f"expected a direction of 3 finite numbers, not all zero, got {v.tolist()}")
     tilt = float(np.degrees(np.arctan2(v[1], v[0]))) % 360.0
+    # The first remainder of a tiny negative angle rounds up to 360 itself.
     return tilt % 360.0, float(np.degrees(np.arctan2(np.hypot(v[0], v[1]), v[2])))
 
 

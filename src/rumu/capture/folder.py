@@ -1,0 +1,289 @@
+"""A capture folder becomes a Capture: photographs, lamps, mask, ambient frame, scale.
+
+A folder holds the photographs of one sheet, one lamp each, and one file that says where the lamps stood:
+
+    NAME.lp                  names each image beside its lamp; the images may lie in other folders
+    light_directions*.txt    3 x N or N x 3 numbers; the images are taken in natural order
+    capture.json             {"slant": 45} for images a, b, c (tilt 0, 90, 180) and d (270), the paper's kind
+
+and may hold a mask, an ambient frame and, in capture.json beside any of them, spacing_mm and encoding.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.capture.image import ENCODINGS, Encoding, read_linear, read_mask
+from rumu.capture.light_files import Description, read_description, read_directions, read_lp
+from rumu.capture.lights import direction
+from rumu.errors import CaptureError, ImageError
+from rumu.values import Capture
+
+FloatArray = npt.NDArray[np.floating[Any]]
+BoolArray = npt.NDArray[np.bool_]
+
+_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".webp", ".bmp", ".gif", ".pgm", ".ppm")
+_PAPER_TILTS = {"a": 0.0, "b": 90.0, "c": 180.0, "d": 270.0}
+_DESCRIPTION = "capture.json"
+_ONE_PLANE = 1e-3  # smallest singular value of the lamps that still says three directions
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lamps:
+    """The photographs and their lamps, and the file that told them."""
+
+    images: tuple[Path, ...]
+    lights: FloatArray
+    told_by: Path
+
+
+def read_capture(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> Capture:
+    """Read a capture folder, or the folder of a given .lp, light_directions*.txt or capture.json.
+
+    Of several kinds in one folder the .lp wins, since it names its images; then light_directions*.txt.
+    encoding: 'auto' takes JPEG and WebP as sRGB and everything else as linear; 'linear' or 'srgb' says it
+        outright, and so does "encoding" in capture.json, which is heeded when `encoding` is 'auto'.
+    An image named ambient (the lamps off) is subtracted, and what falls below 0 becomes 0. When any float
+    image exceeds 1, all are divided by the one brightest value, so that their ratios stay.
+    The mask is "mask" of capture.json, else mask.png, else NAME.mask.png, else mask.png one folder up when
+    no photographs lie beside it.
+
+    Returns a Capture: images (N, H, W) or (N, H, W, 3) float32, linear, in [0, 1].
+    Raises CaptureError or ImageError, naming the file and what was expected there.
+    """
+    if encoding not in ENCODINGS:
+        raise CaptureError(f"encoding: expected one of {', '.join(ENCODINGS)}, got {encoding!r}")
+    folder, named = _folder_of(Path(path))
+    description = _description(folder)
+    lamps = _lamps(folder, named, description)
+    _check_lamps(lamps)
+    chosen = _encoding(folder, description) if encoding == "auto" else encoding
+    images = _images(lamps.images, ambient=_single(folder, "ambient"), encoding=chosen)
+    return Capture(
+        images=images,
+        lights=lamps.lights,
+        mask=_mask(folder, description, shape=images.shape[1:3]),
+        spacing=description.spacing_mm,
+        names=tuple(_relative(image, folder) for image in lamps.images),
+    )
+
+
+def _folder_of(path: Path) -> tuple[Path, Path | None]:
+    if path.is_dir():
+        return path, None
+    if not path.exists():
+        raise CaptureError(f"{path}: expected a capture folder or its .lp file, there is no such file")
+    if path.suffix.lower() in (".lp", ".txt", ".json"):
+        return path.parent, path
+    raise CaptureError(f"{path}: expected a capture folder or its .lp file, got another kind of file")
+
+
+def _description(folder: Path) -> Description:
+    path = folder / _DESCRIPTION
+    return read_description(path) if path.is_file() else Description()
+
+
+def _encoding(folder: Path, description: Description) -> Encoding:
+    for known in ENCODINGS:
+        if description.encoding in (known, None):
+            return known
+    raise CaptureError(
+        f'{folder / _DESCRIPTION}: expected "encoding" among {", ".join(ENCODINGS)}, '
+        f"got {description.encoding!r}"
+    )
+
+
+# --- which images, which lamps ---------------------------------------------------------------------
+
+
+def _lamps(folder: Path, named: Path | None, description: Description) -> _Lamps:
+    told_by = named or _lamp_file(folder, description)
+    if told_by.suffix.lower() != ".json" and description.slant is not None:
+        raise CaptureError(
+            f'{folder}: {told_by.name} says where the lamps stood and so does "slant" in {_DESCRIPTION}; '
+            "keep one of them"
+        )
+    if told_by.suffix.lower() == ".lp":
+        return _from_lp(told_by)
+    return _from_json(told_by, description) if told_by.suffix.lower() == ".json" else _from_table(told_by)
+
+
+def _lamp_file(folder: Path, description: Description) -> Path:
+    for kind in (r".+\.lp", r"light_directions.*\.txt"):
+        found = [p for p in _files(folder) if re.fullmatch(kind, p.name, re.IGNORECASE)]
+        if len(found) > 1:
+            names = ", ".join(p.name for p in found)
+            raise CaptureError(f"{folder}: found {names}; expected one, or the path of the one to use")
+        if found:
+            return found[0]
+    if description.slant is not None:
+        return folder / _DESCRIPTION
+    raise CaptureError(
+        f"{folder}: expected an .lp file, light_directions.txt, or {_DESCRIPTION} with a slant, found none"
+    )
+
+
+def _from_lp(path: Path) -> _Lamps:
+    lines = read_lp(path)
+    images = []
+    for line in lines:
+        image = _named_image(path.parent, line.name)
+        if image is None:
+            raise CaptureError(f"{line.where}: expected the image {line.name}, there is no such file")
+        images.append(image)
+    return _Lamps(tuple(images), np.array([line.light for line in lines]).reshape(-1, 3), path)
+
+
+def _named_image(folder: Path, name: str) -> Path | None:
+    """The file that an .lp names; where that is not found, as from another machine, one of its name here."""
+    forward = name.replace("\\", "/")
+    for candidate in (folder / name, folder / forward, folder / forward.rsplit("/", 1)[-1]):
+        if candidate.is_file():
+            return candidate
+    return None
+
+
+def _from_table(path: Path) -> _Lamps:
+    lights = read_directions(path)
+    images = _photographs(path.parent)
+    if len(images) != len(lights):
+        raise CaptureError(f"{path}: holds {len(lights)} lamps, but {len(images)} images lie beside it")
+    return _Lamps(tuple(images), lights, path)
+
+
+def _from_json(path: Path, description: Description) -> _Lamps:
+    if description.slant is None:
+        raise CaptureError(f'{path}: expected "slant", the degrees of the lamps from straight above')
+    given = bool(description.tilts)
+    tilts = description.tilts or _PAPER_TILTS
+    images, lights = [], []
+    for stem, tilt in tilts.items():
+        image = _single(path.parent, stem)
+        if image is None and (given or stem != "d"):
+            raise CaptureError(f"{path}: expected an image named {stem} (such as {stem}.png), found none")
+        if image is not None:
+            images.append(image)
+            lights.append(direction(tilt=tilt, slant=description.slant))
+    return _Lamps(tuple(images), np.array(lights), path)
+
+
+def _files(folder: Path) -> list[Path]:
+    """Files of a folder, by name, without hidden ones: copying from a Mac leaves a ._NAME beside each."""
+    try:
+        return sorted(p for p in folder.iterdir() if p.is_file() and not p.name.startswith("."))
+    except OSError as error:
+        raise CaptureError(f"{folder}: cannot be read ({error.strerror})") from error
+
+
+def _image_files(folder: Path) -> list[Path]:
+    return [p for p in _files(folder) if p.suffix.lower() in _SUFFIXES]
+
+
+def _photographs(folder: Path) -> list[Path]:
+    """Image files in natural order (2 before 10), without masks, the ambient frame and normal maps."""
+    aside = re.compile(r"(.*\.)?(mask|ambient)|normals?(_gt)?", re.IGNORECASE)
+    return sorted((p for p in _image_files(folder) if not aside.fullmatch(p.stem)), key=_natural)
+
+
+def _natural(path: Path) -> list[tuple[str, int]]:
+    return [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", path.name)]
+
+
+def _single(folder: Path, stem: str) -> Path | None:
+    """The one image of this name with any suffix, None when there is none."""
+    found = [p for p in _image_files(folder) if p.stem.lower() == stem.lower()]
+    if len(found) > 1:
+        names = ", ".join(p.name for p in found)
+        raise CaptureError(f"{folder}: expected one image named {stem}, found {names}")
+    return found[0] if found else None
+
+
+def _check_lamps(lamps: _Lamps) -> None:
+    count = len(lamps.images)
+    if count < 3:
+        raise CaptureError(f"{lamps.told_by}: expected at least 3 images, got {count}")
+    if float(np.linalg.svd(lamps.lights, compute_uv=False)[-1]) <= _ONE_PLANE:
+        raise CaptureError(
+            f"{lamps.told_by}: expected lamps from at least three sides, got {count} that lie in one plane"
+        )
+
+
+def _relative(image: Path, folder: Path) -> str:
+    return image.relative_to(folder).as_posix() if image.is_relative_to(folder) else str(image)
+
+
+# --- pixels ----------------------------------------------------------------------------------------
+
+
+def _images(paths: tuple[Path, ...], *, ambient: Path | None, encoding: Encoding) -> FloatArray:
+    first = read_linear(paths[0], encoding=encoding)
+    dark = None if ambient is None else read_linear(ambient, encoding=encoding)
+    if ambient is not None and dark is not None:
+        _check_alike(ambient, dark, paths[0], first)
+    images = np.empty((len(paths), *first.shape), dtype=np.float32)
+    for i, path in enumerate(paths):
+        image = first if i == 0 else read_linear(path, encoding=encoding)
+        _check_alike(path, image, paths[0], first)
+        images[i] = image if dark is None else np.maximum(image - dark, 0)
+    peak = float(images.max())
+    if peak > 1:
+        images /= np.float32(peak)
+    return images
+
+
+def _check_alike(path: Path, image: FloatArray, first_path: Path, first: FloatArray) -> None:
+    if image.shape[:2] != first.shape[:2]:
+        raise CaptureError(
+            f"{path}: expected {_size(first)} pixels as in {first_path.name}, got {_size(image)}"
+        )
+    if image.ndim != first.ndim:
+        kinds = {2: "gray", 3: "colour"}
+        raise CaptureError(
+            f"{path}: expected {kinds[first.ndim]} as in {first_path.name}, got {kinds[image.ndim]}"
+        )
+
+
+def _size(image: FloatArray | BoolArray) -> str:
+    return f"{image.shape[1]} x {image.shape[0]}"
+
+
+def _mask(folder: Path, description: Description, *, shape: tuple[int, ...]) -> BoolArray:
+    path = _mask_file(folder, description)
+    if path is None:
+        return np.ones(shape, dtype=bool)
+    try:
+        mask = read_mask(path)
+    except ImageError as error:
+        raise CaptureError(f"mask {error}") from error
+    if mask.shape != shape:
+        raise CaptureError(f"{path}: expected a mask of {shape[1]} x {shape[0]} pixels, got {_size(mask)}")
+    if not mask.any():
+        raise CaptureError(f"{path}: expected a mask with white where the object is, it is black all over")
+    return mask
+
+
+def _mask_file(folder: Path, description: Description) -> Path | None:
+    if description.mask is not None:
+        return folder / description.mask
+    own = _single(folder, "mask")
+    if own is not None:
+        return own
+    named = [p for p in _image_files(folder) if p.stem.lower().endswith(".mask")]
+    if len(named) > 1:
+        raise CaptureError(f"{folder}: expected one mask, found {', '.join(p.name for p in named)}")
+    return named[0] if named else _mask_above(folder.resolve().parent)
+
+
+def _mask_above(folder: Path) -> Path | None:
+    """The mask that several captures share, one folder up; not one that belongs to photographs beside it."""
+    try:
+        return None if _photographs(folder) else _single(folder, "mask")
+    except CaptureError:  # the folder above need not be readable, nor in order
+        return None
