@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from rumu.errors import CalibrationError, GalleryError, ImageError
+from rumu.values import Level
 
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")
@@ -51,8 +52,8 @@ def master_path(master: str, *, root: Path | None = None) -> Path:
         raise ImageError(f"{path}: there is no such file, and {error}") from error
 
 
-def level_cuts(name: str) -> Mapping[str, float]:
-    """Cut-offs by the name of a set, or from a JSON file: {"excellent": 69, "good": 55, "medium": 40}.
+def level_cuts(name: str) -> Mapping[Level, float]:
+    """Cut-offs by the name of a set, or from a JSON file: {"excellent": 80, "good": 65, "medium": 50}.
 
     Raises CalibrationError that names the known sets, or what is wrong with the file.
     """
@@ -74,8 +75,8 @@ def level_cuts(name: str) -> Mapping[str, float]:
     return _checked_cuts(cuts, path)
 
 
-def _checked_cuts(cuts: Any, path: Path) -> Mapping[str, float]:
-    wanted = ("excellent", "good", "medium")
+def _checked_cuts(cuts: Any, path: Path) -> Mapping[Level, float]:
+    wanted: tuple[Level, ...] = ("excellent", "good", "medium")
     if not isinstance(cuts, dict) or sorted(cuts) != sorted(wanted):
         raise CalibrationError(f"{path}: expected an object with exactly {', '.join(wanted)}")
     values = [cuts[name] for name in wanted]

@@ -73,7 +73,7 @@ def assessment_page(
     title: str,
     copy_name: str,
     master_name: str,
-    levels: Mapping[str, float] | None = None,
+    levels: Mapping[Level, float] | None = None,
     note: Text | None = None,
 ) -> str:
     """The mark of one copy as a page: what it is, what it rests on, and what to do next.
@@ -148,7 +148,7 @@ def demo_index(samples: Sequence[IndexSample], works: Sequence[IndexWork], *, ti
     return _render("demo.html", title=title, rows=rows, sheet=sheet, simulated=wording.SIMULATED)
 
 
-def level_zones(levels: Mapping[str, float]) -> list[dict[str, Any]]:
+def level_zones(levels: Mapping[Level, float]) -> list[dict[str, Any]]:
     """The scale from 0 to 100 cut by `levels` (level -> lowest score): name, low, high, from low to high."""
     cuts = sorted((low, name) for name, low in levels.items() if name in wording.LEVELS and name != "bad")
     if not cuts:

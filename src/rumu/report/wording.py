@@ -25,20 +25,23 @@ PARTS: dict[str, tuple[Text, Text]] = {
     "brushwork": (
         Text("用笔", "Brushwork"),
         Text(
-            "笔画的粗细、起收与边缘像不像范字。",
-            "How like the master the strokes' weight, ends and edges are.",
+            "笔画的粗细与走向像不像范字。",
+            "How like the master's the strokes' widths and directions are.",
         ),
     ),
     "structure": (
         Text("结体", "Structure"),
         Text(
-            "笔画的位置、长短与方向像不像范字。",
-            "How like the master the strokes' places, lengths and directions are.",
+            "笔画的位置像不像范字，缺笔与多余也算在内。",
+            "How like the master's the places of the strokes are, missing and extra ones included.",
         ),
     ),
     "ink": (
         Text("墨法", "Ink"),
-        Text("墨量的多少与分布像不像范字。", "How like the master the amount and spread of the ink are."),
+        Text(
+            "笔墨的轻重：与范字相同为一百，每轻或重四分之一减半。",
+            "The weight of the ink: 100 at the master's own, half of it for each quarter more or less.",
+        ),
     ),
 }
 
@@ -82,8 +85,8 @@ MEANS: tuple[Text, ...] = (
         "The interval is an 80 % one: for about eight in ten such copies the panel's mean lies inside it.",
     ),
     Text(
-        "倾斜、位置和大小先被扣除、单独列出；分数比较的是摆正之后的字。",
-        "Lean, place and size are taken out first and listed apart; what is compared stands upright.",
+        "倾斜、位置和大小先取出、单独列出；只有超出容许的部分才扣分。",
+        "Lean, place and size are taken out first and listed apart; only what is beyond a tolerance costs.",
     ),
 )
 
