@@ -133,10 +133,10 @@ def test_named_levels(rumu, desk, name):
     ("content", "words"),
     [
         ("{", "cannot read"),
-        ("[]", "expected an object with exactly excellent, good, medium"),
-        ('{"excellent": 80, "good": 60}', "exactly"),
+        ("[]", "expected a JSON object"),
+        ('{"excellent": 80, "good": 60}', "100 >= excellent > good > medium >= 0"),
         ('{"excellent": 60, "good": 80, "medium": 40}', "excellent > good > medium"),
-        ('{"excellent": "a", "good": 60, "medium": 40}', "numbers"),
+        ('{"excellent": "a", "good": 60, "medium": 40}', "excellent > good > medium"),
         ('{"excellent": NaN, "good": 60, "medium": 40}', "excellent > good > medium"),
     ],
 )

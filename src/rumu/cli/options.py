@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -57,7 +57,7 @@ def level_cuts(name: str) -> Mapping[Level, float]:
 
     Raises CalibrationError that names the known sets, or what is wrong with the file.
     """
-    from rumu.assessment.calibration import LEVELS
+    from rumu.assessment.calibration import LEVELS, checked_cuts
 
     if name in LEVELS:
         return LEVELS[name]
@@ -72,16 +72,6 @@ def level_cuts(name: str) -> Mapping[Level, float]:
         raise CalibrationError(
             f"{path}: expected a JSON object of levels, cannot read it ({error})"
         ) from error
-    return _checked_cuts(cuts, path)
-
-
-def _checked_cuts(cuts: Any, path: Path) -> Mapping[Level, float]:
-    wanted: tuple[Level, ...] = ("excellent", "good", "medium")
-    if not isinstance(cuts, dict) or sorted(cuts) != sorted(wanted):
-        raise CalibrationError(f"{path}: expected an object with exactly {', '.join(wanted)}")
-    values = [cuts[name] for name in wanted]
-    if not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values):
-        raise CalibrationError(f"{path}: expected numbers, got {values}")
-    if not 100 >= values[0] > values[1] > values[2] >= 0:
-        raise CalibrationError(f"{path}: expected 100 >= excellent > good > medium >= 0, got {values}")
-    return {name: float(cuts[name]) for name in wanted}
+    if not isinstance(cuts, dict):
+        raise CalibrationError(f"{path}: expected a JSON object of levels, got {type(cuts).__name__}")
+    return checked_cuts(cuts, name=str(path))

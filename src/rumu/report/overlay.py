@@ -69,8 +69,9 @@ def _master_ink(mask: BoolArray, points: PointSet, settings: OverlaySettings, sc
 
     rows, columns = mask.shape
     side = 2 * settings.side
-    per_pixel = scale / (points.radius * max(rows, columns))
-    centre = np.array([(points.centre[0] + 0.5) * columns, (0.5 - points.centre[1]) * rows])
+    longer = max(rows, columns)
+    per_pixel = scale / (points.radius * longer)
+    centre = np.array([columns / 2 + points.centre[0] * longer, rows / 2 - points.centre[1] * longer])
     affine = np.array(
         [
             [per_pixel, 0, side / 2 - per_pixel * (centre[0] - 0.5)],

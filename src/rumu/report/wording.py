@@ -62,14 +62,12 @@ SOURCES: dict[Source, Text] = {
 KINDS: dict[str, Text] = {
     "lean": Text("倾斜", "Lean"),
     "size": Text("大小", "Size"),
-    "shift": Text("偏位", "Off centre"),
+    "offset": Text("偏位", "Off centre"),
     "missing": Text("缺笔", "Missing"),
     "extra": Text("多余", "Extra"),
+    "displaced": Text("移位", "Out of place"),
     "heavy": Text("偏粗", "Too heavy"),
-    "light": Text("偏细", "Too light"),
     "thin": Text("偏细", "Too thin"),
-    "thick": Text("偏粗", "Too thick"),
-    "stray": Text("走位", "Out of place"),
 }
 
 UNITS: dict[str, str] = {"deg": "°", "degrees": "°", "percent": "%"}
@@ -139,7 +137,9 @@ def kind_name(kind: str) -> Text:
 
 
 def with_unit(size: float, unit: str) -> str:
-    """'3.2°', '12 %', '0.4 mm': one decimal under ten, none above."""
-    number = f"{size:.1f}" if abs(size) < 10 else f"{size:.0f}"
+    """'3.2°', '12 %' (a share 'of the ink'), '0.4 mm': one decimal under ten, none above."""
+    if unit.startswith("of the"):
+        return f"{100 * abs(size):.0f} %"
+    number = f"{abs(size):.1f}" if abs(size) < 10 else f"{abs(size):.0f}"
     sign = UNITS.get(unit, unit)
     return f"{number}{sign}" if sign == "°" else f"{number} {sign}".rstrip()
