@@ -57,12 +57,12 @@ def fit_flatfield(image: FloatArray, *, mask: BoolArray | None = None) -> Flatfi
     log_image = np.log(np.maximum(image[::step, ::step], _BLACK)).astype(np.float64)
     inside = np.ones(log_image.shape, bool) if mask is None else mask[::step, ::step]
     x, y = _coordinates(image.shape)
-    near_x, near_y = x[::step], y[::step]
+    near_x, near_y = x[::step].astype(np.float64), y[::step].astype(np.float64)
     fit, paper = _fit_around_ink(log_image, inside, near_x, near_y)
     level = np.exp(fit.log_level(x, y))
     on_paper = np.exp(fit.log_level(near_x, near_y)[paper])
-    level = np.clip(level, on_paper.min(), on_paper.max()).astype(np.float32)
-    ratio = np.log(np.maximum(image, _BLACK) / level)
+    level = np.clip(level, float(on_paper.min()), float(on_paper.max())).astype(np.float32, copy=False)
+    ratio = np.log(np.maximum(image, np.float32(_BLACK)) / level)
     full = _blank(ratio, tolerance=fit.tolerance, edge=_INK_EDGE * step)
     if mask is not None:
         full &= mask
@@ -88,10 +88,12 @@ def _coordinates(shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
     """x of each column and y of each row, in units of half the longer side, 0 at the centre, y up."""
     half = max(shape) / 2
     height, width = shape
-    return (np.arange(width) - (width - 1) / 2) / half, ((height - 1) / 2 - np.arange(height)) / half
+    columns, rows = np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32)
+    return (columns - (width - 1) / 2) / half, ((height - 1) / 2 - rows) / half
 
 
-def _quadratic(x: FloatArray, y: FloatArray, c: FloatArray) -> FloatArray:
+def _quadratic(x: FloatArray, y: FloatArray, coefficients: FloatArray) -> FloatArray:
+    c = coefficients.tolist()  # plain numbers keep the precision, and the memory, of x and y
     return np.asarray((c[0] + c[1] * x + c[3] * x * x) + (c[2] * y + c[5] * y * y) + c[4] * x * y)
 
 

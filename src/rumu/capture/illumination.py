@@ -129,12 +129,12 @@ def find_bands(shape: tuple[int, int], *, tilt: float, n: int = 7) -> Bands:
     if n < 1 or 2 * count >= height * width:
         raise CaptureError(f"expected bands of 1 to {min(shape) // 2 - 1} pixels, got n = {n}")
     # x is the column and y is minus the row, so the way from the lamp is -x cos + row sin.
-    rows, columns = np.arange(height, dtype=np.float64), np.arange(width, dtype=np.float64)
+    rows, columns = np.arange(height, dtype=np.float32), np.arange(width, dtype=np.float32)
     away = math.sin(t) * rows[:, None] - math.cos(t) * columns[None, :]
     ordered = np.partition(away.ravel(), [count - 1, away.size - count])
     near, far = away <= ordered[count - 1], away >= ordered[-count]
-    start, end = float(away[near].mean()), float(away[far].mean())
-    return Bands(near, far, (away - start).astype(np.float32), end - start)
+    start, end = (float(away[band].mean(dtype=np.float64)) for band in (near, far))
+    return Bands(near, far, away - np.float32(start), end - start)
 
 
 def band_levels(image: FloatArray, bands: Bands, *, paper: BoolArray) -> tuple[float, float]:
