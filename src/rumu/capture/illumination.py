@@ -243,7 +243,7 @@ def rectify(
     if swapped:
         bands, ratio = _reversed(bands), 1 / ratio
     factor = _even_gain(light, bands, ratio, method=method).astype(np.float32)
-    spread = (_unevenness(light, np.float32(1)), _unevenness(light, factor))
+    spread = (_unevenness(gray, light.paper), _unevenness(gray * factor, light.paper))
     scaled = (image * (factor if image.ndim == 2 else factor[:, :, None])).astype(np.float32)
     wrong = swapped and 1 / ratio > _EVEN
     warning = _wrong_side(tilt, ratio) if wrong else None
@@ -271,10 +271,19 @@ def _even_gain(light: Flatfield, bands: Bands, ratio: float, *, method: Method) 
     return gain(bands.position, ratio=ratio, distance=bands.distance)
 
 
-def _unevenness(light: Flatfield, factor: Any) -> float:
-    """Relative rms deviation of the fitted level of the paper, after `factor`, from its mean."""
-    level = (light.level * factor)[light.paper]
-    return float(level.std() / level.mean())
+def _unevenness(gray: FloatArray, paper: BoolArray, tile: int = 16) -> float:
+    """Relative rms deviation of blank paper, averaged in tiles to drown its grain, from its mean."""
+    step = -(-max(gray.shape) // 512)
+    values, blank = gray[::step, ::step], paper[::step, ::step]
+    rows, columns = (np.arange(0, n, tile) for n in values.shape)
+
+    def sums(array: FloatArray) -> FloatArray:
+        by_rows = np.add.reduceat(array, rows, axis=0, dtype=np.float64)
+        return np.asarray(np.add.reduceat(by_rows, columns, axis=1))
+
+    count = sums(blank.astype(np.float32))
+    means = sums(values * blank)[count > 0] / count[count > 0]
+    return float(np.sqrt(np.average((means / means.mean() - 1) ** 2, weights=count[count > 0])))
 
 
 def _wrong_side(tilt: float, ratio: float) -> str:
