@@ -1,0 +1,65 @@
+"""How large each fault is at each severity: declared before anything was measured with it.
+
+Severity runs from 0 (none) to 5 (gross). Nothing here is a mark that a person gave: EXPECTED_SCORES is a
+convention, fit for asking whether a mark falls when a fault grows, and for nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+GREATEST = 5.0
+EXPECTED_SCORES = (100.0, 92.0, 82.0, 70.0, 55.0, 40.0)  # at severity 0, 1, ... 5
+
+FaultUnit = Literal["px", "deg", "%", "strokes"]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """One family of faults.
+
+    step: size of the fault for each unit of severity. unit: of that size; 'px' are pixels of a picture
+    512 wide, scaled to the picture at hand. zh, en: its name for a person.
+    """
+
+    step: float
+    unit: FaultUnit
+    zh: str
+    en: str
+
+
+KINDS: Mapping[str, Kind] = MappingProxyType(
+    {
+        # one stroke
+        "shift": Kind(5.0, "px", "筆畫偏移", "a stroke pushed aside"),
+        "angle": Kind(3.5, "deg", "筆畫斜了", "a stroke at a wrong angle"),
+        "short": Kind(8.0, "%", "筆畫太短", "a stroke too short"),
+        "stroke_thin": Kind(1.6, "px", "一筆太細", "one stroke too thin"),
+        "stroke_thick": Kind(2.0, "px", "一筆太粗", "one stroke too thick"),
+        "missing": Kind(12.0, "%", "漏筆", "strokes left out"),
+        "extra": Kind(1.0, "strokes", "多筆", "strokes too many"),
+        # the whole character
+        "thin": Kind(1.6, "px", "通篇太細", "all strokes too thin"),
+        "thick": Kind(2.0, "px", "通篇太粗", "all strokes too thick"),
+        "lean": Kind(4.0, "deg", "字形歪斜", "the character leans"),
+        "off_centre": Kind(11.0, "px", "位置偏離", "off the centre of the cell"),
+        "small": Kind(8.0, "%", "字太小", "too small"),
+        "squeeze": Kind(5.0, "%", "左寬右窄", "the left part too wide, the right squeezed"),
+        "uneven": Kind(3.0, "px", "間距不勻", "uneven spaces between the strokes"),
+        # brush and ink
+        "wobble": Kind(1.0, "px", "筆畫抖動", "trembling edges"),
+        "blunt": Kind(20.0, "%", "收筆禿鈍", "blunt ends of strokes"),
+        "blot": Kind(3.0, "%", "墨漬", "blots"),
+        "pale": Kind(12.0, "%", "墨色太淡", "pale ink"),
+        "dry": Kind(7.0, "%", "枯筆過多", "dry streaks"),
+    }
+)
+OFF_CENTRE_DOWN = 8.0 / 11.0  # pushed so much up or down for each pixel to the side
+
+
+def size_of(fault: str, *, severity: float) -> float:
+    """Size of a fault at a severity, in the unit of its kind."""
+    return KINDS[fault].step * severity
