@@ -58,7 +58,7 @@ class SampleFault:
     """One fault that was put into a sample copy on purpose.
 
     fault: name in the simulation's table. severity: 0 (none) to 5 (gross).
-    size: how large, in `unit`. region: (x0, y0, x1, y1) in fractions of the cell, origin top left.
+    size: how large, in `unit`; angles positive clockwise. region: (x0, y0, x1, y1) in fractions of the cell, origin top left.
     """
 
     fault: str
