@@ -35,7 +35,7 @@ pictures = [
     albedo_picture(master),
     albedo_picture(copy),
     mesh_picture(copy, view=MeshView(width=2 * SIDE))[0],
-    overlay_picture(mark.registration, master=master, settings=OverlaySettings(side=2 * SIDE, dot=4)),
+    overlay_picture(mark.registration, master=master, settings=OverlaySettings(side=2 * SIDE)),
 ]
 gap = np.full((SIDE, GAP, 3), 255, dtype=np.uint8)
 row = [part for picture in pictures for part in (tile(picture), gap)][:-1]

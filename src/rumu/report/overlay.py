@@ -16,19 +16,17 @@ MISSING = (36, 84, 164)
 
 @dataclass(frozen=True, slots=True)
 class OverlaySettings:
-    """How the overlay is drawn; distances are in rms radii of the master's ink.
+    """How the overlay is drawn; distances lie in the plane, in rms radii of the master's ink.
 
     side: pixels of the picture. margin: paper around the ink, as a share of its reach.
-    full: residual of the loudest colour; fixed, so that pages can be compared.
-    missing: residual beyond which a point of the master counts as not covered.
-    dot: radius of a point in pixels.
+    full: distance of the loudest colour; fixed, so that pages can be compared.
+    missing: distance beyond which a point of the master counts as not covered.
     """
 
     side: int = 720
     margin: float = 0.12
-    full: float = 0.2
+    full: float = 0.3
     missing: float = 0.12
-    dot: float = 3.0
 
 
 def overlay_picture(
@@ -37,15 +35,16 @@ def overlay_picture(
     """The master's ink pale, the copy's points coloured by their distance to it, and the master's points that
     the copy leaves uncovered as blue rings: (side, side, 3) uint8."""
     settings = settings or OverlaySettings()
-    moved = _moved(registration)
-    reach = max(np.abs(moved).max(), np.abs(registration.reference.xyz[:, :2]).max()) * (1 + settings.margin)
+    copy, model = _planar(registration)
+    reach = max(np.abs(copy).max(), np.abs(model).max()) * (1 + settings.margin)
     scale = settings.side / float(reach)  # the canvas is twice the picture and spans twice the reach
     canvas = _master_ink(master.mask, registration.reference, settings, scale)
-    order = np.argsort(registration.forward)
-    colours = coloured(registration.forward / settings.full, stops=RESIDUAL_STOPS)
-    _dots(canvas, moved[order], colours[order], scale, radius=2 * settings.dot)
-    uncovered = registration.backward > settings.missing
-    _rings(canvas, registration.reference.xyz[uncovered, :2], scale, radius=2.2 * settings.dot)
+    strays = _distances(copy, model)
+    order = np.argsort(strays)  # the loudest on top
+    colours = coloured(strays / settings.full, stops=RESIDUAL_STOPS)
+    dot = 0.62 * scale * _pitch(copy)  # neighbours just touch: the points read as ink
+    _dots(canvas, copy[order], colours[order], scale, radius=dot)
+    _rings(canvas, model[_distances(model, copy) > settings.missing], scale, radius=dot)
     import cv2
 
     return np.asarray(cv2.resize(canvas, (settings.side, settings.side), interpolation=cv2.INTER_AREA))
@@ -54,13 +53,32 @@ def overlay_picture(
 def uncovered_share(registration: Registration, *, settings: OverlaySettings | None = None) -> float:
     """Share of the master's points, in [0, 1], that no point of the copy comes near."""
     settings = settings or OverlaySettings()
-    return float(np.mean(registration.backward > settings.missing))
+    copy, model = _planar(registration)
+    return float(np.mean(_distances(model, copy) > settings.missing))
 
 
-def _moved(registration: Registration) -> FloatArray:
-    """(N, 2) points of the copy in the master's frame."""
+def _planar(registration: Registration) -> tuple[FloatArray, FloatArray]:
+    """(N, 2) points of the copy, posed, and (M, 2) points of the master: what an eye sees.
+
+    The registration's own residuals also hold height and stroke direction, which a flat picture cannot show.
+    """
     pose = registration.T_reference_probe
-    return np.asarray(registration.probe.xyz @ pose[:3, :3].T + pose[:3, 3])[:, :2]
+    copy = np.asarray(registration.probe.xyz @ pose[:3, :3].T + pose[:3, 3])
+    return copy[:, :2], registration.reference.xyz[:, :2]
+
+
+def _distances(a: FloatArray, b: FloatArray) -> FloatArray:
+    """(N,) from each point of a to the nearest of b."""
+    from scipy.spatial import cKDTree
+
+    return np.asarray(cKDTree(b).query(a)[0])
+
+
+def _pitch(points: FloatArray) -> float:
+    """Median distance from a point to its nearest neighbour."""
+    from scipy.spatial import cKDTree
+
+    return float(np.median(cKDTree(points).query(points, k=2)[0][:, 1]))
 
 
 def _master_ink(mask: BoolArray, points: PointSet, settings: OverlaySettings, scale: float) -> Picture:
