@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 import warnings
 import zlib
@@ -194,6 +195,25 @@ def test_missing_file(tmp_path: Path) -> None:
 def test_folder(tmp_path: Path) -> None:
     with pytest.raises(ImageError, match="expected an image file, found a folder"):
         read_image(tmp_path)
+
+
+def test_pipe_and_impossible_name(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.png")
+    with pytest.raises(ImageError, match="expected an image file, found a device or a pipe"):
+        read_image(tmp_path / "a.png")
+    with pytest.raises(ImageError, match=r"cannot open it \(embedded null byte"):
+        read_image("a\0b.png")
+
+
+@pytest.mark.parametrize("kept", [9, 20, 40])
+def test_file_cut_within_its_header(tmp_path: Path, kept: int, capfd: pytest.CaptureFixture[str]) -> None:
+    for suffix in ("png", "jpg", "tif"):
+        Image.fromarray(COLOUR).save(tmp_path / f"whole.{suffix}")
+        data = (tmp_path / f"whole.{suffix}").read_bytes()
+        (tmp_path / f"a.{suffix}").write_bytes(data[:kept])
+        with pytest.raises(ImageError, match=r"a\.\w+: the image is cut short or broken"):
+            read_image(tmp_path / f"a.{suffix}")
+    assert capfd.readouterr().err == ""
 
 
 def test_empty_file(tmp_path: Path) -> None:

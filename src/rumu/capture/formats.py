@@ -8,6 +8,7 @@ before a single pixel is decoded. Pillow reads everything of 8 bits and tells of
 from __future__ import annotations
 
 import io
+import logging
 import os
 import re
 import struct
@@ -37,6 +38,10 @@ _ORIENTATION_TAG = 0x0112
 _TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _EXR_MAGIC = b"v/1\x01"
 _PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
+_PILLOW_MAGIC = (_PNG_MAGIC, b"\xff\xd8\xff", b"RIFF")
+
+# What tifffile finds odd is told in our error or is of no account; without this it prints to stderr.
+logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,10 +81,13 @@ def _first_bytes(path: Path) -> bytes:
     try:
         if path.is_dir():
             raise ImageError(f"{path}: expected an image file, found a folder")
+        if path.exists() and not path.is_file():  # reading a pipe would wait for ever
+            raise ImageError(f"{path}: expected an image file, found a device or a pipe")
         with path.open("rb") as file:
             head = file.read(32)
-    except OSError as error:
-        raise ImageError(f"{path}: {_EXPECTED}, cannot open it ({error.strerror})") from error
+    except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise ImageError(f"{path}: {_EXPECTED}, cannot open it ({reason})") from error
     if not head:
         raise ImageError(f"{path}: {_EXPECTED}, the file is empty")
     if path.suffix.lower() in _RAW_SUFFIXES:
@@ -102,9 +110,9 @@ def _refusal(path: Path, head: bytes, error: Exception) -> ImageError:
     if isinstance(error, Image.DecompressionBombError):
         pixels = re.search(r"\((\d+) pixels\)", str(error))
         return _too_large(path, int(pixels[1]) if pixels else 2 * MAX_PIXELS)
-    if isinstance(error, UnidentifiedImageError):
+    if isinstance(error, UnidentifiedImageError) and not head.startswith(_PILLOW_MAGIC):
         return ImageError(f"{path}: {_EXPECTED}, found something else (it starts with {head[:12]!r})")
-    detail = f"{type(error).__name__}: {error}".splitlines()[0]
+    detail = f"{type(error).__name__}: {error}".splitlines()[0].replace(str(path), path.name)
     return ImageError(f"{path}: the image is cut short or broken ({detail})")
 
 
