@@ -76,11 +76,10 @@ def relief(
     as_json: AsJson = False,
 ) -> Outcome:
     """One image of ink -> a surface computed from the ink (not measured relief)."""
-    from rumu.capture.image import read_image
-    from rumu.surface import relief as room
+    from rumu.surface.relief import relief as raised
 
     with working("Raising the ink"):
-        surface = room.relief(read_image(image), method=method, mode=mode)
+        surface = raised(image, method=method, mode=mode)
         return _written(surface, out, title=image.stem)
 
 

@@ -96,9 +96,8 @@ def _master_ink(mask: BoolArray, points: PointSet, settings: OverlaySettings, sc
             [0, per_pixel, side / 2 - per_pixel * (centre[1] - 0.5)],
         ]
     )
-    ink = cv2.warpAffine(mask.astype(np.float32), affine, (side, side), flags=cv2.INTER_LINEAR)[..., None]
-    mixed = np.array(PAPER) * (1 - ink) + np.array(MASTER_INK) * ink
-    return np.asarray(np.round(mixed), dtype=np.uint8)
+    sheet = np.where(mask[..., None], np.array(MASTER_INK, np.uint8), np.array(PAPER, np.uint8))
+    return np.asarray(cv2.warpAffine(sheet, affine, (side, side), flags=cv2.INTER_LINEAR, borderValue=PAPER))
 
 
 def _pixels(xy: FloatArray, side: int, scale: float) -> npt.NDArray[np.int32]:

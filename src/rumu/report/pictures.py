@@ -71,7 +71,7 @@ def data_uri(picture: Picture, *, settings: PictureSettings | None = None) -> st
 def png_bytes(picture: Picture) -> bytes:
     """The file content of `picture`, uint8 or uint16, gray or RGB."""
     if picture.dtype == np.uint8:
-        return _encoded(picture, "PNG", optimize=True)
+        return _encoded(picture, "PNG", compress_level=7)
     import cv2  # Pillow writes no 16-bit colour
 
     ordered = picture if picture.ndim == 2 else picture[:, :, ::-1]

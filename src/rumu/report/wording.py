@@ -119,9 +119,15 @@ REFUSED_ADVICE: tuple[Text, ...] = (
 )
 
 QUALITY: dict[str, Text] = {
-    "residual": Text("照片与模型之差（越小越好）", "What the model leaves unexplained in the photographs"),
     "ink_share": Text("墨迹占画面的比例", "Share of the picture that is ink"),
-    "tilt_degrees": Text("纸面整体倾斜", "Mean slant of the sheet, which should be near zero"),
+    "contrast": Text("墨的浓度（中位数，一为全黑）", "Median darkness of the ink; 1 is black"),
+    "half_width": Text("笔画半宽（中位数，像素）", "Median half-width of the strokes, in pixels"),
+    "noise": Text("墨与纸之差为纸面起伏的多少倍", "Ink against paper, over the paper's own spread"),
+    "edge": Text("墨迹边缘的清晰度（一为清晰）", "Sharpness of the outline; 1 is sharp"),
+    "between": Text("每个边缘像素对应的半墨像素", "Half-dark pixels for each pixel of outline; few is crisp"),
+    "coherence": Text(
+        "墨迹成片的程度（一为成片）", "How far the ink hangs together; 1 is solid, 0 is speckle"
+    ),
 }
 
 
