@@ -17,6 +17,7 @@ from rumu.errors import CaptureError, RegistrationError, SurfaceError
 
 FloatArray = npt.NDArray[np.floating[Any]]
 BoolArray = npt.NDArray[np.bool_]
+IntArray = npt.NDArray[np.intp]
 
 Source = Literal["photometric", "inflation", "density"]
 Unit = Literal["mm", "px"]
@@ -139,11 +140,12 @@ class PointSet:
     """Ink points of one surface, in the frame of its own cell.
 
     xyz: (N, 3) float64. x right, y up, origin at the centroid of the ink; x, y in units of the rms
-        radius of the ink (rms distance from the centroid is 1), z the relief in [0, 1] times zeta.
-    direction: (N, 2) float64, (cos 2t, sin 2t) of the stroke direction t, times coherence in [0, 1].
-    centre: (2,) float64, the centroid as a fraction of the image's sides, from its centre, y up.
+        radius of the ink (rms distance from the centroid is 1), z the normalised height times its weight.
+    direction: (N, 2) float64, (cos 2t, sin 2t) of the stroke direction t, of length 1 or 0.
+    centre: (2,) float64, the centroid from the image's centre, as a fraction of its longer side, y up.
     radius: the rms radius as a fraction of the image's longer side.
     pixel: length of one pixel in units of the rms radius.
+    cell: (width, height) of the image as fractions of its longer side; one of them is 1.
     """
 
     xyz: FloatArray
@@ -151,6 +153,7 @@ class PointSet:
     centre: FloatArray
     radius: float
     pixel: float
+    cell: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
         n = self.xyz.shape[0]
@@ -169,13 +172,15 @@ class Registration:
     T_reference_probe: (4, 4) float64, det of its rotation is +1; applied to `probe.xyz`.
     scale: rms radius of the probe's ink over that of the reference, both as fractions of their cells;
         removed before registration, never by it. 1 is the same size.
-    angle: degrees, rotation about z that was needed; positive when the probe leaned clockwise.
-    shift: (2,) float64, centroid of the probe less that of the reference, in fractions of the cell,
-        x right, y up.
+    angle: degrees, rotation about z that was needed; positive when the probe leans clockwise.
+    shift: (2,) float64, how far the writing stands from its place in the cell, x right, y up, in
+        fractions of the cell's longer side.
     overlap: share of the pairs kept by trimming, in [0.4, 1]; trimming serves the pose alone.
-    d_ms: mean squared distance of the untrimmed probe points to the reference, in rms radii squared.
-    forward: (N,) float64, distance of each probe point to the reference, in rms radii of the reference.
-    backward: (M,) float64, distance of each reference point to the probe.
+    d_ms: mean squared distance in (x, y, z) of the probe's points to their nearest reference points,
+        untrimmed, in rms radii squared.
+    forward: (N,) float64, distance of each probe point, posed, to its nearest reference point in
+        position, height and weighted stroke direction; forward_index: (N,) which one that is.
+    backward: (M,) the same from each reference point to the probe; backward_index: (M,).
     converged: False when the loop ended on its iteration limit.
     """
 
@@ -188,7 +193,9 @@ class Registration:
     overlap: float
     d_ms: float
     forward: FloatArray
+    forward_index: IntArray
     backward: FloatArray
+    backward_index: IntArray
     converged: bool
     iterations: int
 

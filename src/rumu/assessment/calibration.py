@@ -1,0 +1,210 @@
+"""Features -> a mark on the scale of a human panel, with an interval; levels.
+
+The panel's scale is the mean of its raters times ten. The weights, fitted once on human marks, stand in
+panel.json beside this file with where they come from; `rumu experiments run e3c` says how well they hold
+on characters held out.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rumu.assessment.features import RESIDUALS, Features, Residuals
+from rumu.errors import CalibrationError
+from rumu.values import FloatArray, Level
+
+Cuts = Mapping[Level, float]
+
+LEVELS: Mapping[str, Cuts] = {
+    # quartiles of the panel's 652 marks, rounded: about a quarter of human marks falls in each level
+    "panel": {"excellent": 62.0, "good": 52.0, "medium": 41.0},
+    # midpoints between the bands of a published copying-exam rubric (18-20, 15-17, 11-14, up to 10 of 20)
+    "rubric": {"excellent": 87.5, "good": 72.5, "medium": 52.5},
+}
+"""Named cut-offs: the lowest score of each level; below the last is 'bad'."""
+
+
+@dataclass(frozen=True, slots=True)
+class PoseCharge:
+    """What registration repairs and a teacher still sees: charged apart from the residual.
+
+    A declared convention, not fitted: human marks hardly charge for the little lean and offset of the
+    copies at hand, so nothing is taken within the tolerances that those copies show. Points are taken per
+    unit beyond, each up to its own cap.
+    """
+
+    lean_free: float = 6.0  # degrees
+    lean_rate: float = 1.5  # points per degree
+    offset_free: float = 0.12  # fraction of the cell
+    offset_rate: float = 100.0  # points per cell
+    size_free: float = 0.3  # natural logarithm
+    size_rate: float = 40.0  # points per unit of natural logarithm
+    cap: float = 20.0
+
+    def points(self, features: Features) -> dict[str, float]:
+        """Points taken for 'lean', 'offset' and 'size'."""
+        over = {
+            "lean": self.lean_rate * (abs(features.lean) - self.lean_free),
+            "offset": self.offset_rate * (features.offset - self.offset_free),
+            "size": self.size_rate * (abs(features.size) - self.size_free),
+        }
+        return {name: float(min(max(value, 0.0), self.cap)) for name, value in over.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """A weighted sum of log residuals that reads as marks: mean + sum -weight_i * (log r_i - m_i) / s_i.
+
+    weights are not negative, so no residual can raise a mark.
+    """
+
+    names: tuple[str, ...]
+    centre: tuple[float, ...]
+    spread: tuple[float, ...]
+    weights: tuple[float, ...]
+    mean: float
+
+    def read(self, residuals: Residuals) -> float:
+        chosen = [RESIDUALS.index(name) for name in self.names]
+        z = (residuals.logarithms()[chosen] - np.array(self.centre)) / np.array(self.spread)
+        return float(self.mean - z @ np.array(self.weights))
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """How features become a mark.
+
+    scale: over all residuals; parts: the same for 'structure' and 'brushwork' on their own residuals,
+        fitted to the same marks, since nobody marked the parts.
+    anchors: ((raw, score), ...), rising: where another character, the human range and a perfect copy lie;
+        straight between, so the order of copies is untouched.
+    interval: (low, high) offsets of the 80 % interval, from errors on characters held out.
+    provenance: what was fitted on what, in words.
+    """
+
+    scale: Scale
+    parts: Mapping[str, Scale]
+    anchors: tuple[tuple[float, float], ...]
+    interval: tuple[float, float]
+    provenance: str
+
+    def score(self, features: Features, *, charge: PoseCharge | None = None) -> float:
+        """0-100; 100 for a perfect copy in its place."""
+        taken = sum((charge or PoseCharge()).points(features).values())
+        return float(np.clip(self._anchored(self.scale.read(features.residuals)) - taken, 0.0, 100.0))
+
+    def part_scores(self, features: Features) -> dict[str, float]:
+        """'brushwork', 'structure' and 'ink', each 0-100.
+
+        ink is a declared convention: 100 for the master's weight of ink, halved for each
+        quarter more or less.
+        """
+        read = {
+            name: float(np.clip(self._anchored(scale.read(features.residuals)), 0.0, 100.0))
+            for name, scale in self.parts.items()
+        }
+        return read | {"ink": float(100.0 * 0.5 ** (abs(features.weight) / np.log(1.25)))}
+
+    def interval_of(self, score: float) -> tuple[float, float]:
+        """The 80 % interval of the panel's mark around a score, within 0-100."""
+        low, high = np.clip((score + self.interval[0], score + self.interval[1]), 0.0, 100.0)
+        return float(low), float(high)
+
+    def _anchored(self, raw: float) -> float:
+        raws, scores = zip(*self.anchors, strict=True)
+        return float(np.interp(raw, raws, scores))
+
+
+def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
+    """The level of a score, by the panel's cut-offs unless others are given."""
+    for level, lowest in (cuts or LEVELS["panel"]).items():
+        if score >= lowest:
+            return level
+    return "bad"
+
+
+def checked_cuts(cuts: Mapping[str, Any], *, name: str) -> Cuts:
+    """A teacher's own cut-offs, checked. Raises CalibrationError naming what was expected."""
+    expected = tuple(LEVELS["panel"])
+    try:
+        values = [float(cuts[level]) for level in expected]
+    except (KeyError, TypeError, ValueError):
+        values = []
+    if len(cuts) != len(expected) or not values or not 100 >= values[0] > values[1] > values[2] >= 0:
+        raise CalibrationError(
+            f"{name}: expected cut-offs 100 >= {' > '.join(expected)} >= 0, got {dict(cuts)}"
+        )
+    return dict(zip(expected, values, strict=True))  # type: ignore[arg-type]
+
+
+@lru_cache(maxsize=1)
+def panel() -> Calibration:
+    """The calibration that ships with rumu."""
+    return read_calibration(json.loads((files("rumu.assessment") / "panel.json").read_text("utf-8")))
+
+
+def read_calibration(plain: Mapping[str, Any]) -> Calibration:
+    """A Calibration from its plain form (what json.loads gives)."""
+    try:
+        return Calibration(
+            scale=_scale(plain["scale"]),
+            parts={name: _scale(scale) for name, scale in plain["parts"].items()},
+            anchors=tuple((float(raw), float(score)) for raw, score in plain["anchors"]),
+            interval=(float(plain["interval"][0]), float(plain["interval"][1])),
+            provenance=str(plain["provenance"]),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise CalibrationError(
+            f"expected a calibration with scale, parts, anchors, interval; {error!r}"
+        ) from error
+
+
+def write_calibration(calibration: Calibration, path: str | Path) -> None:
+    """Write the plain form as JSON, whole or not at all."""
+    from rumu.outputs import whole_file
+
+    with whole_file(path) as part:
+        part.write_text(json.dumps(asdict(calibration), ensure_ascii=False, indent=2) + "\n", "utf-8")
+
+
+def fit_scale(
+    logs: FloatArray, marks: FloatArray, *, names: tuple[str, ...], shrinkage: float = 300.0
+) -> Scale:
+    """Ridge with weights that are not negative.
+
+    logs: (N, 5) of `Residuals.logarithms`; marks: (N,) 0-100; names: the residuals to use.
+    shrinkage: in units of one standardised copy; strong, since characters are few.
+    Raises CalibrationError for fewer than 20 marks.
+    """
+    from scipy.optimize import nnls
+
+    if len(marks) < 20:
+        raise CalibrationError(f"expected at least 20 marks to fit a scale, got {len(marks)}")
+    chosen = logs[:, [RESIDUALS.index(name) for name in names]]
+    centre, spread = chosen.mean(axis=0), chosen.std(axis=0)
+    z = (chosen - centre) / spread
+    k = len(names)
+    weights, _ = nnls(
+        np.vstack([-z, np.sqrt(shrinkage) * np.eye(k)]), np.concatenate([marks - marks.mean(), np.zeros(k)])
+    )
+    return Scale(
+        names, tuple(centre.tolist()), tuple(spread.tolist()), tuple(weights.tolist()), float(marks.mean())
+    )
+
+
+def _scale(plain: Mapping[str, Any]) -> Scale:
+    return Scale(
+        names=tuple(plain["names"]),
+        centre=tuple(map(float, plain["centre"])),
+        spread=tuple(map(float, plain["spread"])),
+        weights=tuple(map(float, plain["weights"])),
+        mean=float(plain["mean"]),
+    )

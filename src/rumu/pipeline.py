@@ -1,0 +1,133 @@
+"""The walk, in order: photographs -> surface; copy and master -> registration -> mark.
+
+The functions are pure and their values pickle, so a batch may run anywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rumu.assessment.calibration import checked_cuts, level_of, panel
+from rumu.assessment.features import Features, Residuals, measure, residuals
+from rumu.assessment.remarks import remarks
+from rumu.assessment.similarity import sim_paper, similarity
+from rumu.capture.folder import read_capture
+from rumu.errors import RefusedImage, RegistrationError
+from rumu.registration.icp import IcpSettings, register_points
+from rumu.registration.points import Sampling, sample_points
+from rumu.registration.quaternion import Rotation
+from rumu.surface.folder import MARKER, read_surface
+from rumu.surface.relief import relief
+from rumu.values import Assessment, Capture, PointSet, Registration, Surface
+
+SurfaceLike = Surface | str | Path | np.ndarray
+
+
+def reconstruct(
+    capture: Capture | str | Path, *, solver: str = "robust", integrator: str = "auto", rectify: str = "none"
+) -> Surface:
+    """The surface of a capture, or of the capture folder at a path.
+
+    solver: 'least_squares', 'trimmed', 'l1' or 'robust'; three lamps of the paper's kind take its closed
+        form by themselves. integrator: see `rumu.integrate`. rectify: 'none', or how uneven lamplight is
+        evened out first: 'masked' (recommended for a flat sheet), 'bands' or 'svd' (the paper's).
+    Raises CaptureError or SurfaceError.
+    """
+    from rumu.capture.illumination import rectify_capture
+    from rumu.surface.photometric import photometric
+
+    if not isinstance(capture, Capture):
+        capture = read_capture(capture)
+    if rectify != "none":
+        capture = rectify_capture(capture, method=rectify)  # type: ignore[arg-type]
+    return photometric(capture, solver=solver, integrator=integrator)
+
+
+def surface_of(thing: SurfaceLike) -> Surface:
+    """A surface from whatever holds one: itself, an image (array or path), or a folder.
+
+    A folder is a surface that rumu wrote, or else a capture to reconstruct.
+    Raises ImageError, CaptureError, SurfaceError, or RefusedImage when a picture holds no ink.
+    """
+    if isinstance(thing, Surface):
+        return thing
+    if isinstance(thing, str | Path) and Path(thing).is_dir():
+        return read_surface(thing) if (Path(thing) / MARKER).is_file() else reconstruct(thing)
+    return relief(thing)
+
+
+def register(
+    probe: SurfaceLike, reference: SurfaceLike, *, rotation: Rotation = "z", sampling: Sampling | None = None
+) -> Registration:
+    """Lay the ink of the probe on that of the reference.
+
+    rotation: 'z' turns the sheet in its plane; 'full' also tilts it, for true 3-D scans.
+    Raises RumuError when either has too little ink; not converging is a field of the result.
+    """
+    probe_points, reference_points = (
+        sample_points(surface_of(x), settings=sampling) for x in (probe, reference)
+    )
+    return register_points(probe_points, reference_points, settings=IcpSettings(rotation=rotation))
+
+
+def assess(
+    probe: SurfaceLike, reference: SurfaceLike, *, levels: Mapping[str, float] | None = None, seed: int = 0
+) -> Assessment:
+    """The mark of a copy against its master.
+
+    levels: a teacher's own cut-offs, {'excellent': .., 'good': .., 'medium': ..}. seed: of the sampling.
+    A copy that holds nothing to mark is refused in the result; a master that is no use raises.
+    """
+    cuts = None if levels is None else checked_cuts(levels, name="levels")
+    master = surface_of(reference)
+    try:
+        copy = surface_of(probe)
+        registration, features = compare(copy, master, seed=seed)
+    except RefusedImage as refusal:
+        return _refused(refusal)
+    calibration = panel()
+    score = calibration.score(features)
+    return Assessment(
+        score=score,
+        level=level_of(score, cuts=cuts),
+        interval=calibration.interval_of(score),
+        sim_paper=sim_paper(registration),
+        similarity=similarity(registration),
+        parts=calibration.part_scores(features),
+        remarks=remarks(registration, features=features),
+        registration=registration,
+        source=(copy.source, master.source),
+    )
+
+
+def compare(copy: Surface, master: Surface, *, seed: int = 0) -> tuple[Registration, Features]:
+    """Copy laid on master, and what a mark is made of.
+
+    Raises RefusedImage for a copy with too little ink, RegistrationError for such a master.
+    """
+    reference, floor = _prepared(master)
+    try:
+        probe = sample_points(copy, settings=Sampling(seed=seed))
+    except RegistrationError as error:
+        raise RefusedImage(str(error), reason="too small") from error
+    registration = register_points(probe, reference)
+    return registration, measure(registration, floor=floor)
+
+
+@lru_cache(maxsize=2)  # many copies of one master come in a row
+def _prepared(master: Surface) -> tuple[PointSet, Residuals]:
+    """A master's points, and what registration leaves between it and itself sampled anew."""
+    once, again = (sample_points(master, settings=Sampling(seed=seed)) for seed in (0, 1))
+    return once, residuals(register_points(again, once, settings=IcpSettings(starts=(0.0,))))
+
+
+def _refused(refusal: RefusedImage) -> Assessment:
+    fields: dict[str, Any] = dict.fromkeys(
+        ("score", "level", "interval", "sim_paper", "similarity", "registration", "source")
+    )
+    return Assessment(**fields, parts={}, remarks=(), refused=f"{refusal.reason}: {refusal}")

@@ -1,0 +1,185 @@
+"""Iterative closest points on ink: position, height and stroke direction (Besl and McKay 1992).
+
+Neighbours are sought in five dimensions, (x, y, z, w cos 2t, w sin 2t), so that a horizontal stroke is not
+laid on a vertical one that happens to be near; the pose is that of the paper, rigid. Pairs run both ways,
+which makes a stroke that the copy lacks count, and swapped roles give the inverse pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rumu.errors import RegistrationError
+from rumu.registration.quaternion import Pose, Rotation, closed_form_pose, unit_quaternion
+from rumu.values import FloatArray, IntArray, PointSet, Registration
+
+
+@dataclass(frozen=True, slots=True)
+class IcpSettings:
+    """How points are laid on points.
+
+    rotation: 'z' turns the sheet in its plane; 'full' also tilts it, for true 3-D scans.
+    direction_weight: w, what opposite stroke directions are worth in rms radii.
+    starts: degrees; the loop is run from each on a quarter of the points and the best is kept, since one
+        start has a small basin of convergence.
+    tolerance: tau; the loop stops when the error falls by less than tau * tr Sigma_x. The error is a
+        squared length, so it is the trace, not its root, that makes tau free of units.
+    start_iterations: how long each start may run before the best is chosen.
+    max_iterations: when reached, the result says that it did not converge.
+    trim_power: lambda of trimmed ICP (Chetverikov et al. 2002); min_overlap: the least share kept.
+    """
+
+    rotation: Rotation = "z"
+    direction_weight: float = 0.7
+    starts: tuple[float, ...] = (-20.0, -10.0, 0.0, 10.0, 20.0)
+    start_iterations: int = 4
+    tolerance: float = 1e-5
+    max_iterations: int = 40
+    trim_power: float = 2.0
+    min_overlap: float = 0.4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pairs:
+    """Nearest neighbours both ways under one pose; distances in the five-dimensional space."""
+
+    forward: FloatArray
+    forward_index: IntArray
+    backward: FloatArray
+    backward_index: IntArray
+
+    @property
+    def squared(self) -> FloatArray:
+        return np.concatenate([self.forward, self.backward]) ** 2
+
+
+class Neighbours:
+    """Both clouds in the matching space, each with its KD-tree, built once.
+
+    A pose is an isometry of that space (positions turn by a, doubled directions by 2a), so the backward
+    search moves the reference by the inverse pose instead of rebuilding the probe's tree.
+    """
+
+    def __init__(self, P: PointSet, X: PointSet, *, direction_weight: float, step: int = 1) -> None:
+        from scipy.spatial import cKDTree
+
+        self.P, self.X = P.xyz[::step], X.xyz[::step]
+        self._P_direction = direction_weight * P.direction[::step]
+        self._X_direction = direction_weight * X.direction[::step]
+        self._P_tree: Any = cKDTree(np.hstack([self.P, self._P_direction]))
+        self._X_tree: Any = cKDTree(np.hstack([self.X, self._X_direction]))
+
+    def pairs(self, pose: Pose) -> Pairs:
+        T = pose.matrix
+        R, t = T[:3, :3], T[:3, 3]
+        a = np.arctan2(R[1, 0], R[0, 0])
+        D = np.array([[np.cos(2 * a), -np.sin(2 * a)], [np.sin(2 * a), np.cos(2 * a)]])
+        forward = self._X_tree.query(np.hstack([self.P @ R.T + t, self._P_direction @ D.T]))
+        backward = self._P_tree.query(np.hstack([(self.X - t) @ R, self._X_direction @ D]))
+        return Pairs(forward[0], forward[1], backward[0], backward[1])
+
+
+def register_points(
+    probe: PointSet, reference: PointSet, *, settings: IcpSettings | None = None
+) -> Registration:
+    """Lay the probe on the reference. Several starts, then the loop, then the loop on trimmed pairs.
+
+    Raises RegistrationError for point sets that cannot be compared; not converging is a field.
+    """
+    settings = settings or IcpSettings()
+    if not settings.starts:
+        raise RegistrationError("expected at least one starting angle, got none")
+    coarse = Neighbours(probe, reference, direction_weight=settings.direction_weight, step=4)
+    best = min(
+        (
+            closest_points(
+                coarse, start=_turned(a), overlap=1.0, settings=settings, limit=settings.start_iterations
+            )
+            for a in settings.starts
+        ),
+        key=lambda outcome: outcome.error,
+    )
+    fine = Neighbours(probe, reference, direction_weight=settings.direction_weight)
+    overlap = trimmed_share(fine.pairs(best.pose).squared, settings=settings)
+    found = closest_points(fine, start=best.pose, overlap=overlap, settings=settings)
+    return _registration(probe, reference, found=found, pairs=fine.pairs(found.pose), overlap=overlap)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """Where the loop ended. error: mean squared distance of the pairs it kept, before its last pose."""
+
+    pose: Pose
+    error: float
+    converged: bool
+    iterations: int
+
+
+def closest_points(
+    neighbours: Neighbours, *, start: Pose, overlap: float, settings: IcpSettings, limit: int | None = None
+) -> Outcome:
+    """Eq. (25): Y = closest points, (q, d_ms) = Q(P, Y), again until d_ms stops falling.
+
+    Of the pairs, both ways, only the closest `overlap` share moves the pose.
+    """
+    threshold = settings.tolerance * float(np.var(neighbours.X, axis=0).sum())
+    pose, best, last = start, start, np.inf
+    limit = limit or settings.max_iterations
+    for iteration in range(limit):
+        pairs = neighbours.pairs(pose)
+        squared = pairs.squared
+        kept = np.argsort(squared)[: max(round(overlap * len(squared)), 3)]
+        error = float(squared[kept].mean())
+        if last - error < threshold:
+            return Outcome(pose if error < last else best, min(error, last), True, iteration)
+        last, best = error, pose
+        P = np.vstack([neighbours.P, neighbours.P[pairs.backward_index]])[kept]
+        X = np.vstack([neighbours.X[pairs.forward_index], neighbours.X])[kept]
+        pose = closed_form_pose(P, X, rotation=settings.rotation)
+    return Outcome(best, last, False, limit)
+
+
+def trimmed_share(squared: FloatArray, *, settings: IcpSettings) -> float:
+    """Share xi of pairs that minimises psi = e(xi) xi^-(1 + lambda), e the mean of the smallest xi N.
+
+    squared: (N,) squared distances. All shares are tried at once from the sorted sums, so no search is
+    needed. Source: Chetverikov et al. 2002.
+    """
+    n = len(squared)
+    share = np.arange(1, n + 1) / n
+    e = np.cumsum(np.sort(squared)) / np.arange(1, n + 1)
+    psi = np.where(share >= settings.min_overlap, e * share ** -(1.0 + settings.trim_power), np.inf)
+    return 1.0 if e[-1] < 1e-12 else float(share[int(np.argmin(psi))])
+
+
+def _turned(angle: float) -> Pose:
+    half = np.deg2rad(angle) / 2
+    return Pose(unit_quaternion(np.array([np.cos(half), 0.0, 0.0, np.sin(half)])), np.zeros(3), np.inf)
+
+
+def _registration(
+    probe: PointSet, reference: PointSet, *, found: Outcome, pairs: Pairs, overlap: float
+) -> Registration:
+    T = found.pose.matrix
+    left = probe.xyz @ T[:3, :3].T + T[:3, 3] - reference.xyz[pairs.forward_index]
+    # where the reference's centroid lies in the probe's cell, so that a lost stroke does not count as shift
+    origin = -(T[:3, :3].T @ T[:3, 3])[:2]
+    return Registration(
+        probe=probe,
+        reference=reference,
+        T_reference_probe=T,
+        scale=probe.radius / reference.radius,
+        angle=float(np.rad2deg(np.arctan2(T[1, 0], T[0, 0]))),
+        shift=probe.centre - reference.centre + origin * probe.radius,
+        overlap=overlap,
+        d_ms=float(np.mean(np.sum(left * left, axis=1))),
+        forward=pairs.forward,
+        forward_index=pairs.forward_index,
+        backward=pairs.backward,
+        backward_index=pairs.backward_index,
+        converged=found.converged,
+        iterations=found.iterations,
+    )
