@@ -11,6 +11,7 @@ A font that lacks a character fails the script: nothing is written, and no subst
 from __future__ import annotations
 
 import argparse
+import functools
 import hashlib
 import io
 import json
@@ -164,11 +165,7 @@ class Face:
             package = " (Debian: apt install fonts-kouzan-mouhitsu)" if path.parent == KOUZAN else ""
             raise GalleryError(f"{path}: expected a font there{package}")
         self.path = path
-        self._font = TTFont(path)
-        self._font.flavor = None  # a woff2 becomes a plain font, in memory
-        plain = io.BytesIO()
-        self._font.save(plain)
-        self._plain = plain.getvalue()
+        self._font = TTFont(path, recalcBBoxes=False)
         self._glyphs = self._font.getGlyphSet()
         self._names = self._font.getBestCmap()
 
@@ -206,6 +203,16 @@ class Face:
         x, y = (left + right - big) // 2, (top + bottom - big) // 2
         ink = drawn.crop((x, y, x + big, y + big)).resize((SIDE, SIDE), Image.Resampling.BOX)
         return Image.eval(ink, lambda value: 255 - value)
+
+    @functools.cached_property
+    def _plain(self) -> bytes:
+        """The font as the rasteriser reads it: a woff2 becomes a plain font, in memory."""
+        if self._font.flavor is None:
+            return self.path.read_bytes()
+        self._font.flavor = None
+        plain = io.BytesIO()
+        self._font.save(plain)
+        return plain.getvalue()
 
     def _drawn(self, character: str, *, size: int, side: int) -> Image.Image:
         image = Image.new("L", (side, side), 0)

@@ -7,9 +7,11 @@ import importlib.util
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from rumu.errors import GalleryError
 from rumu.gallery.works import starter_works
@@ -85,26 +87,28 @@ def test_a_missing_glyph_is_refused_however_the_font_hides_it(
         face.picture("水")
 
 
-def test_the_real_fonts_lack_what_they_lack(make_starter: ModuleType, data: Path) -> None:
-    seal = make_starter.Face(data / "fonts" / "LXGWSeal-Regular.ttf")
+@pytest.fixture(scope="module")
+def faces(make_starter: ModuleType, data: Path) -> dict[str, Any]:
+    fonts = {"seal": "LXGWSeal-Regular.ttf", "clerical": "TW-MOE-Li_eduli.woff2"}
+    return {script: make_starter.Face(data / "fonts" / font) for script, font in fonts.items()}
+
+
+def test_the_real_fonts_lack_what_they_lack(make_starter: ModuleType, faces: dict[str, Any]) -> None:
     for missing in "永木犇":  # drawn as a square stamp that says 字鍵
-        with pytest.raises(GalleryError, match=f"LXGWSeal-Regular.ttf: has no {missing}"):
-            seal.check(missing)
-    clerical = make_starter.Face(data / "fonts" / "TW-MOE-Li_eduli.woff2")
+        with pytest.raises(GalleryError, match=rf"LXGWSeal-Regular\.ttf: has no {missing}"):
+            faces["seal"].check(missing)
     with pytest.raises(GalleryError, match="has no 书"):
-        clerical.check("书")
-    for face in (seal, clerical):
+        faces["clerical"].check("书")
+    for face in faces.values():
         for character in make_starter.CHARACTERS:
             face.check(character)
 
 
-def test_the_kept_pictures_are_what_the_fonts_draw(make_starter: ModuleType, data: Path) -> None:
+def test_the_kept_pictures_are_what_the_fonts_draw(make_starter: ModuleType, faces: dict[str, Any]) -> None:
     kept = {work.id: work for work in starter_works()}
-    for script, font in (("seal", "LXGWSeal-Regular.ttf"), ("clerical", "TW-MOE-Li_eduli.woff2")):
-        face = make_starter.Face(data / "fonts" / font)
-        for character, (name, _) in list(make_starter.CHARACTERS.items())[:2]:
-            from PIL import Image
-
+    for script, face in faces.items():
+        for character in "天書":
+            name, _ = make_starter.CHARACTERS[character]
             with Image.open(kept[f"{script}-{name}"].path) as image:
                 difference = np.abs(
                     np.asarray(image, dtype=int) - np.asarray(face.picture(character), dtype=int)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
 from collections import Counter
 from itertools import combinations, pairwise
@@ -19,6 +20,7 @@ from rumu.gallery.works import SCRIPTS, Sample, Work, find_work, starter_samples
 CHARACTERS = "天人水書日月"
 
 
+@functools.cache
 def ink(item: Work | Sample) -> np.ndarray:
     return np.asarray(Image.open(item.path)) < 128
 

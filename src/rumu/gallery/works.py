@@ -58,7 +58,8 @@ class SampleFault:
     """One fault that was put into a sample copy on purpose.
 
     fault: name in the simulation's table. severity: 0 (none) to 5 (gross).
-    size: how large, in `unit`; angles positive clockwise. region: (x0, y0, x1, y1) in fractions of the cell, origin top left.
+    size: how large, in `unit`; angles positive clockwise, pixels those of the picture.
+    region: (x0, y0, x1, y1) in fractions of the cell, origin top left, when the fault was put in.
     """
 
     fault: str

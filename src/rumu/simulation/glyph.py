@@ -52,9 +52,10 @@ class Glyph:
         ink = int(self.mask.sum())
         real = [s for s in self._separated if s.ink.sum() >= _REAL_STROKE * ink] or [self._separated[0]]
         own = [s.ink.copy() for s in real]
-        for speck in self._separated:
-            touching = [int((_grown(speck.ink) & s.ink).sum()) for s in real]
-            if speck not in real and max(touching) > 0:
+        for speck in (s for s in self._separated if s not in real):
+            reach = _grown(speck.ink)
+            touching = [int((reach & s.ink).sum()) for s in real]
+            if max(touching) > 0:
                 own[int(np.argmax(touching))] |= speck.ink
         return tuple(replace(stroke, ink=mask) for stroke, mask in zip(real, own, strict=True))
 
