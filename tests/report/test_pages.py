@@ -156,10 +156,12 @@ def test_a_surface_in_millimetres_says_so(master_surface):
 
 def test_the_demo_s_first_page(assessment, refusal, copy_surface, master_surface):
     samples = [
-        IndexSample("天 tian", Text("推笔", "pushed"), assessment, "a.html", copy_surface),
-        IndexSample("人 ren", Text("空白", "blank"), refusal, "b.html", None),
+        IndexSample(Text("天", "tian"), "good", (Text("推", "pushed"),), assessment, "a.html", copy_surface),
+        IndexSample(Text("人", "ren"), "bad", (), refusal, "b.html", None),
     ]
-    works = [IndexWork(f"w{n}", "天", f"work {n}", "a hand", master_surface) for n in range(3)]
+    works = [
+        IndexWork(f"w{n}", Text("天", f"work {n}"), Text("某", "a hand"), master_surface) for n in range(3)
+    ]
     html = demo_index(samples, works, title="rumu")
     outline = Outline(html)
     assert needs_no_network(html)

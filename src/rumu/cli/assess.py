@@ -15,7 +15,7 @@ from rumu.cli.progress import bar, working
 
 if TYPE_CHECKING:
     from rumu.report.wording import Text
-    from rumu.values import Assessment, Level, Surface
+    from rumu.values import Assessment, Surface
 
 
 def register(app: typer.Typer) -> None:
@@ -119,7 +119,7 @@ def page(
     copy: Surface | None,
     master: Surface,
     names: tuple[str, str],
-    levels: Mapping[Level, float],
+    levels: Mapping[str, float],
     target: Path,
     note: Text | None = None,
 ) -> None:

@@ -17,8 +17,9 @@ from rumu.cli.outcome import Outcome, ends_well, plain
 from rumu.cli.progress import Advance, bar
 
 if TYPE_CHECKING:
-    from rumu.gallery.works import Sample
+    from rumu.gallery.works import Bilingual, Sample, Work
     from rumu.report.pages import IndexSample, IndexWork
+    from rumu.report.wording import Text
 
 MARKS = "marks.json"  # also the sign by which an earlier demo is known and may be replaced
 
@@ -59,7 +60,7 @@ def _sample_pages(
 ) -> list[IndexSample]:
     from rumu.gallery.works import find_work
     from rumu.report.pages import IndexSample
-    from rumu.report.wording import SIMULATED, Text
+    from rumu.report.wording import SIMULATED
 
     cuts = level_cuts("panel")
     rows = []
@@ -69,30 +70,28 @@ def _sample_pages(
         href = f"{sample.id}.html"
         names = (sample.id, f"{work.title.zh} {work.title.en}")
         page(mark, copy=copy, master=master, names=names, levels=cuts, target=folder / href, note=SIMULATED)
-        made = _made(sample)
-        rows.append(IndexSample(f"{work.title.zh} {work.title.en}", Text(*made), mark, href, copy))
+        faults = tuple(_both(fault.description) for fault in sample.faults)
+        rows.append(IndexSample(_both(work.title), sample.degree, faults, mark, href, copy))
         advance(done, total)
     return rows
 
 
-def _made(sample: Sample) -> tuple[str, str]:
-    """What was done to the copy on purpose, in Chinese and English."""
-    faults = [fault.description for fault in sample.faults if fault.severity > 0]
-    if not faults:
-        return "无", "none"
-    return "；".join(f.zh for f in faults), "; ".join(f.en for f in faults)
-
-
-def _sheet(works: Sequence[Any], *, advance: Advance, done: int, total: int) -> list[IndexWork]:
+def _sheet(works: Sequence[Work], *, advance: Advance, done: int, total: int) -> list[IndexWork]:
     from rumu import pipeline
     from rumu.report.pages import IndexWork
 
     sheet = []
     for count, work in enumerate(works, start=1):
-        title, line = f"{work.title.zh} {work.title.en}", f"{work.hand.zh} {work.hand.en}"
-        sheet.append(IndexWork(work.id, work.character, title, line, pipeline.surface_of(work.path)))
+        surface = pipeline.surface_of(work.path)
+        sheet.append(IndexWork(work.id, _both(work.title), _both(work.hand), surface))
         advance(done + count, total)
     return sheet
+
+
+def _both(words: Bilingual) -> Text:
+    from rumu.report.wording import Text
+
+    return Text(words.zh, words.en)
 
 
 def _facts(samples: Sequence[Sample], rows: Sequence[IndexSample]) -> list[dict[str, Any]]:

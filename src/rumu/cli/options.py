@@ -6,12 +6,14 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rumu.errors import CalibrationError, GalleryError, ImageError
-from rumu.values import Level
+
+if TYPE_CHECKING:
+    from rumu.values import Level
 
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")
@@ -52,7 +54,7 @@ def master_path(master: str, *, root: Path | None = None) -> Path:
         raise ImageError(f"{path}: there is no such file, and {error}") from error
 
 
-def level_cuts(name: str) -> Mapping[Level, float]:
+def level_cuts(name: str) -> Mapping[str, float]:
     """Cut-offs by the name of a set, or from a JSON file: {"excellent": 80, "good": 65, "medium": 50}.
 
     Raises CalibrationError that names the known sets, or what is wrong with the file.
@@ -60,7 +62,7 @@ def level_cuts(name: str) -> Mapping[Level, float]:
     from rumu.assessment.calibration import LEVELS, checked_cuts
 
     if name in LEVELS:
-        return LEVELS[name]
+        return _plain(LEVELS[name])
     path = Path(name)
     if path.suffix.lower() != ".json":
         raise CalibrationError(f"levels {name!r}: expected one of {', '.join(LEVELS)}, or a .json file")
@@ -74,4 +76,8 @@ def level_cuts(name: str) -> Mapping[Level, float]:
         ) from error
     if not isinstance(cuts, dict):
         raise CalibrationError(f"{path}: expected a JSON object of levels, got {type(cuts).__name__}")
-    return checked_cuts(cuts, name=str(path))
+    return _plain(checked_cuts(cuts, name=str(path)))
+
+
+def _plain(cuts: Mapping[Level, float]) -> dict[str, float]:
+    return {str(level): low for level, low in cuts.items()}

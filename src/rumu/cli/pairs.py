@@ -19,7 +19,7 @@ from rumu.outputs import whole_file
 
 if TYPE_CHECKING:
     from rumu.cli.progress import Advance
-    from rumu.values import Assessment, Level, Surface
+    from rumu.values import Assessment, Surface
 
 COLUMNS = (
     "copy",
@@ -51,7 +51,7 @@ class Pair(NamedTuple):
 
 
 def assess_pairs(
-    pairs: Path, out: Path, *, root: Path, jobs: int | None, levels: Mapping[Level, float], advance: Advance
+    pairs: Path, out: Path, *, root: Path, jobs: int | None, levels: Mapping[str, float], advance: Advance
 ) -> tuple[int, int]:
     """Mark every row of `pairs` and write `out` in the same order; returns (marked, refused) rows.
 
@@ -98,7 +98,7 @@ def read_pairs(path: Path) -> Iterator[Pair]:
         raise ImageError(f"{path}: expected a CSV in UTF-8, cannot read it ({error})") from error
 
 
-def mark_row(pair: Pair, *, root: Path, levels: Mapping[Level, float]) -> dict[str, Any]:
+def mark_row(pair: Pair, *, root: Path, levels: Mapping[str, float]) -> dict[str, Any]:
     """One row of the result; whatever goes wrong is told in its column `refused`."""
     row: dict[str, Any] = dict.fromkeys(COLUMNS, "") | {"copy": pair.copy, "reference": pair.reference}
     if pair.copy is None or pair.reference is None:

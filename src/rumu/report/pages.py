@@ -45,10 +45,11 @@ class Shown(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class IndexSample:
-    """One row of the demo's table: a copy, its mark and its page."""
+    """One sample of the demo: whose copy it is, how bad it was made and how, its mark, its page."""
 
-    work: str
-    made: Text
+    work: Text
+    degree: Level
+    faults: tuple[Text, ...]
     assessment: Assessment
     href: str
     copy: Surface | None
@@ -59,9 +60,8 @@ class IndexWork:
     """One work of the contact sheet."""
 
     id: str
-    character: str
-    title: str
-    line: str
+    title: Text
+    hand: Text
     surface: Surface
 
 
@@ -73,7 +73,7 @@ def assessment_page(
     title: str,
     copy_name: str,
     master_name: str,
-    levels: Mapping[Level, float] | None = None,
+    levels: Mapping[str, float] | None = None,
     note: Text | None = None,
 ) -> str:
     """The mark of one copy as a page: what it is, what it rests on, and what to do next.
@@ -129,11 +129,12 @@ def surface_page(surface: Surface, *, title: str, notes: Sequence[Text] = ()) ->
 def demo_index(samples: Sequence[IndexSample], works: Sequence[IndexWork], *, title: str) -> str:
     """The first page of the demo: the marks of the samples, and the starter works as a contact sheet."""
     small = PictureSettings(side=200)
-    rows = [
+    cards = [
         (
             sample,
+            wording.LEVELS[sample.degree],
             wording.LEVELS[sample.assessment.level] if sample.assessment.level else None,
-            _uri(albedo_picture(sample.copy, settings=small), small) if sample.copy else None,
+            _uri(albedo_picture(sample.copy, settings=PictureSettings(side=320))) if sample.copy else None,
         )
         for sample in samples
     ]
@@ -145,10 +146,10 @@ def demo_index(samples: Sequence[IndexSample], works: Sequence[IndexWork], *, ti
         )
         for work in works
     ]
-    return _render("demo.html", title=title, rows=rows, sheet=sheet, simulated=wording.SIMULATED)
+    return _render("demo.html", title=title, cards=cards, sheet=sheet, simulated=wording.SIMULATED)
 
 
-def level_zones(levels: Mapping[Level, float]) -> list[dict[str, Any]]:
+def level_zones(levels: Mapping[str, float]) -> list[dict[str, Any]]:
     """The scale from 0 to 100 cut by `levels` (level -> lowest score): name, low, high, from low to high."""
     cuts = sorted((low, name) for name, low in levels.items() if name in wording.LEVELS and name != "bad")
     if not cuts:
