@@ -87,7 +87,7 @@ def test_the_mark_and_what_it_rests_on(html):
         "99.987 %",
         "is not the mark",
         "0.913",
-        "counter-clockwise",
+        "anticlockwise",
         "2.1 %",
         "What it does not mean",
     ):

@@ -96,7 +96,7 @@ def assessment_page(
         **context,
         level=wording.LEVELS[assessment.level] if assessment.level else None,
         zones=level_zones(levels or {}),
-        parts=[(*_part(name), value) for name, value in assessment.parts.items()],
+        parts=_parts(assessment.parts),
         pose=_pose(assessment.registration),
         remarks=_remarks(assessment.remarks),
         copy_picture=_uri(albedo_picture(copy)),
@@ -162,9 +162,9 @@ def level_zones(levels: Mapping[str, float]) -> list[dict[str, Any]]:
     ]
 
 
-def _part(name: str) -> tuple[Text, Text]:
-    plain = Text(name, name.replace("_", " ").capitalize())
-    return wording.PARTS.get(name, (plain, Text("", "")))
+def _parts(parts: Mapping[str, float]) -> list[tuple[Text, Text, float]]:
+    """(name, meaning, value) in the order of `wording.PARTS`."""
+    return [(*words, parts[name]) for name, words in wording.PARTS.items() if name in parts]
 
 
 def _pose(registration: Registration) -> list[tuple[Text, str, Text]]:
@@ -179,7 +179,7 @@ def _pose(registration: Registration) -> list[tuple[Text, str, Text]]:
                 lean,
                 0.05,
                 Text("右倾", "clockwise"),
-                Text("左倾", "counter-clockwise"),
+                Text("左倾", "anticlockwise"),
                 Text("正", "upright"),
             ),
         ),
