@@ -24,7 +24,9 @@ mark = rumu.assess(copy, master)
 
 def tile(picture: np.ndarray) -> np.ndarray:
     """The picture in the middle of a square of paper."""
-    small = fitted(picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2), side=SIDE)
+    if picture.ndim == 2:  # gray on white becomes gray on paper
+        picture = np.round(picture[..., None] / 255 * np.array(PAPER)).astype(np.uint8)
+    small = fitted(picture, side=SIDE)
     square = np.full((SIDE, SIDE, 3), PAPER, dtype=np.uint8)
     top, left = (SIDE - small.shape[0]) // 2, (SIDE - small.shape[1]) // 2
     square[top : top + small.shape[0], left : left + small.shape[1]] = small

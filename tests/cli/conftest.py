@@ -70,6 +70,7 @@ def desk(tmp_path: Path) -> Path:
     glyph().save(tmp_path / "master.png")
     glyph(lean=14).save(tmp_path / "copy.png")
     glyph(lean=6).save(tmp_path / "a copy.png")
+    glyph(bar=False).save(tmp_path / "half.png")
     Image.new("L", (160, 160), 255).save(tmp_path / "blank.png")
     (tmp_path / "empty.png").write_bytes(b"")
     whole = (tmp_path / "master.png").read_bytes()

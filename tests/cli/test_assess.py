@@ -27,10 +27,10 @@ def test_a_copy_is_marked(rumu, desk):
     assert facts["source"] == ["inflation", "inflation"] and facts["refused"] is None
 
 
-def test_the_master_itself_beats_a_crooked_copy(rumu, desk):
+def test_the_master_itself_beats_a_crooked_copy_and_that_a_half_one(rumu, desk):
     scores = [
         rumu("assess", desk / name, "--reference", desk / "master.png", "--json").facts["score"]
-        for name in ("master.png", "a copy.png", "copy.png")
+        for name in ("master.png", "copy.png", "half.png")
     ]
     assert scores[0] > scores[1] > scores[2]
 

@@ -63,7 +63,7 @@ def test_higher_ground_hides_what_lies_behind(master_surface):
         confidence=np.ones_like(height),
     )
     walled = replace(flat, height=height + wall)
-    view = MeshView(azimuth=0.0, elevation=25.0)
+    view = MeshView(azimuth=0.0, elevation=25.0, margin=1.0)
 
     def bluish(surface):
         picture = mesh_picture(surface, view=view)[0].astype(int)

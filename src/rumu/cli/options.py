@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 from collections.abc import Mapping
@@ -34,6 +35,18 @@ def not_an_input(output: Path | None, *inputs: Path | str | None) -> None:
     for path in inputs:
         if path is not None and output.resolve() == Path(path).resolve():
             raise typer.BadParameter(f"{output} is an input and would be written over")
+
+
+class _OnlyAskingError(Exception):
+    pass
+
+
+def ask_for_place(folder: Path, *, marker: str) -> None:
+    """Raise OutputError now, when `folder` cannot be written, rather than after minutes of work."""
+    from rumu.outputs import whole_folder
+
+    with contextlib.suppress(_OnlyAskingError), whole_folder(folder, marker=marker):
+        raise _OnlyAskingError  # leaves everything as it was
 
 
 def master_path(master: str, *, root: Path | None = None) -> Path:

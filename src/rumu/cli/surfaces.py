@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from rumu.cli.options import AsJson, finite
+from rumu.cli.options import AsJson, ask_for_place, finite
 from rumu.cli.outcome import Outcome, ends_well
 from rumu.cli.progress import working
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rumu.values import Surface
 
 Solver = Literal["robust", "least_squares", "trimmed", "l1"]
-Integrator = Literal["auto", "dct", "frankot_chellappa"]
+Integrator = Literal["auto", "dct", "frankot_chellappa", "masked"]
 Rectify = Literal["none", "bands", "svd", "masked"]
 Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
@@ -54,7 +54,9 @@ def reconstruct(
 
     from rumu import pipeline
     from rumu.capture.folder import read_capture
+    from rumu.surface.folder import MARKER
 
+    ask_for_place(out, marker=MARKER)
     with working("Reconstructing"):
         capture = read_capture(capture_dir)
         if mm_per_pixel is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ class MeshView:
     azimuth: degrees the sheet is turned about z. elevation: degrees of the eye above the sheet.
     cells: quads along the longer side. width: pixels of the picture.
     relief: share of the longer side to which a flatter surface is raised; a steeper one stays as it is.
+    margin: paper kept around the ink of a computed relief, as a share of the picture's longer side.
     """
 
     azimuth: float = -17.0
@@ -25,6 +26,7 @@ class MeshView:
     cells: int = 84
     width: int = 640
     relief: float = 0.1
+    margin: float = 0.07
 
 
 # Drawn at twice the size and shrunk: the hair lines of the mesh then stay even.
@@ -35,10 +37,25 @@ _LAMP = np.array([-0.5, 0.45, 0.74])
 def mesh_picture(surface: Surface, *, view: MeshView | None = None) -> tuple[Picture, float]:
     """The picture (rows, view.width, 3) on paper colour, and the factor by which the height was raised."""
     view = view or MeshView()
+    surface = _around_ink(surface, margin=view.margin)
     xyz, exaggeration = _grid(surface, view)
     colours = _colours(surface, xyz)
     screen, depth = _projected(xyz, view)
     return _painted(screen, depth, colours, view), exaggeration
+
+
+def _around_ink(surface: Surface, *, margin: float) -> Surface:
+    """The part of a computed relief that holds its ink; blank paper only makes the writing small."""
+    if surface.source == "photometric" or not surface.mask.any():
+        return surface
+    keep = round(margin * max(surface.mask.shape))
+    spans = []
+    for axis in (1, 0):
+        inked = np.flatnonzero(surface.mask.any(axis=axis))
+        spans.append(slice(max(inked[0] - keep, 0), inked[-1] + keep + 1))
+    rows, columns = spans
+    maps = ("height", "normals", "albedo", "mask", "confidence")
+    return replace(surface, **{name: getattr(surface, name)[rows, columns] for name in maps})
 
 
 def _grid(surface: Surface, view: MeshView) -> tuple[FloatArray, float]:

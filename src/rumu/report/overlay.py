@@ -42,7 +42,7 @@ def overlay_picture(
     strays = _distances(copy, model)
     order = np.argsort(strays)  # the loudest on top
     colours = coloured(strays / settings.full, stops=RESIDUAL_STOPS)
-    dot = 0.72 * scale * _pitch(copy)  # neighbours just touch: the points read as ink
+    dot = 0.85 * scale * _pitch(copy)  # neighbours just touch: the points read as ink
     _dots(canvas, copy[order], colours[order], scale, radius=dot)
     _rings(canvas, model[_distances(model, copy) > settings.missing], scale, radius=dot)
     import cv2
