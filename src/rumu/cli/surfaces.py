@@ -131,7 +131,7 @@ def _written(surface: Surface, out: Path, *, title: str) -> Outcome:
         "spacing": surface.spacing,
         "unit": surface.unit,
         "height": {"low": surface.height.min(), "high": surface.height.max()},
-        "measured_share": surface.mask.mean(),
+        "mask_share": surface.mask.mean(),
         "quality": surface.quality,
     }
     return Outcome(facts, _described(surface, out))

@@ -119,6 +119,22 @@ REFUSED_ADVICE: tuple[Text, ...] = (
 )
 
 QUALITY: dict[str, Text] = {
+    "residual": Text(
+        "模型未能解释的亮度（占像素亮度，中位数）", "Brightness the model leaves unexplained, median share"
+    ),
+    "shadow_share": Text("落在阴影里的观测比例", "Share of values that lie in shadow"),
+    "paper_p": Text(
+        "纸面左右坡度（应近于零）", "Median slope across; near 0 when the sheet faced the camera"
+    ),
+    "paper_q": Text(
+        "纸面上下坡度（应近于零）", "Median slope up and down; near 0 when the sheet faced the camera"
+    ),
+    "strength_spread": Text("最强灯与最弱灯之比", "Strongest lamp over the weakest, as used"),
+    "black_level": Text("视为无光的亮度", "Brightness taken for darkness"),
+    "measured_share": Text("实测像素的比例", "Share of the pixels that were measured"),
+    "brightness": Text("反照率的除数", "What the albedo was divided by, to stay within 1"),
+    "lamps": Text("灯数", "Number of lamps"),
+    "fourth_lamp": Text("第四灯的核对（越小越好）", "Check by the fourth lamp; small is good"),
     "ink_share": Text("墨迹占画面的比例", "Share of the picture that is ink"),
     "contrast": Text("墨的浓度（中位数，一为全黑）", "Median darkness of the ink; 1 is black"),
     "half_width": Text("笔画半宽（中位数，像素）", "Median half-width of the strokes, in pixels"),
