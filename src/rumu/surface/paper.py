@@ -1,0 +1,181 @@
+"""The paper under the ink: where the picture of it begins, how bright it is, which side of it is ink.
+
+Everything here works on a reduced picture, so that it costs the same for a scan and for a large photo.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+Polarity = Literal["dark", "light"]
+Bytes = npt.NDArray[np.uint8]
+Floats = npt.NDArray[np.float32]
+Bools = npt.NDArray[np.bool_]
+
+GRID = 64  # longer side of the reduced picture: strokes stay visible, a quadratic costs nothing
+FLAT = 2  # grey levels: what JPEG leaves of a constant colour
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Paper:
+    """Paper level and polarity of one page.
+
+    level: (h, w) float32 on the reduced grid, 0-255, of `tone` of the same polarity.
+    polarity: 'dark' ink on light paper, or 'light' strokes on dark ground (a rubbing).
+    """
+
+    level: Floats
+    polarity: Polarity
+
+
+def tone(view: Bytes, *, polarity: Polarity) -> Bytes:
+    """(H, W) uint8 in which ink is dark.
+
+    Dark ink is dark in every channel, so the brightest channel keeps ink and lets red grids and seals fade
+    into the paper; strokes of a rubbing are light in every channel, so there it is the darkest, inverted.
+    """
+    import cv2
+
+    if view.ndim == 2:
+        return view if polarity == "dark" else cv2.bitwise_not(view)
+    a, b, c = cv2.split(view)
+    if polarity == "dark":
+        return np.asarray(cv2.max(cv2.max(a, b), c), dtype=np.uint8)
+    return np.asarray(cv2.bitwise_not(cv2.min(cv2.min(a, b), c)), dtype=np.uint8)
+
+
+def histogram(values: Bytes, *, mask: Bools | None = None) -> npt.NDArray[np.float64]:
+    """(256,) float64: how many of the uint8 values, those under the mask if there is one, have each level."""
+    import cv2
+
+    under = None if mask is None else mask.astype(np.uint8)
+    counts = cv2.calcHist([np.atleast_2d(values)], [0], under, [256], [0, 256])
+    return np.asarray(counts, dtype=np.float64).ravel()
+
+
+def otsu(counts: npt.NDArray[np.float64]) -> float:
+    """Threshold of largest between-class variance of a histogram, half-way between two grey levels."""
+    below = np.cumsum(counts)
+    sums = np.cumsum(counts * np.arange(256))
+    total, mass = below[-1], sums[-1]
+    within = np.maximum(below * (total - below), 1e-9)
+    between = (mass * below / max(total, 1e-9) - sums) ** 2 / within
+    best = np.flatnonzero(between >= between.max() * (1 - 1e-9))
+    return float(best.mean()) + 0.5
+
+
+def reduced(picture: Bytes, *, side: int = GRID) -> Bytes:
+    """The picture by area averaging, longer side at most `side`."""
+    import cv2
+
+    longest = max(picture.shape[:2])
+    if longest <= side:
+        return picture
+    height, width = (max(1, round(n * side / longest)) for n in picture.shape[:2])
+    return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
+
+
+def read_paper(small: Bytes, *, polarity: Polarity | None = None) -> Paper:
+    """Fit the paper of a reduced picture under both hypotheses, dark ink and light, and keep the likelier."""
+    polarities: tuple[Polarity, ...] = ("dark", "light") if polarity is None else (polarity,)
+    fits = [Paper(fit_level(tone(small, polarity=p)), p) for p in polarities]
+    return _despite_shadow(small, min(fits, key=lambda paper: unlikeliness(small, paper)))
+
+
+def unlikeliness(small: Bytes, paper: Paper) -> float:
+    """How little the dark side of `tone` looks like writing: it fills, it frames, it is thick."""
+    import cv2
+
+    value = ratio(tone(small, polarity=paper.polarity), paper.level)
+    ink = value < otsu(histogram(value))
+    rim = np.concatenate([ink[:2].ravel(), ink[-2:].ravel(), ink[:, :2].ravel(), ink[:, -2:].ravel()])
+    thick = cv2.distanceTransform(np.pad(ink, 1, mode="edge").astype(np.uint8), cv2.DIST_L2, 3)
+    bright_ground = 0.5 if paper.polarity == "light" and float(np.median(paper.level)) < 128 else 0.0
+    return float(rim.mean() + ink.mean() + 4.0 * thick.max() / max(ink.shape)) + bright_ground
+
+
+def _despite_shadow(small: Bytes, paper: Paper) -> Paper:
+    """The paper with a sharp shadow in it, where that explains the page better than one smooth level.
+
+    Closing takes away what is narrower than a third of the page: strokes go, a shadow stays in the level.
+    It must leave a contrast that is stronger, or thick ink would be taken for a shadow.
+    """
+    import cv2
+
+    value = tone(small, polarity=paper.polarity)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * (max(small.shape[:2]) // 6) + 1,) * 2)
+    level = np.asarray(cv2.morphologyEx(value, cv2.MORPH_CLOSE, kernel), dtype=np.float32)
+    shaded = Paper(np.clip(level, 1.0, 255.0), paper.polarity)
+    if contrast(small, shaded) < 1.1 * contrast(small, paper) + 0.05:
+        return paper
+    return shaded if unlikeliness(small, shaded) < unlikeliness(small, paper) - 0.2 else paper
+
+
+def contrast(small: Bytes, paper: Paper) -> float:
+    """How far the dark class lies below the paper, as a share of the paper's level."""
+    value = ratio(tone(small, polarity=paper.polarity), paper.level)
+    return float(1.0 - np.median(value[value < otsu(histogram(value))], axis=None) / 200.0)
+
+
+def ratio(value: Bytes, level: npt.NDArray[Any]) -> Bytes:
+    """Tone over paper level of the same shape, as uint8: 200 is paper, 0 is black."""
+    import cv2
+
+    under = level if level.dtype == np.uint8 else np.clip(np.rint(level), 1, 255).astype(np.uint8)
+    return np.asarray(cv2.divide(value, under, scale=200.0), dtype=np.uint8)
+
+
+def fit_level(value: Bytes) -> Floats:
+    """Paper level of a reduced tone: a quadratic over the paper, then what is left of it, smoothed.
+
+    Starts as an upper envelope (expectile), because up to half of the page may be ink.
+    """
+    import cv2
+
+    shape = value.shape
+    z = value.astype(np.float32).ravel()
+    basis = _quadratic(shape)
+    weight = np.ones_like(z)
+    for _ in range(3):
+        fit = _weighted(basis, z, weight)
+        weight = np.where(z > fit, np.float32(0.9), np.float32(0.1))
+    for _ in range(2):
+        level = _bounded(fit, z)
+        x = np.clip(200.0 * z / level, 0, 255).astype(np.uint8)
+        cut = (otsu(histogram(x)) + 200.0) / 2.0
+        weight = (x > cut).astype(np.float32)
+        if weight.sum() < 0.05 * z.size:
+            break
+        fit = _weighted(basis, z, weight)
+    level = _bounded(fit, z).reshape(shape)
+    keep = weight.reshape(shape)
+    sigma = max(shape) / 12.0
+    residue = cv2.GaussianBlur(keep * (z.reshape(shape) - level), (0, 0), sigma)
+    share = cv2.GaussianBlur(keep, (0, 0), sigma)
+    return np.asarray(np.clip(level + residue / (share + 0.1), 1.0, 255.0), dtype=np.float32)
+
+
+@lru_cache(maxsize=8)
+def _quadratic(shape: tuple[int, ...]) -> Floats:
+    y, x = np.meshgrid(*(np.linspace(-1, 1, n, dtype=np.float32) for n in shape), indexing="ij")
+    x, y = x.ravel(), y.ravel()
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+
+
+def _weighted(basis: Floats, z: Floats, weight: Floats) -> Floats:
+    """Weighted least squares; the slopes are held back a little, so that a small patch cannot swing them."""
+    scaled = basis * weight[:, None]
+    held = np.diag([0, 1, 1, 3, 3, 3]).astype(np.float32) * (1e-2 * z.size)
+    coefficients = np.linalg.solve(scaled.T @ basis + held, scaled.T @ z)
+    return np.asarray(basis @ coefficients, dtype=np.float32)
+
+
+def _bounded(fit: Floats, z: Floats) -> Floats:
+    """Keep an extrapolated fit within what the page can be."""
+    top = float(np.percentile(z, 99.5))
+    return np.asarray(np.clip(fit, 0.25 * top, 1.1 * top + 1.0), dtype=np.float32)

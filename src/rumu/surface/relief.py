@@ -1,0 +1,190 @@
+"""A surface from one image: the ink of a scan or photo, given a height.
+
+This height is computed from the ink of one 2-D image. It is no measured relief: 'inflation' depends on the
+outline of the ink alone and 'density' on how dark the ink is. Ink on flat paper has no photometric relief
+either, however dark it is, because the slopes of photometric stereo do not contain the albedo; so these are
+the surfaces that a sheet of paper can have. Real relief needs lamps and an object that has one.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.capture.image import as_image, read_image, to_linear
+from rumu.errors import RefusedImage, SurfaceError
+from rumu.surface.inflation import InflationSettings, inflate
+from rumu.surface.ink import Ink, find_ink
+from rumu.surface.stereo import normals_from_gradients
+from rumu.values import Source, Surface
+
+__all__ = ["InflationSettings", "Method", "Mode", "inflate", "relief"]
+
+Method = Literal["inflation", "density"]
+Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
+Floats = npt.NDArray[np.float32]
+Bools = npt.NDArray[np.bool_]
+
+
+def relief(
+    image: str | os.PathLike[str] | npt.NDArray[Any] | Ink,
+    *,
+    method: Method = "inflation",
+    mode: Mode = "inhomogeneous",
+    kappa: float = 0.0,
+) -> Surface:
+    """The surface of the ink of one image. Its height is a function of that image and not measured relief.
+
+    image: a path, an array that `as_image` takes (values as stored, not linear), or an Ink.
+    method: 'inflation', the inflated outline (our reconstruction of Zhang et al. 2018): a half circle across
+        a stroke; 'density', the density of the ink times its median half-width.
+    mode: of the inflation. 'inhomogeneous': wide strokes are high. 'homogeneous': all strokes reach the
+        median half-width. 'hybrid': the mean of both.
+    kappa: pixels of height for each unit by which the ink is denser than the ink around it; inflation only.
+    Returns a Surface in pixels (unit 'px', spacing 1): height 0 on paper; normals of that height; albedo the
+        image as linear light; mask the ink; confidence 1 on ink and 0 elsewhere; quality: 'ink_share' of the
+        picture, 'contrast' (median density), 'half_width' (median, px) and the figures of the ink.
+    Raises ImageError for what is no image, RefusedImage (naming the file) where there is no writing,
+    SurfaceError for an unknown method or mode, or a kappa that is not finite.
+    """
+    _check_choice(method, get_args(Method), "method")
+    _check_choice(mode, get_args(Mode), "mode")
+    if not np.isfinite(kappa):
+        raise SurfaceError(f"kappa: expected a finite number, got {kappa}")
+    ink, albedo = _ink_and_albedo(image)
+    typical = half_width(ink.mask)
+    if method == "density":
+        height = ink.density * np.float32(typical)
+    else:
+        height = _inflated(ink, typical=typical, mode=mode, kappa=kappa)
+    source: Source = "density" if method == "density" else "inflation"
+    return Surface(
+        height=height,
+        normals=normals_of(height),
+        albedo=albedo,
+        mask=ink.mask,
+        confidence=ink.mask.astype(np.float32),
+        spacing=1.0,
+        unit="px",
+        source=source,
+        quality={"ink_share": float(ink.mask.mean()), "contrast": ink.contrast, "half_width": typical}
+        | dict(ink.figures),
+    )
+
+
+def _check_choice(value: object, choices: tuple[str, ...], name: str) -> None:
+    if value not in choices:
+        raise SurfaceError(f"{name}: expected one of {', '.join(choices)}, got {value!r}")
+
+
+def _ink_and_albedo(image: str | os.PathLike[str] | npt.NDArray[Any] | Ink) -> tuple[Ink, Floats]:
+    if isinstance(image, Ink):
+        return image, _painted(image)
+    if isinstance(image, np.ndarray):
+        stored = as_image(image)
+        return find_ink(stored), _linear(stored)
+    stored = read_image(Path(image))
+    try:
+        return find_ink(stored), _linear(stored)
+    except RefusedImage as error:
+        raise RefusedImage(f"{image}: {error}", reason=error.reason) from None
+
+
+def _linear(stored: Floats) -> Floats:
+    """Linear light; 8-bit values, which most images have, take 256 powers instead of one for each pixel."""
+    import cv2
+
+    steps = cv2.convertScaleAbs(stored, alpha=255.0)
+    table = to_linear(np.arange(256, dtype=np.float32) / np.float32(255.0))
+    coarse = steps.astype(np.float32)
+    coarse *= np.float32(1 / 255)
+    if float(cv2.norm(coarse, stored, cv2.NORM_INF)) > 1e-5:
+        return to_linear(stored)
+    return np.asarray(cv2.LUT(steps, table), dtype=np.float32).reshape(stored.shape)
+
+
+def _painted(ink: Ink) -> Floats:
+    """The picture that an Ink alone tells of: its densities on paper of one level."""
+    if ink.polarity == "dark":
+        return to_linear((ink.paper * (1.0 - ink.density)).astype(np.float32))
+    return to_linear((ink.paper + (1.0 - ink.paper) * ink.density).astype(np.float32))
+
+
+def _inflated(ink: Ink, *, typical: float, mode: Mode, kappa: float) -> Floats:
+    height = inflate(ink.mask)
+    if mode != "inhomogeneous":
+        even = height * np.float32(typical) / np.maximum(local_half_width(ink.mask), np.float32(0.5))
+        height = (even if mode == "homogeneous" else (height + even) / 2).astype(np.float32)
+    if kappa:
+        around = _mean_over_ink(ink.density, ink.mask, reach=2 * typical)
+        detailed = height + np.float32(kappa) * (ink.density - around)
+        height = np.where(ink.mask, np.maximum(detailed, np.float32(0.0)), np.float32(0.0))
+    return height
+
+
+def half_width(mask: Bools) -> float:
+    """Median half-width of the strokes over their medial axis, in pixels; 0 without ink."""
+    depth, ridge = _medial_axis(mask)
+    return float(np.median(depth[ridge])) if ridge.any() else 0.0
+
+
+def local_half_width(mask: Bools) -> Floats:
+    """(H, W) float32: for each ink pixel the half-width, in pixels, of the stroke it lies in; 0 off the ink.
+
+    The distance to the edge at the nearest pixel of the medial axis.
+    """
+    import cv2
+
+    depth, ridge = _medial_axis(mask)
+    _, nearest = cv2.distanceTransformWithLabels(
+        (~ridge).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    of_label = np.zeros(int(nearest.max()) + 1, np.float32)
+    of_label[nearest[ridge]] = depth[ridge]
+    return np.where(mask, of_label[nearest], np.float32(0.0))
+
+
+def _medial_axis(mask: Bools) -> tuple[Floats, Bools]:
+    """Distance to the edge, and where it is a local maximum.
+
+    Distances run to the centre of the nearest paper pixel; the edge lies half a pixel before it.
+    """
+    import cv2
+
+    depth = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
+    ridge = mask & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - np.float32(0.25))
+    return np.asarray(depth - np.float32(0.5)), np.asarray(ridge)
+
+
+def _mean_over_ink(values: Floats, mask: Bools, *, reach: float) -> Floats:
+    import cv2
+
+    weight = mask.astype(np.float32)
+    total = cv2.GaussianBlur(values * weight, (0, 0), max(reach, 1.0))
+    share = cv2.GaussianBlur(weight, (0, 0), max(reach, 1.0))
+    return np.asarray(total / np.maximum(share, np.float32(1e-6)), dtype=np.float32)
+
+
+def normals_of(height: Floats) -> Floats:
+    """Unit normals of a height map in pixels, by central differences.
+
+    height: (H, W) float32. Returns (H, W, 3) float32, x right, y up, z to the camera.
+    """
+    normals = np.zeros((*height.shape, 3), np.float32)
+    normals[:, :, 2] = 1.0
+    raised = height != height.flat[0]
+    if raised.any():
+        rows, columns = (np.flatnonzero(raised.any(axis=axis)) for axis in (1, 0))
+        box = tuple(slice(max(0, k[0] - 2), k[-1] + 3) for k in (rows, columns))
+        part = height[box]
+        normals[box] = normals_from_gradients(_slope(part), -_slope(part.T).T)  # dz/drow = -q
+    return normals
+
+
+def _slope(height: Floats) -> Floats:
+    """d height / d column; one-sided at the border."""
+    return np.gradient(height, axis=1) if height.shape[1] > 1 else np.zeros_like(height)
