@@ -1,0 +1,250 @@
+"""From a capture to a surface: normals by the solver that fits the lamps, then height.
+
+A page of flat paper and ink comes out flat here, however black the ink: see `rumu.surface.stereo`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.capture.lights import PaperLamps, paper_tilts
+from rumu.errors import SurfaceError
+from rumu.surface.integrate import INTEGRATORS, integrate
+from rumu.surface.robust import SOLVERS, Solution, Solver, solve
+from rumu.surface.stereo import (
+    all_lit,
+    channel_albedo,
+    gradients_from_normals,
+    normals_from_gradients,
+    three_lamps,
+)
+from rumu.surface.strengths import Photometry, calibrate, flat_sheet, sample
+from rumu.values import Capture, Surface
+
+FloatArray = npt.NDArray[np.floating[Any]]
+BoolArray = npt.NDArray[np.bool_]
+
+# Nearer to the paper's places than any lamp list is exact: beyond it the given directions serve better.
+_PAPER_TOLERANCE = 0.25
+_SHEET_SHARE = 0.6  # of the pixels must be trusted for an unmasked capture to count as a full sheet
+_LEAST_TRUST = 0.05  # in integration: an unsure slope is better than none
+
+
+def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "auto") -> Surface:
+    """The surface of a capture, source 'photometric'.
+
+    solver: one of `rumu.surface.robust.SOLVERS`. integrator: one of `rumu.surface.integrate.INTEGRATORS`.
+    Height is in millimetres when the capture's spacing is known, else in pixels: 0 at the paper when most of
+    the sheet faces one way, else at the mean. Pixels that no three lamps reach are filled in from their
+    neighbours before integration and have confidence 0; the surface's mask holds those that were measured.
+    quality: see `surface_normals`.
+    Raises SurfaceError when a name is unknown or nothing was lit.
+    """
+    if integrator not in INTEGRATORS:
+        raise SurfaceError(f"expected an integrator among {', '.join(INTEGRATORS)}, got {integrator!r}")
+    normals, albedo, confidence, quality = surface_normals(capture, solver=solver)
+    measured = capture.mask & (confidence > 0)
+    if not measured.any():
+        raise SurfaceError("expected pixels that three lamps reach, got none: the photographs are all dark")
+    domain = _domain(capture.mask, confidence)
+    measured &= domain
+    filled = fill(normals, known=measured, within=domain)
+    height = integrate(
+        filled,
+        mask=None if domain.all() else domain,
+        method=integrator,
+        weights=None if domain.all() else np.maximum(confidence, _LEAST_TRUST),
+    )
+    spacing = 1.0 if capture.spacing is None else capture.spacing
+    height = np.where(domain, (height - _ground(height, measured)) * spacing, 0.0)
+    quality["measured_share"] = float(measured.sum() / domain.sum())
+    return Surface(
+        height=height.astype(np.float32),
+        normals=filled,
+        albedo=albedo,
+        mask=measured,
+        confidence=np.where(measured, confidence, 0.0).astype(np.float32),
+        spacing=spacing,
+        unit="px" if capture.spacing is None else "mm",
+        source="photometric",
+        quality=quality,
+    )
+
+
+def surface_normals(
+    capture: Capture, *, solver: str = "robust"
+) -> tuple[FloatArray, FloatArray, FloatArray, dict[str, float]]:
+    """Normals (H, W, 3), albedo (H, W[, 3]) in [0, 1], confidence (H, W) in [0, 1], and quality.
+
+    Three lamps of the paper's kind, and four, take its closed form whatever the solver. When the capture does
+    not know the strengths of its lamps, solver 'robust' and the closed form estimate them, with care.
+
+    quality: 'residual', median |brightness - law| in shares of a pixel's brightness (0 by construction for
+    three lamps); 'shadow_share', share of values in shadow; 'paper_p' and 'paper_q', median slopes before any
+    strength was estimated, near 0 for a sheet that faced the camera; 'fourth_lamp', median |d - (a + c - b)|
+    over brightness, only with four lamps of the paper's kind; 'strength_spread', strongest lamp over weakest
+    as used; 'black_level', brightness taken for none; 'measured_share', share of the object measured;
+    'brightness', by which the albedo was divided to stay within 1; 'lamps', their number.
+    Raises SurfaceError for an unknown solver.
+    """
+    if solver not in SOLVERS:
+        raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
+    lamps = paper_tilts(capture.lights, tolerance=_PAPER_TOLERANCE)
+    photometry = _photometry(capture, lamps, solver)
+    solution, check = _solved(capture, lamps, photometry, solver)
+    measured = capture.mask & (solution.confidence > 0)
+    albedo, brightness = _within_one(solution.albedo, measured)
+    p, q = _slopes(_before(capture, lamps, photometry), solution, measured)
+    quality = {
+        "residual": solution.residual,
+        "shadow_share": solution.shadow_share,
+        "paper_p": p,
+        "paper_q": q,
+        "strength_spread": float(photometry.strengths.max() / photometry.strengths.min()),
+        "black_level": photometry.black_level,
+        "measured_share": float(measured.sum() / capture.mask.sum()),
+        "brightness": brightness,
+        "lamps": float(len(capture.lights)),
+    }
+    if check is not None:
+        quality["fourth_lamp"] = check
+    return solution.normals, albedo, solution.confidence, quality
+
+
+def fill(normals: FloatArray, *, known: BoolArray, within: BoolArray) -> FloatArray:
+    """(H, W, 3) float32 unit normals: known ones kept, the rest of `within` blended from near known ones.
+
+    Slopes are averaged in ever coarser cells until every cell holds a known pixel. Outside `within` flat.
+    """
+    p, q = gradients_from_normals(normals)
+    if not (within & ~known).any():
+        kept = np.asarray(normals, dtype=np.float32)
+    else:
+        weight = known.astype(np.float32)
+        p, q = (_pulled(np.where(known, slope, 0.0).astype(np.float32), weight) for slope in (p, q))
+        kept = np.where(known[..., None], normals, normals_from_gradients(p, q)).astype(np.float32)
+    return np.where(within[..., None], kept, np.array([0, 0, 1], dtype=np.float32))
+
+
+def _pulled(total: FloatArray, weight: FloatArray) -> FloatArray:
+    """Push-pull: means of known values, from the coarser half-size picture where there are none."""
+    here = total / np.maximum(weight, 1e-6)
+    if weight.min() > 0 or max(weight.shape) == 1:
+        return here
+    coarse = _pulled(_halved(total), _halved(weight))
+    wide = coarse.repeat(2, axis=0).repeat(2, axis=1)[: weight.shape[0], : weight.shape[1]]
+    trust = np.minimum(weight, 1.0)
+    return trust * here + (1.0 - trust) * wide
+
+
+def _halved(values: FloatArray) -> FloatArray:
+    padded = np.pad(values, [(0, side % 2) for side in values.shape])
+    h, w = padded.shape
+    return np.asarray(padded.reshape(h // 2, 2, w // 2, 2).sum(axis=(1, 3)))
+
+
+def _photometry(capture: Capture, lamps: PaperLamps | None, solver: str) -> Photometry:
+    """What to divide the photographs by, and what to take from them first."""
+    n = len(capture.lights)
+    known = Photometry(
+        np.ones(n) if capture.strengths is None else capture.strengths / capture.strengths.mean()
+    )
+    if n > 3 and (solver == "robust" or lamps is not None):
+        found = calibrate(capture.images, capture.lights, mask=capture.mask, strengths=capture.strengths)
+        # The closed form has no place for a black level.
+        return found if lamps is None else replace(found, black_level=0.0)
+    if lamps is None or capture.strengths is not None:
+        return known
+    # Three equations and three unknowns contradict nothing; only flat paper, which must look alike under
+    # every lamp of one slant, tells that their strengths differ.
+    usual = flat_sheet(sample(capture.images, mask=capture.mask, most=20_000))
+    return known if usual is None else Photometry(usual / usual.mean(), sheet=True)
+
+
+def _solved(
+    capture: Capture, lamps: PaperLamps | None, photometry: Photometry, solver: str
+) -> tuple[Solution, float | None]:
+    if lamps is not None:
+        return _closed_form(capture, lamps, photometry.strengths)
+    solution = solve(
+        capture.images,
+        capture.lights * photometry.strengths[:, None],
+        solver=cast(Solver, solver),
+        mask=capture.mask,
+        black_level=photometry.black_level,
+    )
+    return solution, None
+
+
+def _closed_form(capture: Capture, lamps: PaperLamps, strengths: FloatArray) -> tuple[Solution, float | None]:
+    """The paper's three lamps; confidence is the brightness of the darkest of them beside the mean."""
+    order = list(lamps.order)
+    gray = (capture.gray[order] / strengths[order, None, None]).astype(np.float32)
+    found = three_lamps(*gray[:3], slant=lamps.slant, d=gray[3] if len(order) == 4 else None)
+    normals, albedo = found.normals, found.albedo
+    lit = found.valid & capture.mask & all_lit(capture.gray)
+    if capture.images.ndim == 4:
+        lights = capture.lights[order] * strengths[order, None]
+        values = capture.images[order].reshape(len(order), -1, 3)
+        ones = np.ones((values.shape[1], len(order)))
+        albedo = channel_albedo(values, normals.reshape(-1, 3), lights, weights=ones)
+        albedo = np.where(lit[..., None], albedo.reshape(*lit.shape, 3), 0.0).astype(np.float32)
+    darkest = gray.min(axis=0) / np.maximum(gray.mean(axis=0), 1e-6)
+    confidence = np.where(lit, np.clip(darkest, 1e-3, 1.0), 0.0).astype(np.float32)
+    dark = float(np.mean(gray[:, capture.mask] < 0.05 * gray[:, capture.mask].max(axis=0)))
+    return Solution(normals, albedo, confidence, 0.5 * (found.fourth_lamp or 0.0), dark), found.fourth_lamp
+
+
+def _before(capture: Capture, lamps: PaperLamps | None, photometry: Photometry) -> Solution | None:
+    """The closed form with lamps taken for equal, to tell how the sheet leans; None if nothing changed."""
+    if lamps is None or not photometry.sheet:
+        return None
+    return _closed_form(capture, lamps, np.ones(len(capture.lights)))[0]
+
+
+def _slopes(before: Solution | None, solution: Solution, measured: BoolArray) -> tuple[float, float]:
+    """Median slopes of the measured pixels, 0 when there are none."""
+    if not measured.any():
+        return 0.0, 0.0
+    p, q = gradients_from_normals((before or solution).normals[measured][None])
+    return float(np.median(p)), float(np.median(q))
+
+
+def _within_one(albedo: FloatArray, measured: BoolArray) -> tuple[FloatArray, float]:
+    """Albedo in [0, 1] and what it was divided by: 1, or its brightest one in a thousand if that is more."""
+    kept = albedo[measured]
+    top = max(1.0, float(np.quantile(kept, 0.999))) if kept.size else 1.0
+    return np.clip(albedo / top, 0.0, 1.0).astype(np.float32), top
+
+
+def _domain(mask: BoolArray, confidence: FloatArray) -> BoolArray:
+    """Where height is integrated: the mask that came with the capture, or what it shows of an object.
+
+    Without a mask, an object before a dark background is told by its confidence: the background has next to
+    none, and slopes of noise there would bend the object. A full sheet is taken whole.
+    """
+    trusted = confidence > 0.1 * float(np.quantile(confidence[mask], 0.95))
+    if not mask.all() or trusted.mean() > _SHEET_SHARE:
+        return mask
+    from scipy import ndimage
+
+    parts, count = ndimage.label(ndimage.binary_opening(trusted, iterations=2))
+    if count == 0:
+        return mask
+    sizes = np.bincount(parts.ravel())[1:]
+    kept = np.isin(parts, 1 + np.flatnonzero(sizes > 0.05 * sizes.max()))
+    closed = ndimage.binary_closing(np.pad(kept, 3), iterations=3)[3:-3, 3:-3]
+    return np.asarray(ndimage.binary_fill_holes(closed | kept))
+
+
+def _ground(height: FloatArray, measured: BoolArray) -> float:
+    """Height to call 0: the paper's, if most of the sheet is within a tenth of the relief, else the mean."""
+    values = height[measured]
+    low, high = np.quantile(values, [0.01, 0.99])
+    middle = float(np.median(values))
+    near = np.mean(np.abs(values - middle) <= 0.05 * max(high - low, 1e-12))
+    return middle if near > 0.5 else float(values.mean())

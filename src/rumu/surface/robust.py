@@ -1,0 +1,308 @@
+"""Solvers for normals under N lamps that survive cast shadow and gloss.
+
+Each works on rows of brightness, one row for a pixel and one column for a lamp, tile by tile, so that memory
+stays bounded however large the photographs are. Lambert's law itself is in `rumu.surface.stereo`.
+
+"least_squares" trusts every value; "trimmed" drops each pixel's darkest and brightest lamps; "l1" minimises
+absolute residuals; "robust" goes on from there with a loss that forgets outliers, counts a lamp behind the
+surface as agreeing when the pixel is dark, and stays with "l1" where the material is not Lambert's at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.errors import SurfaceError
+from rumu.surface.stereo import (
+    SATURATION,
+    SHADOW_FLOOR,
+    channel_albedo,
+    check_stack,
+    enough_lit,
+    scaled_normals,
+    split,
+)
+
+FloatArray = npt.NDArray[np.floating[Any]]
+BoolArray = npt.NDArray[np.bool_]
+Solver = Literal["least_squares", "trimmed", "l1", "robust"]
+
+SOLVERS: tuple[Solver, ...] = get_args(Solver)
+_TILE = 1_000_000  # values of brightness worked on at a time: some 100 MB with all that is derived from them
+_TINY = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class RobustSettings:
+    """How far a value may lie from Lambert's law before it is an outlier; shares are of a pixel's brightness.
+
+    darkest, brightest: shares of the lamps that "trimmed" drops.
+    dark: below it a value is in shadow. noise: smallest residual that matters; at 8 bits a step is 0.004.
+    proportional: noise that grows with the brightness (lamps that are not quite even).
+    width: the loss turns over at this multiple of the pixel's own spread.
+    lambertian: up to the first spread the loss that forgets is used, beyond the second "l1" alone.
+    settled: a pixel is done when its scaled normal moves by less.
+    """
+
+    darkest: float = 0.3
+    brightest: float = 0.1
+    dark: float = 0.05
+    noise: float = 3e-3
+    proportional: float = 0.02
+    width: float = 2.0
+    lambertian: tuple[float, float] = (0.02, 0.05)
+    settled: float = 1e-5
+    l1_iterations: int = 20
+    iterations: int = 25
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """scaled: (P, 3) albedo times normal. weights: (P, N) in [0, 1], the trust in each value in the end."""
+
+    scaled: FloatArray
+    weights: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """Normals under N lamps, with what they rest on.
+
+    normals: (H, W, 3) float32, unit length. albedo: (H, W) or (H, W, 3) float32, >= 0.
+    confidence: (H, W) float32 in [0, 1]: agreement with Lambert's law times the share of lamps that carry
+        the normal, 0 where fewer than three lamps reach the pixel.
+    residual: median over all lit values of |brightness - law| in shares of the pixel's brightness.
+    shadow_share: share of all values that are dark.
+    """
+
+    normals: FloatArray
+    albedo: FloatArray
+    confidence: FloatArray
+    residual: float
+    shadow_share: float
+
+
+def solve(
+    images: FloatArray,
+    lights: FloatArray,
+    *,
+    solver: Solver = "robust",
+    mask: BoolArray | None = None,
+    black_level: float = 0.0,
+    settings: RobustSettings | None = None,
+    tile: int = _TILE,
+) -> Solution:
+    """Normals and albedo of a stack of photographs.
+
+    images: (N, H, W) or (N, H, W, 3), linear. lights: (N, 3), toward the lamps, times their strength.
+    mask: (H, W), pixels to solve; the rest face the camera with no confidence. black_level: taken from every
+    value that is not black. tile: number of values worked on at a time; the result does not depend on it.
+    Raises SurfaceError for an unknown solver or a stack that does not belong together.
+    """
+    if solver not in SOLVERS:
+        raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
+    check_stack(images, lights)
+    n, *shape = images.shape
+    size = shape[0] * shape[1]
+    flat = images.reshape(n, size, *shape[2:])
+    normals = np.tile(np.array([0, 0, 1], dtype=np.float32), (size, 1))
+    albedo = np.zeros(flat.shape[1:], dtype=np.float32)
+    confidence = np.zeros(size, dtype=np.float32)
+    solved = []
+    for part in _tiles(np.arange(size) if mask is None else np.flatnonzero(mask), max(1, tile // n)):
+        one = _solve_tile(flat[:, part], lights, solver, black_level, settings or RobustSettings())
+        normals[part], albedo[part], confidence[part] = one.normals, one.albedo, one.confidence
+        solved.append((_sampled(one.residuals), one.dark, one.lit))
+    residuals, dark, lit = zip(*solved, strict=True) if solved else ([np.zeros(0)], [0], [0])
+    pooled = np.concatenate(residuals)
+    return Solution(
+        normals.reshape(*shape[:2], 3),
+        albedo.reshape(shape),
+        confidence.reshape(shape[:2]),
+        float(np.median(pooled)) if pooled.size else 0.0,
+        sum(dark) / max(1, sum(dark) + sum(lit)),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tile:
+    normals: FloatArray
+    albedo: FloatArray
+    confidence: FloatArray
+    residuals: FloatArray
+    dark: int
+    lit: int
+
+
+def _solve_tile(
+    values: FloatArray, lights: FloatArray, solver: Solver, black_level: float, settings: RobustSettings
+) -> _Tile:
+    """One tile; values: (N, P) or (N, P, 3)."""
+    rows = brightness_rows(values, black_level=black_level)
+    fit = _SOLVERS[solver](rows, lights, settings)
+    normals, albedo = split(fit.scaled)
+    if values.ndim == 3:
+        albedo = channel_albedo(values - black_level, normals, lights, weights=fit.weights)
+    off, lit = relative_residuals(rows, lights, fit.scaled, dark=settings.dark)
+    reached = enough_lit((values if values.ndim == 2 else values.mean(axis=2))[:, None])[0]
+    confidence = np.where(reached, _confidence(off, lit, lights), 0.0)
+    count = int(np.count_nonzero(lit))
+    return _Tile(normals, np.maximum(albedo, 0.0), confidence, off[lit], lit.size - count, count)
+
+
+def brightness_rows(values: FloatArray, *, black_level: float = 0.0) -> FloatArray:
+    """(P, N) float64 gray brightness, less the black level, from values (N, P) or (N, P, 3)."""
+    gray = values if values.ndim == 2 else values.mean(axis=2)
+    rows = gray.T.astype(np.float64)
+    # What was cut to black stays black: adding a negative black level to it would invent light.
+    return np.where(rows > SHADOW_FLOOR, np.maximum(rows - black_level, 0.0), 0.0) if black_level else rows
+
+
+def pixel_scale(rows: FloatArray) -> FloatArray:
+    """(P, 1): how bright each pixel gets, its nine-tenths quantile over the lamps. rows: (P, N)."""
+    rank = int(np.ceil(0.9 * (rows.shape[1] - 1)))
+    return np.partition(rows, rank, axis=1)[:, rank : rank + 1] + _TINY
+
+
+def relative_residuals(
+    rows: FloatArray, lights: FloatArray, scaled: FloatArray, *, dark: float
+) -> tuple[FloatArray, BoolArray]:
+    """|brightness - law| in shares of the pixel's brightness, and which values are lit; both (P, N)."""
+    scale = pixel_scale(rows)
+    off = np.abs(rows - np.maximum(scaled @ lights.T, 0.0)) / scale
+    return off, rows > np.maximum(dark * scale, SHADOW_FLOOR)
+
+
+def _least_squares(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> Fit:
+    return Fit(scaled_normals(rows, lights), np.ones_like(rows))
+
+
+def _trimmed(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> Fit:
+    n = rows.shape[1]
+    low, high = int(settings.darkest * n), int(settings.brightest * n)
+    rank = np.argsort(np.argsort(rows, axis=1, kind="stable"), axis=1, kind="stable")
+    weights = ((rank >= low) & (rank < n - high)).astype(np.float64)
+    return Fit(weighted(rows, lights, weights), weights)
+
+
+def l1(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> Fit:
+    """Least absolute residuals by reweighting. rows: (P, N); lights: (N, 3)."""
+    scaled = scaled_normals(rows, lights)
+    scale = pixel_scale(rows)
+    weights = np.ones_like(rows)
+    going = np.arange(len(rows))
+    for _ in range(settings.l1_iterations):
+        off = (rows[going] - scaled[going] @ lights.T) / scale[going]
+        weights[going] = 1.0 / np.sqrt(1.0 + (off / (settings.noise / 3)) ** 2)
+        new = weighted(rows[going], lights, weights[going])
+        moved = np.abs(new - scaled[going]).max(axis=1) / scale[going, 0]
+        scaled[going] = new
+        going = going[moved > settings.settled]
+        if going.size == 0:
+            break
+    return Fit(scaled, weights)
+
+
+def robust(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> Fit:
+    """Least absolute residuals, then a loss that forgets outliers. rows: (P, N); lights: (N, 3)."""
+    start = l1(rows, lights, settings)
+    scale = pixel_scale(rows)
+    scaled, weights = start.scaled.copy(), start.weights.copy()
+    spread = np.zeros((len(rows), 1))
+    going = np.arange(len(rows))
+    for _ in range(settings.iterations):
+        weights[going], spread[going] = _forgetting(
+            rows[going], scaled[going], lights, scale[going], settings
+        )
+        new = weighted(rows[going], lights, weights[going])
+        moved = np.abs(new - scaled[going]).max(axis=1) / scale[going, 0]
+        scaled[going] = new
+        going = going[moved > settings.settled]
+        if going.size == 0:
+            break
+    low, high = settings.lambertian
+    trust = np.clip((high - spread) / (high - low), 0.0, 1.0)
+    blend = trust * weights + (1.0 - trust) * start.weights
+    return Fit(trust * scaled + (1.0 - trust) * start.scaled, blend)
+
+
+def _forgetting(
+    rows: FloatArray, scaled: FloatArray, lights: FloatArray, scale: FloatArray, settings: RobustSettings
+) -> tuple[FloatArray, FloatArray]:
+    """Geman-McClure weights (P, N) and the spread (P, 1) of the residuals, in shares of the brightness."""
+    raw = scaled @ lights.T
+    law = np.maximum(raw, 0.0)
+    off = (rows - law) / scale
+    # A lamp behind the surface and a dark pixel agree with the law, but say nothing about the normal.
+    tells = (raw > 0) | (rows > settings.dark * scale)
+    spread = 1.4826 * _masked_median(np.abs(off), tells)
+    width2 = (settings.width * spread) ** 2 + settings.noise**2 + (settings.proportional * law / scale) ** 2
+    weights = np.where(tells & (rows < SATURATION), 1.0 / (1.0 + off * off / width2) ** 2, 0.0)
+    return weights, spread
+
+
+def weighted(rows: FloatArray, lights: FloatArray, weights: FloatArray) -> FloatArray:
+    """(P, 3) weighted least squares, one 3 x 3 system for each row, solved in closed form.
+
+    rows, weights: (P, N), weights >= 0; lights: (N, 3). A trace of trust in every value keeps it solvable.
+    """
+    weights = weights + 1e-5
+    x, y, z = lights.T
+    products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
+    xx, xy, xz, yy, yz, zz = (weights @ products).T
+    ridge = 1e-10 * (xx + yy + zz) + 1e-30
+    xx, yy, zz = xx + ridge, yy + ridge, zz + ridge
+    # The symmetric inverse by cofactors: a batched LAPACK call is ten times slower on 3 x 3.
+    cxx, cxy, cxz = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    cyy, cyz, czz = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
+    det = xx * cxx + xy * cxy + xz * cxz
+    u, v, w = ((weights * rows) @ lights).T
+    solution = [cxx * u + cxy * v + cxz * w, cxy * u + cyy * v + cyz * w, cxz * u + cyz * v + czz * w]
+    return np.asarray(np.stack(solution, axis=1) / np.maximum(det, 1e-90)[:, None])
+
+
+def _masked_median(values: FloatArray, chosen: BoolArray) -> FloatArray:
+    """(P, 1) lower median of the chosen values of each row; 0 when none is chosen."""
+    ordered = np.sort(np.where(chosen, values, np.inf), axis=1)
+    count = np.count_nonzero(chosen, axis=1)
+    middle = np.take_along_axis(ordered, np.maximum((count - 1) // 2, 0)[:, None], axis=1)
+    return np.where(count[:, None] > 0, middle, 0.0)
+
+
+def _confidence(off: FloatArray, lit: BoolArray, lights: FloatArray) -> FloatArray:
+    """(P,) in [0, 1]: agreement with the law times how well the lamps that agree span the directions."""
+    agreement = 1.0 / (1.0 + (off / 0.05) ** 2)
+    typical = 1.0 / (1.0 + (_masked_median(off, lit)[:, 0] / 0.05) ** 2)
+    x, y, z = lights.T
+    products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
+    span = _determinant(np.where(lit, agreement, 0.0) @ products)
+    full = _determinant(products.sum(axis=0)[None])
+    return np.asarray(typical * np.cbrt(np.clip(span / full, 0.0, 1.0)))
+
+
+def _determinant(symmetric: FloatArray) -> FloatArray:
+    xx, xy, xz, yy, yz, zz = symmetric.T
+    return np.asarray(xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz))
+
+
+def _tiles(chosen: npt.NDArray[np.intp], size: int) -> Iterator[npt.NDArray[np.intp]]:
+    for start in range(0, len(chosen), size):
+        yield chosen[start : start + size]
+
+
+def _sampled(values: FloatArray, most: int = 20_000) -> FloatArray:
+    """Every k-th value, so that a median over a large photograph needs little memory."""
+    return np.asarray(values[:: max(1, len(values) // most)])
+
+
+_SOLVERS: dict[Solver, Callable[[FloatArray, FloatArray, RobustSettings], Fit]] = {
+    "least_squares": _least_squares,
+    "trimmed": _trimmed,
+    "l1": l1,
+    "robust": robust,
+}

@@ -1,0 +1,232 @@
+"""What a capture does not say about itself: how strong each lamp was, and what the camera calls black.
+
+Our own, not the paper's. Both are found from the photographs alone, because Lambert's law leaves N - 3
+contradictions in every pixel and the lamps are the same for all pixels. A correction is taken only when it
+removes most of what contradicts the law: a capture with equal lamps is left exactly as it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.surface.robust import RobustSettings, brightness_rows, l1, pixel_scale, relative_residuals
+from rumu.surface.stereo import SHADOW_FLOOR
+
+FloatArray = npt.NDArray[np.floating[Any]]
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class CalibrationSettings:
+    """How much must be gained before a capture is corrected.
+
+    gain: the residual must fall to this share of what it was. worth: residual (share of a pixel's
+    brightness) below which nothing is corrected. fewest: lamps needed.
+    one_way: share of the pixels that must face one way, within `same`, for the capture to be a flat sheet.
+    sampled: pixels looked at.
+    """
+
+    gain: float = 0.4
+    worth: float = 0.004
+    fewest: int = 4
+    one_way: float = 0.5
+    same: float = 0.06
+    sampled: int = 3000
+    iterations: int = 12
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Photometry:
+    """strengths: (N,) float64, mean 1, of each lamp. black_level: brightness the camera gives to no light.
+
+    sheet: True when most pixels face one way, as flat paper does, and the strengths were taken from it.
+    """
+
+    strengths: FloatArray
+    black_level: float = 0.0
+    sheet: bool = False
+
+
+def calibrate(
+    images: FloatArray,
+    lights: FloatArray,
+    *,
+    mask: BoolArray,
+    strengths: FloatArray | None = None,
+    settings: CalibrationSettings | None = None,
+) -> Photometry:
+    """Lamp strengths, unless they are given, and black level of a capture of N lamps.
+
+    images: (N, H, W) or (N, H, W, 3), linear; lights: (N, 3), unit length; mask: (H, W).
+    One of the two is corrected first and then the other, each kept only if it earns its place. Three lamps
+    leave no contradiction to learn from, four none for the black level.
+    """
+    settings = settings or CalibrationSettings()
+    n = len(lights)
+    photometry = Photometry(np.ones(n) if strengths is None else strengths / strengths.mean())
+    rows = sample(images, mask=mask, most=min(settings.sampled, max(300, 150_000 // n)))
+    if n < settings.fewest or len(rows) < n:
+        return photometry
+    trials = [_refined(rows, lights, photometry, settings, of_strengths=False)] if n > 4 else []
+    if strengths is None:
+        from_sheet = _from_sheet(rows, lights, settings)
+        trials += [] if from_sheet is None else [from_sheet]
+        trials += [_refined(rows, lights, _linear(rows, lights), settings, of_strengths=True)]
+    best = _better(rows, lights, photometry, trials, settings)
+    if best is not photometry and strengths is None and n > 4:
+        again = _refined(rows, lights, best, settings, of_strengths=best.black_level != 0.0)
+        best = _better(rows, lights, best, [again], settings)
+    return best
+
+
+def sample(images: FloatArray, *, mask: BoolArray, most: int) -> FloatArray:
+    """(P <= most, N) float64 gray brightness of the brighter four fifths of the pixels in the mask."""
+    n, height, width = images.shape[:3]
+    chosen = np.flatnonzero(mask)
+    chosen = chosen[:: max(1, len(chosen) // (4 * most))]
+    rows: FloatArray = brightness_rows(images.reshape(n, height * width, *images.shape[3:])[:, chosen])
+    rows = np.asarray(rows[rows.max(axis=1) > SHADOW_FLOOR])
+    if len(rows) == 0:
+        return rows
+    scale = pixel_scale(rows)[:, 0]
+    bright = rows[scale >= np.quantile(scale, 0.2)]
+    return np.asarray(bright[:: max(1, -(-len(bright) // most))])
+
+
+def flat_sheet(rows: FloatArray, *, one_way: float = 0.5, same: float = 0.06) -> FloatArray | None:
+    """(N,) median brightness of the pixels that face the way most do; None when there is no such way.
+
+    rows: (P, N), lit in every lamp for a pixel to count. Ink and paper that face one way have brightness in
+    the same ratios, whatever their albedo, so the ratios are compared and not the values.
+    """
+    lit = rows.min(axis=1) > SHADOW_FLOOR
+    if np.count_nonzero(lit) < max(50, one_way * len(rows)):
+        return None
+    ratios = rows[lit] / rows[lit].mean(axis=1, keepdims=True)
+    for _ in range(3):
+        usual = np.median(ratios, axis=0)
+        near = np.abs(ratios / usual - 1.0).max(axis=1) < same
+        if np.count_nonzero(near) < one_way * len(rows):
+            return None
+        ratios = ratios[near] if np.count_nonzero(near) < len(ratios) else ratios
+    return np.asarray(np.median(ratios, axis=0))
+
+
+def _from_sheet(rows: FloatArray, lights: FloatArray, settings: CalibrationSettings) -> Photometry | None:
+    """Strengths that make the sheet face the camera."""
+    usual = flat_sheet(rows, one_way=settings.one_way, same=settings.same)
+    if usual is None or not (lights[:, 2] > 0.05).all():
+        return None
+    given = usual / lights[:, 2]
+    return Photometry(given / given.mean(), sheet=True)
+
+
+def _better(
+    rows: FloatArray,
+    lights: FloatArray,
+    now: Photometry,
+    trials: list[Photometry],
+    settings: CalibrationSettings,
+) -> Photometry:
+    """The simplest of the good trials if it earns its place, else what is there now; simplest first.
+
+    A flat sheet comes before free strengths: it tells strength from tilt by facing the camera, which the law
+    alone leaves open.
+    """
+    before = _residual(rows, lights, now)
+    if before < settings.worth or not trials:
+        return now
+    after = [_residual(rows, lights, trial) for trial in trials]
+    good = 1.3 * max(min(after), settings.worth)
+    off, best = next((off, trial) for off, trial in zip(after, trials, strict=True) if off <= good)
+    return best if off < settings.gain * before else now
+
+
+def _residual(rows: FloatArray, lights: FloatArray, photometry: Photometry) -> float:
+    """Sixty-percent quantile of what contradicts Lambert's law, in shares of the pixel's brightness."""
+    cleaned = _cleaned(rows, photometry.black_level)
+    lamps = lights * photometry.strengths[:, None]
+    fit = l1(cleaned, lamps, RobustSettings())
+    off, lit = relative_residuals(cleaned, lamps, fit.scaled, dark=RobustSettings().dark)
+    return float(np.quantile(off[lit], 0.6)) if lit.any() else 0.0
+
+
+def _linear(rows: FloatArray, lights: FloatArray) -> Photometry:
+    """Strengths from the three directions in which the brightness of fully lit pixels varies.
+
+    The law says brightness = S L B with S diagonal, so S L = V A for the three leading singular vectors V:
+    one null vector holds both A and S.
+    """
+    n = len(lights)
+    equal = Photometry(np.ones(n))
+    lit = rows[rows.min(axis=1) > 0.05 * pixel_scale(rows)[:, 0]]
+    if len(lit) < max(3 * n, 0.1 * len(rows)):
+        return equal
+    unit = lit / np.linalg.norm(lit, axis=1, keepdims=True)
+    V = np.linalg.svd(unit, full_matrices=False)[2][:3].T
+    system = np.zeros((3 * n, 9 + n))
+    for lamp in range(n):
+        for axis in range(3):
+            system[3 * lamp + axis, 3 * axis : 3 * axis + 3] = V[lamp]
+            system[3 * lamp + axis, 9 + lamp] = -lights[lamp, axis]
+    strengths = np.linalg.svd(system)[2][-1][9:]
+    strengths = strengths * np.sign(strengths.sum())
+    return Photometry(strengths / strengths.mean()) if strengths.min() > 0.02 * strengths.max() else equal
+
+
+def _refined(
+    rows: FloatArray,
+    lights: FloatArray,
+    start: Photometry,
+    settings: CalibrationSettings,
+    *,
+    of_strengths: bool,
+) -> Photometry:
+    """Gauss-Newton on the sum of absolute residuals, over all strengths or over the black level.
+
+    The normals are eliminated pixel by pixel (variable projection), so each step solves one small system;
+    directions that the capture leaves open, such as the common scale, are not moved along.
+    """
+    now = start
+    for _ in range(settings.iterations):
+        step = _step(rows, lights, now, of_strengths=of_strengths)
+        if of_strengths:
+            strengths = np.maximum(now.strengths + step, 0.02)
+            now = replace(now, strengths=strengths / strengths.mean(), sheet=False)
+        else:
+            now = replace(now, black_level=now.black_level + float(step[0]))
+        if np.abs(step).max() < 1e-5:
+            break
+    return now
+
+
+def _step(rows: FloatArray, lights: FloatArray, now: Photometry, *, of_strengths: bool) -> FloatArray:
+    lamps = lights * now.strengths[:, None]
+    cleaned = _cleaned(rows, now.black_level)
+    scale = pixel_scale(cleaned)
+    scaled = l1(cleaned, lamps, RobustSettings()).scaled
+    left = cleaned - scaled @ lamps.T
+    trust = np.where(cleaned > 0.05 * scale, 1.0 / np.sqrt((left / scale) ** 2 + 1e-6), 0.0) / scale**2
+    # What one unit of an unknown adds to a value: the light itself, or one unit of black.
+    effect = np.maximum(scaled @ lights.T, 0.0) if of_strengths else np.ones_like(rows)
+    A = np.einsum("pn,ni,nj->pij", trust, lamps, lamps, optimize=True)
+    A += (1e-9 * np.trace(A, axis1=1, axis2=2)[:, None, None] + 1e-12) * np.eye(3)
+    across = lamps.T[None] * (trust * effect)[:, None, :]
+    solved = np.linalg.solve(A, across)
+    n = len(lights)
+    H = np.diag((trust * effect**2).sum(axis=0)) - across.reshape(-1, n).T @ solved.reshape(-1, n)
+    g = (effect * trust * left).sum(axis=0) - np.einsum("pin,pi->n", solved, (trust * left) @ lamps)
+    most = float((trust * effect**2).sum())
+    if not of_strengths:  # one black level for all lamps
+        return np.array([g.sum() / H.sum() if H.sum() > 1e-4 * most else 0.0])
+    size, axes = np.linalg.eigh(H)
+    told = size > 1e-4 * most / n
+    return np.asarray(axes[:, told] @ ((axes[:, told].T @ g) / size[told]))
+
+
+def _cleaned(rows: FloatArray, black_level: float) -> FloatArray:
+    return np.where(rows > SHADOW_FLOOR, np.maximum(rows - black_level, 0.0), 0.0)
