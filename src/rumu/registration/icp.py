@@ -25,8 +25,9 @@ class IcpSettings:
     direction_weight: w, what opposite stroke directions are worth in rms radii.
     starts: degrees; the loop is run from each on a quarter of the points and the best is kept, since one
         start has a small basin of convergence.
-    tolerance: tau; the loop stops when the error falls by less than tau * tr Sigma_x. The error is a
-        squared length, so it is the trace, not its root, that makes tau free of units.
+    tolerance: tau; the loop stops when the error falls by less than tau * tr Sigma, the mean of both
+        clouds. The error is a squared length, so it is the trace, not its root, that makes tau free of
+        units.
     start_iterations: how long each start may run before the best is chosen.
     max_iterations: when reached, the result says that it did not converge.
     trim_power: lambda of trimmed ICP (Chetverikov et al. 2002); min_overlap: the least share kept.
@@ -125,7 +126,8 @@ def closest_points(
 
     Of the pairs, both ways, only the closest `overlap` share moves the pose.
     """
-    threshold = settings.tolerance * float(np.var(neighbours.X, axis=0).sum())
+    spreads = (float(np.var(cloud, axis=0).sum()) for cloud in (neighbours.P, neighbours.X))
+    threshold = settings.tolerance * sum(spreads) / 2  # of both, so that swapped roles stop alike
     pose, best, last = start, start, np.inf
     limit = limit or settings.max_iterations
     for iteration in range(limit):

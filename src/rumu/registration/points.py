@@ -133,7 +133,7 @@ def _canvas(
 
 def _one_per_square(ink: FloatArray, *, settings: Sampling) -> tuple[IntArray, IntArray]:
     """Rows and columns of one ink pixel in each square of a grid: the one nearest the square's centre."""
-    rows, columns = np.nonzero(ink > 0.5)
+    rows, columns = np.nonzero(ink > 0.5 * min(float(ink.max()), 1.0))  # hairlines pale when they shrink
     side = max(np.sqrt(len(rows) / settings.count), 1.0)
     offset = np.random.default_rng(settings.seed).random(2) * side if settings.seed else np.zeros(2)
     v, u = (rows + offset[0]) / side, (columns + offset[1]) / side
