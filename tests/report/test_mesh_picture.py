@@ -88,6 +88,16 @@ def test_odd_shapes(master_surface, shape):
     assert mesh_picture(surface, view=MeshView(width=120))[0].shape[1] == 120
 
 
+def test_a_photometric_surface_is_drawn_where_it_was_measured(master_surface):
+    """What lies outside of the mask neither shows nor pulls the edge down."""
+    height = np.where(master_surface.mask, 30.0, -500.0).astype(np.float32)
+    measured = replace(master_surface, source="photometric", height=height, albedo=np.ones_like(height))
+    picture, raised = mesh_picture(measured)
+    level, _ = mesh_picture(replace(measured, height=np.full_like(height, 30.0)))
+    np.testing.assert_array_equal(picture, level)
+    assert raised == 1.0 and 0.1 < (picture == PAPER).all(axis=2).mean() < 0.9
+
+
 def test_a_photometric_surface_wears_its_albedo(master_surface):
     red = np.zeros((*master_surface.height.shape, 3), dtype=np.float32)
     red[..., 0] = 0.8

@@ -98,6 +98,13 @@ def test_height_has_a_range_in_its_unit(master_surface):
     assert picture[48, 20].astype(int).sum() > picture[0, 0].astype(int).sum()
 
 
+def test_height_outside_of_what_was_measured_is_paper(master_surface):
+    from dataclasses import replace
+
+    picture, _ = height_picture(replace(master_surface, source="photometric"))
+    assert picture[0, 0].tolist() == list(PAPER)
+
+
 def test_a_flat_surface_has_a_picture_too(master_surface):
     from dataclasses import replace
 

@@ -63,7 +63,7 @@ def assess_pairs(
         raise ImageError(f"{pairs}: expected at least one pair below the header, found none")
     marked = 0
     with whole_file(out) as part, part.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, COLUMNS)
+        writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
         writer.writeheader()
         work = functools.partial(mark_row, root=root, levels=levels)
         processes = min(jobs or _cores(), total)

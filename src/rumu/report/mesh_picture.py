@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.report.pictures import PAPER, Picture, fitted, srgb
-from rumu.values import FloatArray, Surface
+from rumu.values import BoolArray, FloatArray, Surface
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,42 +37,63 @@ _LAMP = np.array([-0.5, 0.45, 0.74])
 def mesh_picture(surface: Surface, *, view: MeshView | None = None) -> tuple[Picture, float]:
     """The picture (rows, view.width, 3) on paper colour, and the factor by which the height was raised."""
     view = view or MeshView()
-    surface = _around_ink(surface, margin=view.margin)
-    xyz, exaggeration = _grid(surface, view)
-    colours = _colours(surface, xyz)
+    surface = _around_mask(surface, margin=view.margin)
+    height, drawn = _sampled(surface, view)
+    xyz, exaggeration = _vertices(height, drawn, view)
     screen, depth = _projected(xyz, view)
-    return _painted(screen, depth, colours, view), exaggeration
+    quads = _quads_of(drawn)
+    return _painted(screen, depth, _colours(surface, xyz), quads, view), exaggeration
 
 
-def _around_ink(surface: Surface, *, margin: float) -> Surface:
-    """The part of a computed relief that holds its ink; blank paper only makes the writing small."""
-    if surface.source == "photometric" or not surface.mask.any():
+def _around_mask(surface: Surface, *, margin: float) -> Surface:
+    """The part that holds the ink or the object; what lies around it only makes it small."""
+    if not surface.mask.any():
         return surface
-    keep = round(margin * max(surface.mask.shape))
+    keep = round(margin * max(surface.mask.shape)) if surface.source != "photometric" else 0
     spans = []
     for axis in (1, 0):
-        inked = np.flatnonzero(surface.mask.any(axis=axis))
-        spans.append(slice(max(inked[0] - keep, 0), inked[-1] + keep + 1))
+        held = np.flatnonzero(surface.mask.any(axis=axis))
+        spans.append(slice(max(held[0] - keep, 0), max(held[-1] + keep, held[0] + 1) + 1))
     rows, columns = spans
     maps = ("height", "normals", "albedo", "mask", "confidence")
     return replace(surface, **{name: getattr(surface, name)[rows, columns] for name in maps})
 
 
-def _grid(surface: Surface, view: MeshView) -> tuple[FloatArray, float]:
-    """(rows, columns, 3) vertices in units of the sheet's longer side, centred, and the exaggeration."""
-    # INTER_AREA in `fitted` averages: a nearest sample would drop strokes thinner than a cell.
-    height = fitted(surface.height.astype(np.float32), side=view.cells + 1)
+def _sampled(surface: Surface, view: MeshView) -> tuple[FloatArray, BoolArray]:
+    """Height at the vertices, in units of the longer side, and which of them are drawn.
+
+    Means over pixels: a nearest sample would drop strokes thinner than a cell. A photometric surface is drawn
+    where it was measured, and its means are taken there; paper around ink is drawn as well.
+    """
+    height = (surface.height / (surface.spacing * max(surface.height.shape))).astype(np.float32)
+    if surface.source != "photometric" or surface.mask.all():
+        height = fitted(height, side=view.cells + 1)
+        return height, np.ones(height.shape, dtype=bool)
+    weight = fitted(surface.mask.astype(np.float32), side=view.cells + 1)
+    total = fitted(height * surface.mask, side=view.cells + 1)
+    drawn = weight > 0.5
+    return np.where(drawn, total / np.maximum(weight, 0.5), 0.0), drawn
+
+
+def _vertices(height: FloatArray, drawn: BoolArray, view: MeshView) -> tuple[FloatArray, float]:
+    """(rows, columns, 3) vertices in units of the longer side, centred, and the exaggeration."""
     rows, columns = height.shape
-    longer = max(surface.height.shape)
-    z = (height - np.median(height)) / (surface.spacing * longer)
-    low, high = np.percentile(z, (0.5, 99.5))
-    span = float(max(high - low, np.ptp(z) * 0.5, 1e-9))
+    held = height[drawn] if drawn.any() else height
+    z = height - np.median(held)
+    low, high = np.percentile(held, (0.5, 99.5))
+    span = float(max(high - low, np.ptp(held) * 0.5))
     exaggeration = max(1.0, view.relief / span) if span > 1e-6 else 1.0
     step = 1.0 / max(max(rows, columns) - 1, 1)
     x = (np.arange(columns) - (columns - 1) / 2) * step
     y = ((rows - 1) / 2 - np.arange(rows)) * step
     xx, yy = np.meshgrid(x, y)
     return np.stack([xx, yy, z * exaggeration], axis=-1), exaggeration
+
+
+def _quads_of(drawn: BoolArray) -> BoolArray:
+    """(rows - 1, columns - 1): quads of which all four corners are drawn; all, when there are none."""
+    quads = drawn[:-1, :-1] & drawn[:-1, 1:] & drawn[1:, :-1] & drawn[1:, 1:]
+    return quads if quads.any() else np.ones_like(quads)
 
 
 def _colours(surface: Surface, xyz: FloatArray) -> FloatArray:
@@ -126,19 +147,20 @@ def _projected(xyz: FloatArray, view: MeshView) -> tuple[FloatArray, FloatArray]
     return np.stack([x, -up], axis=-1), y * np.cos(lift) - xyz[..., 2] * np.sin(lift)
 
 
-def _painted(screen: FloatArray, depth: FloatArray, colours: FloatArray, view: MeshView) -> Picture:
+def _painted(
+    screen: FloatArray, depth: FloatArray, colours: FloatArray, drawn: BoolArray, view: MeshView
+) -> Picture:
+    """The quads that are `drawn`, far ones first."""
     import cv2
 
+    corners = np.stack([screen[:-1, :-1], screen[:-1, 1:], screen[1:, 1:], screen[1:, :-1]], axis=2)[drawn]
+    low, high = corners.reshape(-1, 2).min(axis=0), corners.reshape(-1, 2).max(axis=0)
     width = view.width * _OVERSAMPLING
-    low, high = screen.reshape(-1, 2).min(axis=0), screen.reshape(-1, 2).max(axis=0)
-    scale = 0.94 * width / (high[0] - low[0])
-    margin = 0.03 * width
+    scale, margin = 0.94 * width / (high[0] - low[0]), 0.03 * width
     canvas = np.full((int((high[1] - low[1]) * scale + 2 * margin), width, 3), PAPER, dtype=np.uint8)
-    corners = (screen - low) * scale + margin
-    quads = np.stack([corners[:-1, :-1], corners[:-1, 1:], corners[1:, 1:], corners[1:, :-1]], axis=2)
-    quads = np.round(quads).astype(np.int32).reshape(-1, 4, 1, 2)
-    middle = (depth[:-1, :-1] + depth[1:, 1:] + depth[:-1, 1:] + depth[1:, :-1]).ravel()
-    fills = colours.reshape(-1, 3)
+    quads = np.round((corners - low) * scale + margin).astype(np.int32)[:, :, None, :]
+    middle = (depth[:-1, :-1] + depth[1:, 1:] + depth[:-1, 1:] + depth[1:, :-1])[drawn]
+    fills = colours[drawn]
     lines = fills * 0.72
     for index in np.argsort(-middle):
         cv2.fillConvexPoly(canvas, quads[index], fills[index].tolist())

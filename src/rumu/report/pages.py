@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 # Upper left, as a reader expects the light on a page.
 _LAMP_TILT = 135.0
 
+_LARGE_WRITING = MeshView(width=1000, cells=110)
+_LARGE_RELIEF = MeshView(width=1000, cells=110, elevation=62.0)  # deep objects hide themselves from lower
+
 
 class Shown(NamedTuple):
     """One picture with what stands under it."""
@@ -121,7 +124,7 @@ def surface_page(surface: Surface, *, title: str, notes: Sequence[Text] = ()) ->
         heights=_uri(heights),
         height_bar={"gradient": css_gradient(HEIGHT_STOPS), "low": low, "high": high, "unit": surface.unit},
         lit=[(f"{tilt}°", _uri(shaded_picture(surface, tilt=tilt))) for tilt in (0, 90, 180, 270)],
-        mesh=_mesh(surface, view=MeshView(width=1000, cells=110)),
+        mesh=_mesh(surface, view=_LARGE_RELIEF if surface.source == "photometric" else _LARGE_WRITING),
         quality=[(wording.quality_meaning(n), n, f"{v:.4g}") for n, v in surface.quality.items()],
     )
 

@@ -128,8 +128,11 @@ def height_picture(
     inside = surface.height[surface.mask] if surface.mask.any() else surface.height
     low, high = (float(v) for v in np.percentile(inside, (0.5, 99.5)))
     low = min(low, 0.0) if surface.source != "photometric" else low
-    share = (surface.height - low) / max(high - low, 1e-12)
-    return coloured(fitted(share, side=settings.side), stops=HEIGHT_STOPS), (low, high)
+    share = fitted((surface.height - low) / max(high - low, 1e-12), side=settings.side)
+    picture = coloured(share, stops=HEIGHT_STOPS)
+    if surface.source == "photometric":
+        picture[fitted(surface.mask.astype(np.float32), side=settings.side) < 0.5] = PAPER
+    return picture, (low, high)
 
 
 def share_picture(share: FloatArray, *, settings: PictureSettings | None = None) -> Picture:
