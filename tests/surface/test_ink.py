@@ -165,6 +165,31 @@ def test_black_ruled_lines_from_border_to_border_are_left_out():
     assert ink.left_out["grid"] > 1000
 
 
+def test_a_grid_scanned_in_grey_is_left_out():
+    one = np.zeros((512, 512), np.uint8)
+    cv2.line(one, (100, 262), (410, 240), 1, 36)
+    photo = red_grid(one > 0, colour=(0.6, 0.6, 0.6))[:, :, 0]
+    assert iou(find_ink(photo).mask, one > 0) > 0.95
+
+
+@pytest.mark.parametrize("ruled", [False, True])
+def test_a_sheet_photographed_on_a_table(ruled):
+    ink = strokes(600)
+    sheet = red_grid(ink) if ruled else np.dstack([page(ink)] * 3)
+    corners = np.array([[120, 90], [700, 130], [680, 860], [90, 820]], np.float32)
+    square = np.array([[0, 0], [600, 0], [600, 600], [0, 600]], np.float32)
+    turn = cv2.getPerspectiveTransform(square, corners)
+    lying, cover, truth = (
+        cv2.warpPerspective(a, turn, (800, 950))
+        for a in (sheet, np.ones((600, 600), np.float32), ink.astype(np.float32))
+    )
+    table = np.array([0.35, 0.25, 0.18], np.float32)
+    photo = noisy(lit_from_a_corner(lying + (1 - cover)[:, :, None] * table, 0.3), 0.02)
+    found = find_ink(cv2.GaussianBlur(photo, (0, 0), 1.2))
+    assert found.polarity == "dark"
+    assert iou(found.mask, truth > 0.5) > 0.95
+
+
 def test_ink_over_a_red_seal_stays_and_the_seal_goes():
     paper = np.full((SIDE, SIDE, 3), (0.75, 0.6, 0.45), np.float32)
     seal = np.zeros((SIDE, SIDE), np.uint8)
@@ -238,6 +263,14 @@ def test_an_outlined_box_on_blank_paper_is_ink_and_no_frame():
 
 # --- refusals -------------------------------------------------------------------------------------
 
+
+def lone_seal() -> np.ndarray:
+    paper = np.full((SIDE, SIDE, 3), (0.8, 0.7, 0.55), np.float32)
+    cv2.rectangle(paper, (70, 70), (190, 190), (0.65, 0.2, 0.15), 10)
+    cv2.line(paper, (130, 80), (130, 180), (0.65, 0.2, 0.15), 8)
+    return noisy(paper, 0.02)
+
+
 FLAT = np.full((SIDE, SIDE), 0.85, np.float32)
 GENERATOR = np.random.default_rng(5)
 PEPPER = np.where(GENERATOR.random((SIDE, SIDE)) < 0.05, 0, 0.9).astype(np.float32)
@@ -254,6 +287,7 @@ BROWN = np.full((SIDE, SIDE, 3), (0.6, 0.5, 0.38), np.float32)
         pytest.param(noisy(BROWN, 0.02), "blank", id="brown paper"),
         pytest.param(np.tile(np.linspace(0, 1, SIDE, dtype=np.float32), (SIDE, 1)), "blank", id="ramp"),
         pytest.param(red_grid(np.zeros((512, 512), bool)), "blank", id="empty red grid"),
+        pytest.param(lone_seal(), "blank", id="a seal and nothing else"),
         pytest.param(np.zeros((SIDE, SIDE), np.float32), "black", id="black"),
         pytest.param(noisy(FLAT * 0.05, 0.01), "black", id="noisy black"),
         pytest.param(GENERATOR.random((SIDE, SIDE)).astype(np.float32), "noise", id="white noise"),

@@ -22,19 +22,11 @@ from rumu.surface.paper import (
     ratio,
     read_paper,
     reduced,
+    sheet_on_table,
     tone,
 )
-from rumu.surface.strays import (
-    CARVED,
-    RuleLimits,
-    StrayLimits,
-    close_cuts,
-    drop_rules,
-    drop_strays,
-    find_rules,
-    inner_box,
-    red_marks,
-)
+from rumu.surface.rules import CARVED, RuleLimits, below_pale_grid, close_cuts, drop_rules, find_rules
+from rumu.surface.strays import Box, StrayLimits, drop_strays, inner_box, red_marks
 
 GRAINY = 12.0  # contrast over the paper's spread below which the paper has a grain of its own
 PAPER = 200  # grey level that stands for paper in a ratio image
@@ -53,7 +45,7 @@ class Ink:
     contrast: median density of the ink, in (0, 1].
     left_out: pixels that were dark enough and are no part of the writing, by kind: 'seal' (and red grid),
         'grid' (ruled lines and what lies beyond a border line), 'speck', 'edge', 'neighbour', 'caption';
-        and 'frame', the pixels of the flat frame around the picture of the paper.
+        and 'frame', the pixels of a flat frame, or of the table, around the paper.
     figures: 'noise' (contrast over the paper's own spread), 'edge' (step across the outline over the
         contrast, 1 is sharp), 'between' (half-dark pixels for each pixel of outline), 'coherence' (share of
         the ink's variance that survives averaging over 8 pixels).
@@ -82,6 +74,7 @@ class InkLimits:
     rim: share of the picture's border that ink may cover. pixels: least ink.
     grain: mean change of a pixel (0-255) by a median filter above which a blank page is noise;
     speckle: share of dark pixels that do the same when they hold no writing.
+    only_red: share of the dark pixels that are red marks on a page with nothing else.
     """
 
     flat: int = 12
@@ -97,6 +90,7 @@ class InkLimits:
     rim: float = 0.45
     grain: float = 20.0
     speckle: float = 0.005
+    only_red: float = 0.93
     pixels: int = 24
     strays: StrayLimits = field(default_factory=StrayLimits)
 
@@ -136,12 +130,12 @@ def find_ink(
     """
     limits = limits or InkLimits()
     picture = _bytes(as_image(image), linear=linear)
-    y0, y1, x0, x1 = inner_box(picture)
+    (y0, y1, x0, x1), off = _sheet(picture, polarity)
     view = np.ascontiguousarray(picture[y0:y1, x0:x1])
     small = reduced(view)
     _refuse_flat(small, limits)
-    paper = read_paper(small, polarity=polarity)
-    split = _split(view, small, paper, limits)
+    paper = read_paper(small, polarity="dark" if off is not None else polarity)
+    split = _split(view, small, paper, off, limits)
     mask, left_out = _writing(split, paper.polarity, limits)
     figures = _figures(split, mask)
     _refuse_unwritten(mask, split, figures, limits)
@@ -153,6 +147,22 @@ def find_ink(
     level = float(np.median(paper.level)) / 255
     ground = level if paper.polarity == "dark" else 1.0 - level
     return Ink(whole, density, paper.polarity, ground, 1.0 - split.ink / PAPER, left_out, figures)
+
+
+def _sheet(picture: Bytes, polarity: Polarity | None) -> tuple[Box, Bools | None]:
+    """The box of the picture that shows paper, and the pixels in it that do not; None when all do."""
+    import cv2
+
+    y0, y1, x0, x1 = inner_box(picture)
+    view = picture[y0:y1, x0:x1]
+    sheet = None if polarity == "light" else sheet_on_table(reduced(view))
+    if sheet is None or not sheet.any():
+        return (y0, y1, x0, x1), None
+    full = cv2.resize(sheet.astype(np.uint8), view.shape[1::-1], interpolation=cv2.INTER_NEAREST) > 0
+    rows, columns = np.flatnonzero(full.any(axis=1)), np.flatnonzero(full.any(axis=0))
+    top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
+    box = (int(y0 + top), int(y0 + bottom), int(x0 + left), int(x0 + right))
+    return box, ~full[top:bottom, left:right]
 
 
 def _bytes(image: Floats, *, linear: bool) -> Bytes:
@@ -170,7 +180,7 @@ def _refuse_flat(small: Bytes, limits: InkLimits) -> None:
         raise RefusedImage(f"expected writing, got a {reason} page", reason=reason)
 
 
-def _split(view: Bytes, small: Bytes, paper: Paper, limits: InkLimits) -> _Split:
+def _split(view: Bytes, small: Bytes, paper: Paper, off: Bools | None, limits: InkLimits) -> _Split:
     """Ratio to the paper, smoothed as much as the paper is noisy, and the level half-way to the ink."""
     import cv2
 
@@ -179,15 +189,19 @@ def _split(view: Bytes, small: Bytes, paper: Paper, limits: InkLimits) -> _Split
     x = ratio(value, cv2.resize(level, value.shape[::-1], interpolation=cv2.INTER_LINEAR))
     if paper.polarity == "dark" and float(np.median(paper.level)) < limits.black:
         raise RefusedImage("expected ink on paper, got a black page", reason="black")
-    red = _red(view, small, paper) if view.ndim == 3 else np.zeros(x.shape, bool)
-    split = _levels(x, red)
+    cut = _red(view, small, paper) if view.ndim == 3 else np.zeros(x.shape, bool)
+    if off is not None:
+        x[off], cut = PAPER, cut | off
+    split = _levels(x, cut)
     size = next((n for least, n in ((16, 0), (9, 3), (5, 5)) if split.noise > least), 7)
     if size:
-        smooth = np.asarray(cv2.medianBlur(x, size), dtype=np.uint8)
-        split = _levels(smooth, red)
+        split = _levels(np.asarray(cv2.medianBlur(x, size), dtype=np.uint8), cut)
+    if split.noise > GRAINY:
+        threshold = below_pale_grid(split.x, split.threshold, limits=RuleLimits())
+        split = replace(split, threshold=threshold, ink=min(split.ink, _darkest(split.x, threshold)))
     grain = float(cv2.absdiff(value, cv2.medianBlur(value, 3)).mean())
     split = replace(split, grain=grain)
-    return replace(split, cut=_spread_red(split, paper.polarity)) if red.any() else split
+    return replace(split, cut=_spread_red(split, paper.polarity)) if cut.any() else split
 
 
 def _levels(x: Bytes, red: Bools) -> _Split:
@@ -211,6 +225,10 @@ def _median(counts: npt.NDArray[np.float64], low: float, high: float) -> float:
     first = int(np.ceil(low))
     part = np.cumsum(counts[first : int(np.ceil(high))])
     return float(first + np.searchsorted(part, part[-1] / 2)) if len(part) and part[-1] else low
+
+
+def _darkest(x: Bytes, threshold: float) -> float:
+    return _median(histogram(x), 0, threshold)
 
 
 def _red(view: Bytes, small: Bytes, paper: Paper) -> Bools:
@@ -268,6 +286,9 @@ def _figures(split: _Split, mask: Bools) -> dict[str, float]:
 
 
 def _refuse_unwritten(mask: Bools, split: _Split, figures: Mapping[str, float], limits: InkLimits) -> None:
+    raw = np.count_nonzero(split.raw)
+    if split.grain < limits.grain and np.count_nonzero(split.raw & split.cut) > limits.only_red * raw > 0:
+        raise RefusedImage("expected writing, got only red marks", reason="blank")
     verdict = _verdict(mask, split, figures, limits)
     if verdict is None:
         return
@@ -303,11 +324,12 @@ def _verdict(
     return next(((reason, seen) for holds, reason, seen in tests if holds), None)
 
 
-def _half_width(mask: Bools) -> tuple[float, int]:
+def _half_width(mask: Bools) -> tuple[float, float]:
     """Half-width of the thickest stroke, and the longer side of the box of all ink, in pixels."""
     import cv2
 
     rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
     extent = max(rows[-1] - rows[0], columns[-1] - columns[0]) + 1
-    depth = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)
-    return float(depth.max()), int(extent)
+    small = reduced(mask.astype(np.uint8) * 255, side=2 * FIGURE_SIDE // 3) > 127
+    depth = cv2.distanceTransform(np.pad(small, 1).astype(np.uint8), cv2.DIST_L2, 3)
+    return float(depth.max()) * mask.shape[0] / small.shape[0], float(extent)

@@ -80,6 +80,62 @@ def reduced(picture: Bytes, *, side: int = GRID) -> Bytes:
     return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
+@dataclass(frozen=True, slots=True)
+class SheetLimits:
+    """When a picture shows a sheet that lies on something darker; shares of the picture unless said.
+
+    least, most: area of the sheet. bright: share of the sheet that is bright.
+    square: share of its tightest rectangle that it fills.
+    sharp: step across its outline, as a share of the whole contrast.
+    table: share of the picture's border that is dark.
+    margin: what is cut off the sheet all round, of the reduced side: its edge is soft and may curl.
+    """
+
+    least: float = 0.25
+    most: float = 0.97
+    bright: float = 0.7
+    square: float = 0.8
+    sharp: float = 0.4
+    table: float = 0.4
+    margin: float = 0.03
+
+
+def sheet_on_table(small: Bytes, *, limits: SheetLimits | None = None) -> Bools | None:
+    """(h, w) bool of a reduced picture: the sheet of paper that lies on a darker table; None if none does."""
+    import cv2
+
+    limits = limits or SheetLimits()
+    gray = tone(small, polarity="dark")
+    bright = gray > otsu(histogram(gray))
+    rim = np.concatenate([bright[0], bright[-1], bright[:, 0], bright[:, -1]])
+    outlines, _ = cv2.findContours(bright.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    if 1.0 - rim.mean() < limits.table or not outlines:
+        return None
+    outline = max(outlines, key=cv2.contourArea)
+    sheet = cv2.drawContours(np.zeros(gray.shape, np.uint8), [outline], -1, 1, cv2.FILLED)
+    (_, (width, height), _) = cv2.minAreaRect(outline)
+    fills = cv2.contourArea(outline) / max(width * height, 1.0)
+    if not limits.least < sheet.mean() < limits.most or fills < limits.square:
+        return None
+    if bright[sheet > 0].mean() < limits.bright or not _sharp(gray, bright, outline[:, 0], limits):
+        return None
+    cut = 2 * max(1, round(limits.margin * max(gray.shape))) + 1
+    border = {"borderType": cv2.BORDER_CONSTANT, "borderValue": 1}  # the picture's own side is no edge
+    return np.asarray(cv2.erode(sheet, np.ones((cut, cut), np.uint8), **border) > 0)
+
+
+def _sharp(gray: Bytes, bright: Bools, outline: npt.NDArray[np.int32], limits: SheetLimits) -> bool:
+    """Whether the outline (columns, rows) is an edge and not the middle of a gradient of light."""
+    import cv2
+
+    height, width = gray.shape
+    x, y = outline[:, 0], outline[:, 1]
+    inside = (x > 0) & (x < width - 1) & (y > 0) & (y < height - 1)
+    step = cv2.morphologyEx(gray, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))[y[inside], x[inside]]
+    depth = float(np.median(gray[bright])) - float(np.median(gray[~bright]))
+    return bool(inside.any() and np.median(step) > limits.sharp * depth)
+
+
 def read_paper(small: Bytes, *, polarity: Polarity | None = None) -> Paper:
     """Fit the paper of a reduced picture under both hypotheses, dark ink and light, and keep the likelier."""
     polarities: tuple[Polarity, ...] = ("dark", "light") if polarity is None else (polarity,)
@@ -140,19 +196,20 @@ def fit_level(value: Bytes) -> Floats:
     shape = value.shape
     z = value.astype(np.float32).ravel()
     basis = _quadratic(shape)
+    top = float(np.percentile(z, 99.5))
     weight = np.ones_like(z)
     for _ in range(3):
         fit = _weighted(basis, z, weight)
         weight = np.where(z > fit, np.float32(0.9), np.float32(0.1))
     for _ in range(2):
-        level = _bounded(fit, z)
+        level = _bounded(fit, top)
         x = np.clip(200.0 * z / level, 0, 255).astype(np.uint8)
         cut = (otsu(histogram(x)) + 200.0) / 2.0
         weight = (x > cut).astype(np.float32)
         if weight.sum() < 0.05 * z.size:
             break
         fit = _weighted(basis, z, weight)
-    level = _bounded(fit, z).reshape(shape)
+    level = _bounded(fit, top).reshape(shape)
     keep = weight.reshape(shape)
     sigma = max(shape) / 12.0
     residue = cv2.GaussianBlur(keep * (z.reshape(shape) - level), (0, 0), sigma)
@@ -175,7 +232,6 @@ def _weighted(basis: Floats, z: Floats, weight: Floats) -> Floats:
     return np.asarray(basis @ coefficients, dtype=np.float32)
 
 
-def _bounded(fit: Floats, z: Floats) -> Floats:
-    """Keep an extrapolated fit within what the page can be."""
-    top = float(np.percentile(z, 99.5))
+def _bounded(fit: Floats, top: float) -> Floats:
+    """Keep an extrapolated fit within what a page can be whose brightest spot is `top`."""
     return np.asarray(np.clip(fit, 0.25 * top, 1.1 * top + 1.0), dtype=np.float32)

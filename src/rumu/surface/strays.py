@@ -1,4 +1,4 @@
-"""What lies on a picture of writing and is not the writing: seals, rules, edges, specks, neighbours."""
+"""What lies on a picture of writing and is not the writing: frames, seals, edges, specks, neighbours."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rumu.surface.paper import FLAT, Bools, Bytes, Floats, reduced
+from rumu.surface.paper import FLAT, Bools, Bytes, Floats
 
 Doubles = npt.NDArray[np.float64]
 Stats = npt.NDArray[np.int32]
@@ -39,29 +39,6 @@ class StrayLimits:
     gap: float = 0.03
     caption_share: float = 0.03
     caption_band: float = 0.10
-
-
-@dataclass(frozen=True, slots=True)
-class RuleLimits:
-    """When ink is a ruled line; all are shares of the shorter side, of its run, or of a band's ink.
-
-    thickness: thickest line. skew: how far it may leave its row. cover: share of the side that it runs along;
-    rim_cover: the same within `rim` of the border. beyond: what lies farther out than a line in this outer
-    band is left out, unless more ink than `crossing` crosses the line.
-    """
-
-    thickness: float = 0.012
-    run: float = 0.2
-    skew: float = 0.012
-    cover: float = 0.75
-    rim: float = 0.22
-    rim_cover: float = 0.75
-    beyond: float = 0.45
-    crossing: float = 0.04
-
-
-CARVED = RuleLimits(thickness=0.04, skew=0.025, run=0.1, cover=0.6, rim=0.16, rim_cover=0.45)
-"""Rubbings: column rules are broken, and strokes are never as thin as they are."""
 
 
 # --- the frame of a crop --------------------------------------------------------------------------
@@ -161,103 +138,6 @@ def red_marks(view: Bytes, *, paper: Doubles, on_dark: bool) -> Bools:
     _, parts = cv2.connectedComponents(reddish.astype(np.uint8), connectivity=8)
     share = np.bincount(parts[red], minlength=int(parts.max()) + 1) / np.bincount(parts.ravel())
     return np.asarray(reddish & (share > 0.2)[parts])
-
-
-def close_cuts(mask: Bools, cut: Bools, *, width: int) -> Bools:
-    """Give the ink back where a removed line crossed it: closed over `width` pixels, on the line alone."""
-    import cv2
-
-    if not cut.any() or not mask.any():
-        return mask
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * width + 1, 2 * width + 1))
-    closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, kernel)
-    return np.asarray(mask | ((closed > 0) & cut))
-
-
-# --- ruled lines -----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Rule:
-    """A thin straight line along an axis of the picture.
-
-    axis: 0 runs along a row, 1 along a column. start, stop: the rows (columns) it fills.
-    """
-
-    axis: int
-    start: int
-    stop: int
-
-
-def find_rules(mask: Bools, *, limits: RuleLimits) -> list[Rule]:
-    """Lines that run along a row or column over most of the picture and are too thin for a stroke."""
-    small = reduced(mask.astype(np.uint8) * 255, side=256) > 64
-    found = []
-    for axis, lines in ((0, small), (1, small.T)):
-        scale = mask.shape[axis] / lines.shape[0]
-        for start, stop in _thin_lines(lines, limits=limits):
-            found.append(Rule(axis, int(start * scale), int(np.ceil(stop * scale))))
-    return found
-
-
-def _thin_lines(ink: Bools, *, limits: RuleLimits) -> list[tuple[int, int]]:
-    """Bands of rows whose ink covers most columns and is thin: (first, last + 1) of each."""
-    import cv2
-
-    side = min(ink.shape)
-    reach = max(1, round(limits.skew * side))
-    wider = np.ones((_odd(limits.thickness * side + 1), 1), np.uint8)
-    thick = cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_OPEN, wider) > 0
-    near = cv2.dilate((ink & ~thick).astype(np.uint8), np.ones((2 * reach + 1, 3), np.uint8))
-    run = np.ones((1, _odd(limits.run * ink.shape[1])), np.uint8)
-    cover = cv2.morphologyEx(near, cv2.MORPH_OPEN, run).mean(axis=1)
-    place = (np.arange(len(cover)) + 0.5) / len(cover)
-    thin = cover >= np.where(np.minimum(place, 1 - place) < limits.rim, limits.rim_cover, limits.cover)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], thin.astype(np.int8), [0]])))
-    return [(max(0, a - 1), b + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
-def _odd(length: float) -> int:
-    """An odd kernel: opening with an even one shifts the picture in OpenCV."""
-    return max(3, 2 * round((length - 1) / 2) + 1)
-
-
-def drop_rules(mask: Bools, rules: list[Rule], *, limits: RuleLimits) -> Bools:
-    """The ink without the lines, and without what lies beyond a line that nothing crosses.
-
-    A stroke that crosses a line is thicker than it, and stays; so a printed grid goes and the writing on it
-    stays. Beyond the border line of a stele or a ruled page there is no part of the character.
-    """
-    import cv2
-
-    thickness = max(2, round(limits.thickness * min(mask.shape)))
-    kept = mask.copy()
-    for rule in rules:
-        shape = (2 * thickness + 1, 1) if rule.axis == 0 else (1, 2 * thickness + 1)
-        thick = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, np.ones(shape, np.uint8)) > 0
-        band = (slice(rule.start, rule.stop), slice(None))
-        _turned(kept, rule)[band] &= _turned(thick, rule)[band]
-    for rule in rules:
-        kept = _without_beyond(kept, rule, limits=limits)
-    return kept
-
-
-def _turned(mask: Bools, rule: Rule) -> Bools:
-    return mask if rule.axis == 0 else mask.T
-
-
-def _without_beyond(mask: Bools, rule: Rule, *, limits: RuleLimits) -> Bools:
-    rows = _turned(mask, rule)
-    middle = (rule.start + rule.stop) / 2 / rows.shape[0]
-    if min(middle, 1 - middle) > limits.beyond:
-        return mask
-    crossing = rows[rule.start : rule.stop].any(axis=1).mean() * rows[rule.start : rule.stop].mean()
-    outside = slice(0, rule.stop) if middle < 0.5 else slice(rule.start, None)
-    if crossing > limits.crossing or rows[outside].sum() > 0.6 * rows.sum():
-        return mask
-    kept = rows.copy()
-    kept[outside] = False
-    return np.ascontiguousarray(kept if rule.axis == 0 else kept.T)
 
 
 # --- parts of the ink ------------------------------------------------------------------------------
