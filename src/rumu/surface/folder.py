@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu import __version__
-from rumu.errors import SurfaceError
+from rumu.errors import OutputError, SurfaceError
 from rumu.outputs import whole_folder
 from rumu.surface.mesh import albedo_srgb, mesh_bytes
 from rumu.values import Surface
@@ -49,14 +49,20 @@ def write_surface(
             raise SurfaceError(f"expected a plain file name that is not of the surface's own, got {name!r}")
     glb = mesh_bytes(surface)
     with whole_folder(folder, marker=MARKER) as part:
-        for name in _ARRAYS:
-            _write_tiff(part / f"{name}.tif", getattr(surface, name))
-        scale, offset = _write_pictures(surface, part)
-        (part / "surface.glb").write_bytes(glb)
-        for name, content in (extra or {}).items():
-            (part / name).write_bytes(content.encode() if isinstance(content, str) else content)
-        facts = _facts(surface) | {"height_png": {"scale": scale, "offset": offset}}
-        (part / MARKER).write_text(json.dumps(facts, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        try:
+            _write_pieces(surface, part, {"surface.glb": glb, **(extra or {})})
+        except OSError as error:
+            raise OutputError(f"{folder}: cannot be written ({error.strerror or error})") from error
+
+
+def _write_pieces(surface: Surface, place: Path, files: Mapping[str, str | bytes]) -> None:
+    for name in _ARRAYS:
+        _write_tiff(place / f"{name}.tif", getattr(surface, name))
+    scale, offset = _write_pictures(surface, place)
+    for name, content in files.items():
+        (place / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    facts = _facts(surface) | {"height_png": {"scale": scale, "offset": offset}}
+    (place / MARKER).write_text(json.dumps(facts, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def read_surface(folder: str | Path) -> Surface:

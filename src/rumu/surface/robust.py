@@ -10,7 +10,9 @@ surface as agreeing when the pixel is dark, and stays with "l1" where the materi
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -33,7 +35,7 @@ BoolArray = npt.NDArray[np.bool_]
 Solver = Literal["least_squares", "trimmed", "l1", "robust"]
 
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
-_TILE = 1_000_000  # values of brightness worked on at a time: some 100 MB with all that is derived from them
+_TILE = 200_000  # values of brightness a thread works on at a time: some 20 MB with all derived from them
 _TINY = 1e-12
 
 
@@ -56,7 +58,7 @@ class RobustSettings:
     proportional: float = 0.02
     width: float = 2.0
     lambertian: tuple[float, float] = (0.02, 0.05)
-    settled: float = 1e-5
+    settled: float = 1e-4
     l1_iterations: int = 20
     iterations: int = 25
 
@@ -113,11 +115,17 @@ def solve(
     normals = np.tile(np.array([0, 0, 1], dtype=np.float32), (size, 1))
     albedo = np.zeros(flat.shape[1:], dtype=np.float32)
     confidence = np.zeros(size, dtype=np.float32)
-    solved = []
-    for part in _tiles(np.arange(size) if mask is None else np.flatnonzero(mask), max(1, tile // n)):
-        one = _solve_tile(flat[:, part], lights, solver, black_level, settings or RobustSettings())
-        normals[part], albedo[part], confidence[part] = one.normals, one.albedo, one.confidence
-        solved.append((_sampled(one.residuals), one.dark, one.lit))
+    chosen = np.arange(size) if mask is None else np.flatnonzero(mask)
+    settings = settings or RobustSettings()
+
+    def one(part: npt.NDArray[np.intp]) -> tuple[FloatArray, int, int]:
+        done = _solve_tile(flat[:, part], lights, solver, black_level, settings)
+        normals[part], albedo[part], confidence[part] = done.normals, done.albedo, done.confidence
+        return done.residuals, done.dark, done.lit
+
+    # numpy lets go of the interpreter in all that is slow here, so threads use every core.
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        solved = list(pool.map(one, _tiles(chosen, max(1, tile // n))))
     residuals, dark, lit = zip(*solved, strict=True) if solved else ([np.zeros(0)], [0], [0])
     pooled = np.concatenate(residuals)
     return Solution(
@@ -152,7 +160,7 @@ def _solve_tile(
     reached = enough_lit((values if values.ndim == 2 else values.mean(axis=2))[:, None])[0]
     confidence = np.where(reached, _confidence(off, lit, lights), 0.0)
     count = int(np.count_nonzero(lit))
-    return _Tile(normals, np.maximum(albedo, 0.0), confidence, off[lit], lit.size - count, count)
+    return _Tile(normals, np.maximum(albedo, 0.0), confidence, _sampled(off[lit]), lit.size - count, count)
 
 
 def brightness_rows(values: FloatArray, *, black_level: float = 0.0) -> FloatArray:
@@ -174,7 +182,7 @@ def relative_residuals(
 ) -> tuple[FloatArray, BoolArray]:
     """|brightness - law| in shares of the pixel's brightness, and which values are lit; both (P, N)."""
     scale = pixel_scale(rows)
-    off = np.abs(rows - np.maximum(scaled @ lights.T, 0.0)) / scale
+    off = np.abs(rows - np.maximum(law(scaled, lights), 0.0)) / scale
     return off, rows > np.maximum(dark * scale, SHADOW_FLOOR)
 
 
@@ -197,7 +205,7 @@ def l1(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> Fit:
     weights = np.ones_like(rows)
     going = np.arange(len(rows))
     for _ in range(settings.l1_iterations):
-        off = (rows[going] - scaled[going] @ lights.T) / scale[going]
+        off = (rows[going] - law(scaled[going], lights)) / scale[going]
         weights[going] = 1.0 / np.sqrt(1.0 + (off / (settings.noise / 3)) ** 2)
         new = weighted(rows[going], lights, weights[going])
         moved = np.abs(new - scaled[going]).max(axis=1) / scale[going, 0]
@@ -235,13 +243,13 @@ def _forgetting(
     rows: FloatArray, scaled: FloatArray, lights: FloatArray, scale: FloatArray, settings: RobustSettings
 ) -> tuple[FloatArray, FloatArray]:
     """Geman-McClure weights (P, N) and the spread (P, 1) of the residuals, in shares of the brightness."""
-    raw = scaled @ lights.T
-    law = np.maximum(raw, 0.0)
-    off = (rows - law) / scale
+    raw = law(scaled, lights)
+    lit = np.maximum(raw, 0.0)
+    off = (rows - lit) / scale
     # A lamp behind the surface and a dark pixel agree with the law, but say nothing about the normal.
     tells = (raw > 0) | (rows > settings.dark * scale)
     spread = 1.4826 * _masked_median(np.abs(off), tells)
-    width2 = (settings.width * spread) ** 2 + settings.noise**2 + (settings.proportional * law / scale) ** 2
+    width2 = (settings.width * spread) ** 2 + settings.noise**2 + (settings.proportional * lit / scale) ** 2
     weights = np.where(tells & (rows < SATURATION), 1.0 / (1.0 + off * off / width2) ** 2, 0.0)
     return weights, spread
 
@@ -254,16 +262,27 @@ def weighted(rows: FloatArray, lights: FloatArray, weights: FloatArray) -> Float
     weights = weights + 1e-5
     x, y, z = lights.T
     products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
-    xx, xy, xz, yy, yz, zz = (weights @ products).T
+    xx, xy, xz, yy, yz, zz = _summed(weights, products)
     ridge = 1e-10 * (xx + yy + zz) + 1e-30
     xx, yy, zz = xx + ridge, yy + ridge, zz + ridge
     # The symmetric inverse by cofactors: a batched LAPACK call is ten times slower on 3 x 3.
     cxx, cxy, cxz = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
     cyy, cyz, czz = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
     det = xx * cxx + xy * cxy + xz * cxz
-    u, v, w = ((weights * rows) @ lights).T
+    u, v, w = _summed(weights * rows, lights)
     solution = [cxx * u + cxy * v + cxz * w, cxy * u + cyy * v + cyz * w, cxz * u + cyz * v + czz * w]
     return np.asarray(np.stack(solution, axis=1) / np.maximum(det, 1e-90)[:, None])
+
+
+def law(scaled: FloatArray, lights: FloatArray) -> FloatArray:
+    """(P, N) brightness by Lambert's law, negative where a lamp stands behind the surface."""
+    # Not a matrix product: on matrices this thin starting the threads of BLAS costs more than the product.
+    return np.asarray(np.einsum("pk,kn->pn", scaled, np.ascontiguousarray(lights.T)))
+
+
+def _summed(weights: FloatArray, of_lamps: FloatArray) -> FloatArray:
+    """(K, P): for each pixel, what belongs to the lamps, (N, K), summed by weight (P, N)."""
+    return np.asarray(np.einsum("pn,kn->kp", weights, np.ascontiguousarray(of_lamps.T)))
 
 
 def _masked_median(values: FloatArray, chosen: BoolArray) -> FloatArray:
@@ -280,13 +299,14 @@ def _confidence(off: FloatArray, lit: BoolArray, lights: FloatArray) -> FloatArr
     typical = 1.0 / (1.0 + (_masked_median(off, lit)[:, 0] / 0.05) ** 2)
     x, y, z = lights.T
     products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
-    span = _determinant(np.where(lit, agreement, 0.0) @ products)
-    full = _determinant(products.sum(axis=0)[None])
+    span = _determinant(_summed(np.where(lit, agreement, 0.0), products))
+    full = _determinant(products.sum(axis=0)[:, None])
     return np.asarray(typical * np.cbrt(np.clip(span / full, 0.0, 1.0)))
 
 
 def _determinant(symmetric: FloatArray) -> FloatArray:
-    xx, xy, xz, yy, yz, zz = symmetric.T
+    """Of (6, P): the upper triangle of symmetric 3 x 3 matrices, row by row."""
+    xx, xy, xz, yy, yz, zz = symmetric
     return np.asarray(xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz))
 
 
@@ -295,7 +315,7 @@ def _tiles(chosen: npt.NDArray[np.intp], size: int) -> Iterator[npt.NDArray[np.i
         yield chosen[start : start + size]
 
 
-def _sampled(values: FloatArray, most: int = 20_000) -> FloatArray:
+def _sampled(values: FloatArray, most: int = 5_000) -> FloatArray:
     """Every k-th value, so that a median over a large photograph needs little memory."""
     return np.asarray(values[:: max(1, len(values) // most)])
 

@@ -7,13 +7,14 @@ removes most of what contradicts the law: a capture with equal lamps is left exa
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rumu.surface.robust import RobustSettings, brightness_rows, l1, pixel_scale, relative_residuals
+from rumu.surface.robust import RobustSettings, brightness_rows, l1, law, pixel_scale, relative_residuals
 from rumu.surface.stereo import SHADOW_FLOOR
 
 FloatArray = npt.NDArray[np.floating[Any]]
@@ -35,7 +36,7 @@ class CalibrationSettings:
     fewest: int = 4
     one_way: float = 0.5
     same: float = 0.06
-    sampled: int = 3000
+    sampled: int = 2000
     iterations: int = 12
 
 
@@ -71,16 +72,20 @@ def calibrate(
     rows = sample(images, mask=mask, most=min(settings.sampled, max(300, 150_000 // n)))
     if n < settings.fewest or len(rows) < n:
         return photometry
-    trials = [_refined(rows, lights, photometry, settings, of_strengths=False)] if n > 4 else []
+    trials: list[Callable[[], Photometry | None]] = []
+    if n > 4:
+        trials += [lambda: _refined(rows, lights, photometry, settings, of_strengths=False)]
     if strengths is None:
-        from_sheet = _from_sheet(rows, lights, settings)
-        trials += [] if from_sheet is None else [from_sheet]
-        trials += [_refined(rows, lights, _linear(rows, lights), settings, of_strengths=True)]
+        trials += [
+            lambda: _from_sheet(rows, lights, settings),
+            lambda: _refined(rows, lights, _linear(rows, lights), settings, of_strengths=True),
+        ]
     best = _better(rows, lights, photometry, trials, settings)
-    if best is not photometry and strengths is None and n > 4:
-        again = _refined(rows, lights, best, settings, of_strengths=best.black_level != 0.0)
-        best = _better(rows, lights, best, [again], settings)
-    return best
+    if best is photometry or strengths is not None or n == 4:
+        return best
+    of_strengths = best.black_level != 0.0  # what was not corrected yet
+    again = [lambda: _refined(rows, lights, best, settings, of_strengths=of_strengths)]
+    return _better(rows, lights, best, again, settings)
 
 
 def sample(images: FloatArray, *, mask: BoolArray, most: int) -> FloatArray:
@@ -129,7 +134,7 @@ def _better(
     rows: FloatArray,
     lights: FloatArray,
     now: Photometry,
-    trials: list[Photometry],
+    trials: Sequence[Callable[[], Photometry | None]],
     settings: CalibrationSettings,
 ) -> Photometry:
     """The simplest of the good trials if it earns its place, else what is there now; simplest first.
@@ -138,12 +143,18 @@ def _better(
     alone leaves open.
     """
     before = _residual(rows, lights, now)
-    if before < settings.worth or not trials:
+    if before < settings.worth:
         return now
-    after = [_residual(rows, lights, trial) for trial in trials]
-    good = 1.3 * max(min(after), settings.worth)
-    off, best = next((off, trial) for off, trial in zip(after, trials, strict=True) if off <= good)
-    return best if off < settings.gain * before else now
+    found: list[tuple[float, Photometry]] = []
+    for attempt in trials:
+        trial = attempt()
+        if trial is not None:
+            found.append((_residual(rows, lights, trial), trial))
+            if found[-1][0] < min(settings.worth, settings.gain * before):
+                break  # nothing is left to explain
+    good = 1.3 * min((off for off, _ in found), default=0.0)
+    simplest = next((pair for pair in found if pair[0] <= good), (before, now))
+    return simplest[1] if simplest[0] < settings.gain * before else now
 
 
 def _residual(rows: FloatArray, lights: FloatArray, photometry: Photometry) -> float:
@@ -199,7 +210,7 @@ def _refined(
             now = replace(now, strengths=strengths / strengths.mean(), sheet=False)
         else:
             now = replace(now, black_level=now.black_level + float(step[0]))
-        if np.abs(step).max() < 1e-5:
+        if np.abs(step).max() < 1e-4:
             break
     return now
 
@@ -209,22 +220,22 @@ def _step(rows: FloatArray, lights: FloatArray, now: Photometry, *, of_strengths
     cleaned = _cleaned(rows, now.black_level)
     scale = pixel_scale(cleaned)
     scaled = l1(cleaned, lamps, RobustSettings()).scaled
-    left = cleaned - scaled @ lamps.T
+    left = cleaned - law(scaled, lamps)
     trust = np.where(cleaned > 0.05 * scale, 1.0 / np.sqrt((left / scale) ** 2 + 1e-6), 0.0) / scale**2
     # What one unit of an unknown adds to a value: the light itself, or one unit of black.
-    effect = np.maximum(scaled @ lights.T, 0.0) if of_strengths else np.ones_like(rows)
+    effect = np.maximum(law(scaled, lights), 0.0) if of_strengths else np.ones_like(rows)
     A = np.einsum("pn,ni,nj->pij", trust, lamps, lamps, optimize=True)
     A += (1e-9 * np.trace(A, axis1=1, axis2=2)[:, None, None] + 1e-12) * np.eye(3)
     across = lamps.T[None] * (trust * effect)[:, None, :]
-    solved = np.linalg.solve(A, across)
-    n = len(lights)
-    H = np.diag((trust * effect**2).sum(axis=0)) - across.reshape(-1, n).T @ solved.reshape(-1, n)
-    g = (effect * trust * left).sum(axis=0) - np.einsum("pin,pi->n", solved, (trust * left) @ lamps)
-    most = float((trust * effect**2).sum())
+    own, pull = (trust * effect**2).sum(axis=0), (effect * trust * left).sum(axis=0)
     if not of_strengths:  # one black level for all lamps
-        return np.array([g.sum() / H.sum() if H.sum() > 1e-4 * most else 0.0])
+        across, own, pull = across.sum(axis=2, keepdims=True), own.sum()[None], pull.sum()[None]
+    k = len(own)
+    solved = np.linalg.solve(A, across)
+    H = np.diag(own) - across.reshape(-1, k).T @ solved.reshape(-1, k)
+    g = pull - np.einsum("pik,pn,ni->k", solved, trust * left, lamps, optimize=True)
     size, axes = np.linalg.eigh(H)
-    told = size > 1e-4 * most / n
+    told = size > 1e-4 * own.sum() / k
     return np.asarray(axes[:, told] @ ((axes[:, told].T @ g) / size[told]))
 
 

@@ -1,0 +1,116 @@
+"""How fast and how exact the surfaces are: `python benchmarks/surface.py`.
+
+Times are the best of three. Angles are mean errors in degrees against known normals, for each solver and data
+set; the data is in RUMU_DATA (default: ../shared/data beside the checkout).
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from rumu.capture.folder import read_capture
+from rumu.surface.integrate import integrate
+from rumu.surface.photometric import photometric, surface_normals
+from rumu.surface.robust import SOLVERS
+from rumu.values import Capture
+
+DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shared" / "data")).resolve()
+PHOTOS = DATA / "photometric"
+
+
+def best_of(job: Callable[[], object], *, times: int = 3) -> float:
+    """Seconds of the quickest run."""
+    seconds = []
+    for _ in range(times):
+        start = time.perf_counter()
+        job()
+        seconds.append(time.perf_counter() - start)
+    return min(seconds)
+
+
+def waves(size: int) -> np.ndarray:
+    """(size, size, 3) float32 normals of a sheet of smooth random relief."""
+    rng = np.random.default_rng(0)
+    r, c = np.mgrid[:size, :size] / size
+    p, q = np.zeros((size, size)), np.zeros((size, size))
+    for k, m, phase in zip(rng.integers(1, 12, 9), rng.integers(1, 12, 9), rng.uniform(0, 6, 9), strict=True):
+        slope = 0.1 * np.cos(2 * np.pi * (k * c + m * r) + phase)
+        p, q = p + k / 12 * slope, q - m / 12 * slope
+    n = np.dstack([-p, -q, np.ones_like(p)])
+    return (n / np.linalg.norm(n, axis=2, keepdims=True)).astype(np.float32)
+
+
+def integration() -> None:
+    print("integration                         seconds")
+    large, small = waves(2048), waves(512)
+    r, c = np.ogrid[:512, :512]
+    blob = np.hypot(r - 256, c - 256) < 180 + 40 * np.sin(6 * np.arctan2(r - 256.0, c - 256.0))
+    for name, job in {
+        "dct 2048 x 2048": lambda: integrate(large, method="dct"),
+        "frankot_chellappa 2048 x 2048": lambda: integrate(large, method="frankot_chellappa"),
+        "masked 512 x 512": lambda: integrate(small, mask=blob, method="masked"),
+    }.items():
+        print(f"  {name:<34}{best_of(job):7.3f}")
+
+
+def circle_normals(mask: np.ndarray) -> np.ndarray:
+    """(H, W, 3) normals of the sphere whose outline the mask is."""
+    rows, columns = np.nonzero(mask)
+    cx, cy = (columns.min() + columns.max()) / 2, (rows.min() + rows.max()) / 2
+    radius = (np.ptp(columns) + np.ptp(rows) + 2) / 4
+    r, c = np.indices(mask.shape)
+    x, y = (c - cx) / radius, (cy - r) / radius
+    return np.dstack([x, y, np.sqrt(np.clip(1 - x * x - y * y, 0, None))])
+
+
+def known() -> dict[str, tuple[Capture, np.ndarray, np.ndarray]]:
+    """Captures whose normals are known: capture, normals, where they are compared."""
+    truth = np.load(PHOTOS / "bunny" / "normals_gt.npy")
+    sets = {}
+    for name in ("bunny_lambert", "bunny_lambert_noshadow"):
+        capture = read_capture(PHOTOS / "bunny" / name)
+        sets[name] = (capture, truth, capture.mask)
+    gray = read_capture(PHOTOS / "uw-psm" / "gray")
+    ball = circle_normals(gray.mask)
+    sets["uw-psm/gray"] = (gray, ball, gray.mask & (ball[..., 2] > 0.4))
+    relief = read_capture(PHOTOS / "synthrti-relief" / "train49")
+    painted = np.asarray(Image.open(PHOTOS / "synthrti-relief" / "train49" / "normals.png").convert("RGB"))
+    sets["synthrti-relief"] = (relief, painted / 127.5 - 1.0, relief.mask)
+    return sets
+
+
+def degrees_off(normals: np.ndarray, truth: np.ndarray, where: np.ndarray) -> float:
+    cosine = (normals[where] * truth[where]).sum(axis=1) / np.linalg.norm(truth[where], axis=1)
+    return float(np.degrees(np.arccos(np.clip(cosine, -1, 1))).mean())
+
+
+def accuracy() -> None:
+    print("\nmean angular error, degrees     " + "".join(f"{solver:>15}" for solver in SOLVERS))
+    for name, (capture, truth, where) in known().items():
+        off = [degrees_off(surface_normals(capture, solver=s)[0], truth, where) for s in SOLVERS]
+        print(f"  {name:<30}" + "".join(f"{value:15.2f}" for value in off))
+    capture = read_capture(PHOTOS / "psbox-cat")
+    off = [surface_normals(capture, solver=s)[3]["residual"] for s in SOLVERS]
+    print("  psbox-cat, residual %         " + "".join(f"{100 * value:15.1f}" for value in off))
+
+
+def solving() -> None:
+    print("\nsolving                             seconds")
+    bunny = read_capture(PHOTOS / "bunny" / "bunny_lambert")
+    for solver in SOLVERS:
+        seconds = best_of(lambda solver=solver: surface_normals(bunny, solver=solver))
+        print(f"  bunny 256 x 256 x 50, {solver:<12}{seconds:7.2f}")
+    cat = read_capture(PHOTOS / "psbox-cat")
+    print(f"  psbox-cat 430 x 550 x 12, to height {best_of(lambda: photometric(cat), times=1):5.2f}")
+
+
+if __name__ == "__main__":
+    integration()
+    accuracy()
+    solving()

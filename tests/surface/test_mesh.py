@@ -1,0 +1,110 @@
+"""Meshes: the right way up, to scale, small, and without what was not measured."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+from rumu.errors import OutputError, SurfaceError
+from rumu.surface.mesh import FORMATS, MeshSettings, albedo_srgb, mesh_bytes, mesh_grid, write_mesh
+from rumu.values import Surface
+
+
+def surface(h=30, w=40, **changes):
+    r, c = np.indices((h, w))
+    plain = Surface(
+        height=(0.1 * c - 0.2 * r).astype(np.float32),
+        normals=np.tile(np.array([0, 0, 1], np.float32), (h, w, 1)),
+        albedo=np.linspace(0, 1, w, dtype=np.float32) * np.ones((h, 1), np.float32),
+        mask=np.ones((h, w), dtype=bool),
+        confidence=np.ones((h, w), dtype=np.float32),
+        spacing=0.5,
+        unit="mm",
+        source="photometric",
+    )
+    return replace(plain, **changes)
+
+
+def loaded(data, kind):
+    return trimesh.load(io.BytesIO(data), file_type=kind, force="mesh", process=False)
+
+
+def test_the_grid_is_in_metres_with_y_up_and_faces_toward_the_viewer():
+    grid = mesh_grid(surface())
+    assert len(grid.vertices) == 30 * 40 and len(grid.faces) == 2 * 29 * 39
+    assert np.allclose(np.ptp(grid.vertices[:, 0]), 39 * 0.0005)
+    first, last = grid.vertices[0], grid.vertices[-1]  # top left and bottom right
+    assert first[0] < last[0] and first[1] > last[1]
+    assert first[2] == pytest.approx(0.0) and last[2] == pytest.approx((0.1 * 39 - 0.2 * 29) / 1000)
+    assert np.allclose(grid.vertices[:, :2].mean(axis=0), 0.0, atol=1e-9)
+    a, b, c = (grid.vertices[grid.faces[:, k]] for k in range(3))
+    assert (np.cross(b - a, c - a)[:, 2] > 0).all()
+    assert np.allclose(grid.uv[0], (0.5 / 40, 1 - 0.5 / 30))
+
+
+def test_what_was_not_measured_is_left_out_but_paper_is_kept():
+    mask = np.ones((30, 40), dtype=bool)
+    mask[10:20, 15:25] = False
+    measured = mesh_grid(surface(mask=mask))
+    assert len(measured.vertices) == 30 * 40 - 100
+    inside = np.abs(measured.vertices[:, :2]) < (4 * 0.0005, 4 * 0.0005)
+    assert not inside.all(axis=1).any()
+    assert len(mesh_grid(surface(mask=mask, source="inflation")).vertices) == 30 * 40
+
+
+def test_exaggeration_and_pixels():
+    plain, tall = mesh_grid(surface()), mesh_grid(surface(), settings=MeshSettings(exaggeration=3.0))
+    assert np.allclose(tall.vertices, plain.vertices * (1, 1, 3))
+    unscaled = mesh_grid(surface(unit="px", spacing=1.0))
+    assert np.ptp(unscaled.vertices[:, 0]) == pytest.approx(0.1 * 39 / 40)
+    assert unscaled.vertices[-1, 2] == pytest.approx((0.1 * 39 - 0.2 * 29) * 0.1 / 40)
+
+
+def test_a_large_surface_is_gridded_where_it_lies():
+    big = surface(300, 401)
+    grid = mesh_grid(big, settings=MeshSettings(vertices=2000))
+    assert 1000 < len(grid.vertices) <= 2100
+    column = grid.vertices[:, 0] / 0.0005 + 200
+    row = 149.5 - grid.vertices[:, 1] / 0.0005
+    inner = (column < 390) & (row < 290)
+    assert np.allclose(grid.vertices[inner, 2] * 1000, (0.1 * column - 0.2 * row)[inner], atol=1e-5)
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_every_format_reads_back(kind):
+    mesh = loaded(mesh_bytes(surface(), kind=kind), kind)
+    scale = 1000.0 if kind == "stl" else 1.0
+    assert np.allclose(mesh.extents[:2], np.array([39, 29]) * 0.0005 * scale, atol=1e-6)
+    assert len(mesh.faces) == 2 * 29 * 39
+    if kind == "glb":
+        assert mesh.visual.material.baseColorTexture.size == (40, 30)
+    if kind == "ply":
+        assert mesh.visual.vertex_colors[0, 0] == 0 and mesh.visual.vertex_colors[-1, 0] == 255
+
+
+def test_a_noisy_photograph_makes_a_glb_under_five_megabytes():
+    rng = np.random.default_rng(0)
+    big = surface(1500, 1500)
+    noisy = replace(big, albedo=rng.random((1500, 1500, 3)).astype(np.float32))
+    assert len(mesh_bytes(noisy)) <= 5_000_000
+
+
+def test_srgb():
+    assert (albedo_srgb(np.array([[0.0, 0.2140, 1.0]]))[0, :, 0] == (0, 127, 255)).all()
+
+
+def test_files_and_bad_input(tmp_path):
+    write_mesh(surface(), tmp_path / "a.PLY")
+    assert (tmp_path / "a.PLY").read_bytes().startswith(b"ply")
+    with pytest.raises(SurfaceError, match="glb, ply, stl, got 'obj'"):
+        write_mesh(surface(), tmp_path / "a.obj")
+    with pytest.raises(SurfaceError, match="room for a triangle, got 0 pixels"):
+        mesh_bytes(surface(mask=np.zeros((30, 40), dtype=bool)))
+    with pytest.raises(SurfaceError, match="finite exaggeration"):
+        MeshSettings(exaggeration=float("nan"))
+    with pytest.raises(OutputError):
+        write_mesh(surface(), tmp_path / "a.PLY" / "b.ply")
