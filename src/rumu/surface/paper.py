@@ -18,6 +18,7 @@ Floats = npt.NDArray[np.float32]
 Bools = npt.NDArray[np.bool_]
 
 GRID = 64  # longer side of the reduced picture: strokes stay visible, a quadratic costs nothing
+PLAINLY = 0.6  # unlikeliness below which no other polarity is tried; rubbings read as ink start at 0.9
 FLAT = 2  # grey levels: what JPEG leaves of a constant colour
 
 
@@ -138,9 +139,14 @@ def _sharp(gray: Bytes, bright: Bools, outline: npt.NDArray[np.int32], limits: S
 
 def read_paper(small: Bytes, *, polarity: Polarity | None = None) -> Paper:
     """Fit the paper of a reduced picture under both hypotheses, dark ink and light, and keep the likelier."""
-    polarities: tuple[Polarity, ...] = ("dark", "light") if polarity is None else (polarity,)
-    fits = [Paper(fit_level(tone(small, polarity=p)), p) for p in polarities]
-    return _despite_shadow(small, min(fits, key=lambda paper: unlikeliness(small, paper)))
+    if polarity is not None:
+        return _despite_shadow(small, Paper(fit_level(tone(small, polarity=polarity)), polarity))
+    dark = Paper(fit_level(tone(small, polarity="dark")), "dark")
+    doubt = unlikeliness(small, dark)
+    if doubt < PLAINLY:
+        return _despite_shadow(small, dark)
+    light = Paper(fit_level(tone(small, polarity="light")), "light")
+    return _despite_shadow(small, dark if doubt <= unlikeliness(small, light) else light)
 
 
 def unlikeliness(small: Bytes, paper: Paper) -> float:

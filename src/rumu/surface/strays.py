@@ -160,6 +160,8 @@ def drop_strays(mask: Bools, *, limits: StrayLimits) -> tuple[Bools, dict[str, i
         stray = kept & test(stats[1:], mask.shape, kept, limits)
         left_out[kind] = int(area[stray].sum())
         kept = kept & ~stray
+    if kept.all():
+        return mask, left_out
     table = np.concatenate([[False], kept])
     return np.asarray(table[labels]), left_out
 
