@@ -127,6 +127,21 @@ def test_three_lamps_of_the_papers_kind_in_any_order():
         assert quality["residual"] < 1e-5 and abs(quality["paper_p"]) < 0.01
 
 
+def test_bands_of_the_closed_form_do_not_show(monkeypatch):
+    colour = np.stack([np.full((50, 40), v) for v in (0.8, 0.5, 0.2)], axis=-1)
+    shape = bump((50, 40), peak=3.0, sigma=9.0)
+    capture = capture_of(
+        shape, albedo=colour, tilts=(0, 90, 180, 270), slant=45.0, sensor=Sensor(noise=0.004)
+    )
+    whole = surface_normals(capture)
+    monkeypatch.setattr("rumu.surface.photometric._BAND", 40 * 7)
+    banded = surface_normals(capture)
+    for one, other in zip(whole[:3], banded[:3], strict=True):
+        assert np.array_equal(one, other)
+    assert banded[3] == pytest.approx(whole[3], rel=0.2)
+    assert np.allclose(whole[1].mean(axis=(0, 1)), (0.8, 0.5, 0.2), atol=0.02)
+
+
 @pytest.mark.parametrize("tilts", [(0.0, 90.0, 180.0), (0.0, 90.0, 180.0, 270.0), RING])
 def test_a_flat_inked_page_stays_flat_under_unequal_lamps(tilts):
     rng = np.random.default_rng(9)
@@ -155,6 +170,7 @@ def test_photometric_gives_millimetres_and_fills_what_no_lamp_reaches():
     hole = ~dark.mask
     assert hole[30:36, 40:46].all() and hole.sum() == 36
     assert (dark.confidence[hole] == 0).all()
+    assert np.allclose(dark.albedo, 0.7, atol=0.01)
     assert dark.unit == "mm" and dark.spacing == 0.05 and dark.source == "photometric"
     wanted = shape.height * 0.05
     assert np.abs((dark.height - dark.height[0, 0]) - (wanted - wanted[0, 0])).max() < 0.03 * np.ptp(wanted)

@@ -15,13 +15,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rumu import __version__
 from rumu.errors import OutputError, SurfaceError
 from rumu.outputs import whole_folder
 from rumu.surface.mesh import albedo_srgb, mesh_bytes
@@ -105,7 +105,7 @@ def _facts(surface: Surface) -> dict[str, Any]:
     h, w = surface.height.shape
     return {
         "kind": _KIND,
-        "version": __version__,
+        "version": version("rumu"),
         "source": surface.source,
         "unit": surface.unit,
         "spacing": surface.spacing,

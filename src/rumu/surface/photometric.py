@@ -5,7 +5,7 @@ A page of flat paper and ink comes out flat here, however black the ink: see `ru
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
@@ -31,6 +31,7 @@ BoolArray = npt.NDArray[np.bool_]
 # Nearer to the paper's places than any lamp list is exact: beyond it the given directions serve better.
 _PAPER_TOLERANCE = 0.25
 _SHEET_SHARE = 0.6  # of the pixels must be trusted for an unmasked capture to count as a full sheet
+_BAND = 2_000_000  # pixels of the closed form worked on at a time
 _LEAST_TRUST = 0.05  # in integration: an unsure slope is better than none
 
 
@@ -65,7 +66,7 @@ def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "
     return Surface(
         height=height.astype(np.float32),
         normals=filled,
-        albedo=albedo,
+        albedo=_filled_albedo(albedo, known=measured, within=domain),
         mask=measured,
         confidence=np.where(measured, confidence, 0.0).astype(np.float32),
         spacing=spacing,
@@ -120,14 +121,27 @@ def fill(normals: FloatArray, *, known: BoolArray, within: BoolArray) -> FloatAr
 
     Slopes are averaged in ever coarser cells until every cell holds a known pixel. Outside `within` flat.
     """
-    p, q = gradients_from_normals(normals)
-    if not (within & ~known).any():
-        kept = np.asarray(normals, dtype=np.float32)
-    else:
-        weight = known.astype(np.float32)
-        p, q = (_pulled(np.where(known, slope, 0.0).astype(np.float32), weight) for slope in (p, q))
+    kept = np.asarray(normals, dtype=np.float32)
+    if (within & ~known).any():
+        p, q = (_blended(slope, known) for slope in gradients_from_normals(normals))
         kept = np.where(known[..., None], normals, normals_from_gradients(p, q)).astype(np.float32)
     return np.where(within[..., None], kept, np.array([0, 0, 1], dtype=np.float32))
+
+
+def _filled_albedo(albedo: FloatArray, *, known: BoolArray, within: BoolArray) -> FloatArray:
+    """(H, W[, 3]) albedo with the holes of `within` blended from near known pixels."""
+    holes = within & ~known
+    if not holes.any():
+        return albedo
+    if albedo.ndim == 3:
+        channels = [_filled_albedo(one, known=known, within=within) for one in np.moveaxis(albedo, 2, 0)]
+        return np.stack(channels, axis=2)
+    return np.where(holes, np.clip(_blended(albedo, known), 0.0, 1.0), albedo).astype(np.float32)
+
+
+def _blended(values: FloatArray, known: BoolArray) -> FloatArray:
+    """(H, W) float32: known values, and what lies between them. values: (H, W)."""
+    return _pulled(np.where(known, values, 0.0).astype(np.float32), known.astype(np.float32))
 
 
 def _pulled(total: FloatArray, weight: FloatArray) -> FloatArray:
@@ -181,22 +195,55 @@ def _solved(
 
 
 def _closed_form(capture: Capture, lamps: PaperLamps, strengths: FloatArray) -> tuple[Solution, float | None]:
-    """The paper's three lamps; confidence is the brightness of the darkest of them beside the mean."""
+    """The paper's three lamps, and a fourth, band by band so that memory stays bounded."""
+    h, w = capture.mask.shape
+    rows = max(1, _BAND // w)
+    bands = [_band(capture, lamps, strengths, slice(r, min(r + rows, h))) for r in range(0, h, rows)]
+    share = [float(one.mask.sum()) / float(capture.mask.sum()) for one in bands]
+    check = None
+    if len(lamps.order) == 4:
+        check = float(np.dot(share, [one.fourth_lamp for one in bands]))
+    solution = Solution(
+        np.concatenate([one.normals for one in bands]),
+        np.concatenate([one.albedo for one in bands]),
+        np.concatenate([one.confidence for one in bands]),
+        0.5 * (check or 0.0),
+        float(np.dot(share, [one.shadow_share for one in bands])),
+    )
+    return solution, check
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Band:
+    normals: FloatArray
+    albedo: FloatArray
+    confidence: FloatArray
+    mask: BoolArray
+    shadow_share: float
+    fourth_lamp: float
+
+
+def _band(capture: Capture, lamps: PaperLamps, strengths: FloatArray, rows: slice) -> _Band:
+    """Some rows by the closed form; confidence is the brightness of the darkest lamp beside the mean."""
     order = list(lamps.order)
-    gray = (capture.gray[order] / strengths[order, None, None]).astype(np.float32)
+    images = np.stack([capture.images[lamp, rows] for lamp in order])
+    raw = images if images.ndim == 3 else images.mean(axis=3)
+    gray = (raw / strengths[order, None, None]).astype(np.float32)
     found = three_lamps(*gray[:3], slant=lamps.slant, d=gray[3] if len(order) == 4 else None)
+    mask = capture.mask[rows]
+    lit = found.valid & mask & all_lit(raw)
     normals, albedo = found.normals, found.albedo
-    lit = found.valid & capture.mask & all_lit(capture.gray)
-    if capture.images.ndim == 4:
+    if images.ndim == 4:
         lights = capture.lights[order] * strengths[order, None]
-        values = capture.images[order].reshape(len(order), -1, 3)
+        values = images.reshape(len(order), -1, 3)
         ones = np.ones((values.shape[1], len(order)))
         albedo = channel_albedo(values, normals.reshape(-1, 3), lights, weights=ones)
         albedo = np.where(lit[..., None], albedo.reshape(*lit.shape, 3), 0.0).astype(np.float32)
     darkest = gray.min(axis=0) / np.maximum(gray.mean(axis=0), 1e-6)
     confidence = np.where(lit, np.clip(darkest, 1e-3, 1.0), 0.0).astype(np.float32)
-    dark = float(np.mean(gray[:, capture.mask] < 0.05 * gray[:, capture.mask].max(axis=0)))
-    return Solution(normals, albedo, confidence, 0.5 * (found.fourth_lamp or 0.0), dark), found.fourth_lamp
+    dark = (gray < 0.05 * gray.max(axis=0))[:, mask]
+    shadow_share = float(dark.mean()) if dark.size else 0.0
+    return _Band(normals, albedo, confidence, mask, shadow_share, found.fourth_lamp or 0.0)
 
 
 def _before(capture: Capture, lamps: PaperLamps | None, photometry: Photometry) -> Solution | None:
