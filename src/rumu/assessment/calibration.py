@@ -24,8 +24,8 @@ from rumu.values import FloatArray, Level
 Cuts = Mapping[Level, float]
 
 LEVELS: Mapping[str, Cuts] = {
-    # quartiles of the panel's 652 marks, rounded: about a quarter of human marks falls in each level
-    "panel": {"excellent": 62.0, "good": 52.0, "medium": 41.0},
+    # of the panel's 652 marks about a tenth is excellent, 30 % good, 35 % medium and a quarter bad
+    "panel": {"excellent": 69.0, "good": 56.0, "medium": 41.0},
     # midpoints between the bands of a published copying-exam rubric (18-20, 15-17, 11-14, up to 10 of 20)
     "rubric": {"excellent": 87.5, "good": 72.5, "medium": 52.5},
 }
@@ -63,7 +63,9 @@ class PoseCharge:
 class Scale:
     """A weighted sum of log residuals that reads as marks: mean + sum -weight_i * (log r_i - m_i) / s_i.
 
-    weights are not negative, so no residual can raise a mark.
+    names: the residuals that are weighed; centre, spread, weights: one a name. Weights are not negative, so
+    no residual can raise a mark. anchors: ((sum, mark), ...), rising: where another character, the human
+    range and a perfect copy lie; straight between, so the order of copies is untouched.
     """
 
     names: tuple[str, ...]
@@ -71,11 +73,18 @@ class Scale:
     spread: tuple[float, ...]
     weights: tuple[float, ...]
     mean: float
+    anchors: tuple[tuple[float, float], ...] = ((0.0, 0.0), (100.0, 100.0))
 
-    def read(self, residuals: Residuals) -> float:
+    def weigh(self, residuals: Residuals) -> float:
+        """The sum before it is anchored; without bounds."""
         chosen = [RESIDUALS.index(name) for name in self.names]
         z = (residuals.logarithms()[chosen] - np.array(self.centre)) / np.array(self.spread)
         return float(self.mean - z @ np.array(self.weights))
+
+    def read(self, residuals: Residuals) -> float:
+        """The mark, 0-100."""
+        sums, marks = zip(*self.anchors, strict=True)
+        return float(np.interp(self.weigh(residuals), sums, marks))
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,22 +93,19 @@ class Calibration:
 
     scale: over all residuals; parts: the same for 'structure' and 'brushwork' on their own residuals,
         fitted to the same marks, since nobody marked the parts.
-    anchors: ((raw, score), ...), rising: where another character, the human range and a perfect copy lie;
-        straight between, so the order of copies is untouched.
     interval: (low, high) offsets of the 80 % interval, from errors on characters held out.
     provenance: what was fitted on what, in words.
     """
 
     scale: Scale
     parts: Mapping[str, Scale]
-    anchors: tuple[tuple[float, float], ...]
     interval: tuple[float, float]
     provenance: str
 
     def score(self, features: Features, *, charge: PoseCharge | None = None) -> float:
         """0-100; 100 for a perfect copy in its place."""
         taken = sum((charge or PoseCharge()).points(features).values())
-        return float(np.clip(self._anchored(self.scale.read(features.residuals)) - taken, 0.0, 100.0))
+        return max(self.scale.read(features.residuals) - taken, 0.0)
 
     def part_scores(self, features: Features) -> dict[str, float]:
         """'brushwork', 'structure' and 'ink', each 0-100.
@@ -107,20 +113,13 @@ class Calibration:
         ink is a declared convention: 100 for the master's weight of ink, halved for each
         quarter more or less.
         """
-        read = {
-            name: float(np.clip(self._anchored(scale.read(features.residuals)), 0.0, 100.0))
-            for name, scale in self.parts.items()
-        }
+        read = {name: scale.read(features.residuals) for name, scale in self.parts.items()}
         return read | {"ink": float(100.0 * 0.5 ** (abs(features.weight) / np.log(1.25)))}
 
     def interval_of(self, score: float) -> tuple[float, float]:
         """The 80 % interval of the panel's mark around a score, within 0-100."""
         low, high = np.clip((score + self.interval[0], score + self.interval[1]), 0.0, 100.0)
         return float(low), float(high)
-
-    def _anchored(self, raw: float) -> float:
-        raws, scores = zip(*self.anchors, strict=True)
-        return float(np.interp(raw, raws, scores))
 
 
 def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
@@ -157,14 +156,11 @@ def read_calibration(plain: Mapping[str, Any]) -> Calibration:
         return Calibration(
             scale=_scale(plain["scale"]),
             parts={name: _scale(scale) for name, scale in plain["parts"].items()},
-            anchors=tuple((float(raw), float(score)) for raw, score in plain["anchors"]),
             interval=(float(plain["interval"][0]), float(plain["interval"][1])),
             provenance=str(plain["provenance"]),
         )
     except (KeyError, TypeError, ValueError) as error:
-        raise CalibrationError(
-            f"expected a calibration with scale, parts, anchors, interval; {error!r}"
-        ) from error
+        raise CalibrationError(f"expected a calibration with scale, parts, interval; {error!r}") from error
 
 
 def write_calibration(calibration: Calibration, path: str | Path) -> None:
@@ -207,4 +203,5 @@ def _scale(plain: Mapping[str, Any]) -> Scale:
         spread=tuple(map(float, plain["spread"])),
         weights=tuple(map(float, plain["weights"])),
         mean=float(plain["mean"]),
+        anchors=tuple((float(total), float(mark)) for total, mark in plain["anchors"]),
     )

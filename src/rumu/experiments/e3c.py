@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.calibration import LEVELS, Calibration, fit_scale, level_of
+from rumu.assessment.calibration import LEVELS, Calibration, Scale, fit_scale, level_of
 from rumu.assessment.features import RESIDUALS, Features, Residuals
 from rumu.errors import CalibrationError, RefusedImage
 from rumu.values import FloatArray, Surface
@@ -179,27 +179,35 @@ def other_characters(copies: list[Copy]) -> list[Residuals]:
 
 
 def fit_panel(measured: list[Measured], others: list[Residuals]) -> Calibration:
-    """Scale, parts and anchors from marked copies; the interval is left at zero width."""
+    """Scale and parts from marked copies, anchored; the interval is left at zero width."""
     logs = np.array([m.features.residuals.logarithms() for m in measured if m.features])
     marks = np.array([m.copy.mark for m in measured if m.features])
-    scale = fit_scale(logs, marks, names=RESIDUALS)
-    wrong = float(np.median([scale.read(r) for r in others]))
-    perfect = scale.read(Residuals(0.0, 0.0, 0.0, 0.0, 0.0))
-    low, high = HUMAN_RANGE
-    anchors = ((2 * wrong - low, 0.0), (wrong, OTHER_CHARACTER), (low, low), (high, high), (perfect, 100.0))
-    if list(anchors) != sorted(anchors):
-        raise CalibrationError(
-            f"expected anchors that rise from a wrong character to a perfect copy, got {anchors}"
-        )
     return Calibration(
-        scale=scale,
-        parts={part: fit_scale(logs, marks, names=names) for part, names in PARTS.items()},
-        anchors=anchors,
+        scale=anchored(fit_scale(logs, marks, names=RESIDUALS), others=others),
+        parts={part: anchored(fit_scale(logs, marks, names=names)) for part, names in PARTS.items()},
         interval=(0.0, 0.0),
         provenance=f"{len(marks)} brush copies of {len({m.copy.character for m in measured})} "
         "regular-script characters, each marked 1-10 by about ten people (E3C, Sun et al. 2023); "
         "panel mark = mean times ten",
     )
+
+
+def anchored(scale: Scale, *, others: list[Residuals] | None = None) -> Scale:
+    """The panel's scale within the human range, stretched above it to reach 100 for a perfect copy.
+
+    others: residuals of other characters; with them it is stretched below the human range too, so that the
+        middle one reads OTHER_CHARACTER. A part alone cannot tell characters apart, so it goes without.
+    Raises CalibrationError when the anchors would not rise.
+    """
+    low, high = HUMAN_RANGE
+    nothing = 0.0
+    if others:
+        wrong = float(np.median([scale.weigh(r) for r in others]))
+        nothing = wrong - OTHER_CHARACTER * (low - wrong) / (low - OTHER_CHARACTER)
+    perfect = scale.weigh(Residuals(0.0, 0.0, 0.0, 0.0, 0.0))
+    if not nothing < low < high < perfect:
+        raise CalibrationError(f"expected anchors that rise, got {nothing}, {low}, {high}, {perfect}")
+    return replace(scale, anchors=((nothing, 0.0), (low, low), (high, high), (perfect, 100.0)))
 
 
 def held_out(measured: list[Measured], refused: list[Measured], others: list[Residuals]) -> Result:
