@@ -22,26 +22,34 @@ DEGREES: tuple[Degree, ...] = get_args(Degree)
 # Fault and severity, whole character first: what is then said of a stroke is true of where it ends up.
 RECIPES: Mapping[Degree, tuple[tuple[str, float], ...]] = {
     "excellent": (("wobble", 0.4), ("shift", 0.6)),
-    "good": (("lean", 0.6), ("stroke_thick", 0.8), ("angle", 1.2), ("shift", 1.2), ("wobble", 0.7)),
-    "medium": (
+    "good": (
         ("lean", 1.0),
-        ("small", 1.0),
-        ("uneven", 1.4),
-        ("thin", 1.2),
-        ("angle", 3.0),
-        ("shift", 3.0),
-        ("wobble", 1.3),
+        ("uneven", 1.6),
+        ("stroke_thick", 1.6),
+        ("angle", 3.4),
+        ("shift", 3.4),
+        ("wobble", 1.2),
+    ),
+    "medium": (
+        ("lean", 1.4),
+        ("small", 1.2),
+        ("uneven", 3.0),
+        ("thin", 1.6),
+        ("angle", 5.0),
+        ("shift", 5.0),
+        ("blunt", 2.5),
+        ("wobble", 2.2),
     ),
     "bad": (
-        ("lean", 2.2),
+        ("lean", 2.4),
         ("off_centre", 1.5),
-        ("uneven", 3.0),
+        ("uneven", 4.0),
         ("missing", 1.0),
-        ("thick", 1.2),
+        ("thick", 1.4),
         ("angle", 5.0),
-        ("shift", 4.5),
+        ("shift", 5.0),
         ("blunt", 4.0),
-        ("wobble", 2.6),
+        ("wobble", 3.2),
     ),
 }
 
