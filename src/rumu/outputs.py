@@ -38,7 +38,9 @@ def whole_folder(path: str | Path, *, marker: str) -> Iterator[Path]:
     """
     target = Path(path)
     if target.exists() and not _replaceable(target, marker):
-        raise OutputError(f"{target}: expected a new or empty folder, or one with {marker}; it holds other things")
+        raise OutputError(
+            f"{target}: expected a new or empty folder, or one with {marker}; it holds other things"
+        )
     with _workspace(target) as folder:
         part, old = folder / "new", folder / "old"
         part.mkdir()

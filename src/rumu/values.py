@@ -121,7 +121,9 @@ class Surface:
     def __post_init__(self) -> None:
         shape = self.height.shape
         _require(len(shape) == 2, SurfaceError, "a height map of shape (H, W)", shape)
-        _require(self.normals.shape == (*shape, 3), SurfaceError, f"normals {(*shape, 3)}", self.normals.shape)
+        _require(
+            self.normals.shape == (*shape, 3), SurfaceError, f"normals {(*shape, 3)}", self.normals.shape
+        )
         _require(
             self.albedo.shape in (shape, (*shape, 3)), SurfaceError, f"albedo of {shape}", self.albedo.shape
         )
