@@ -20,10 +20,13 @@ def iou(a: np.ndarray, b: np.ndarray) -> float:
     return float((a & b).sum() / (a | b).sum())
 
 
-@pytest.mark.parametrize(("work", "seed"), [("regular-tian", 1), ("clerical-shui", 2), ("seal-yue", 3)])
-def test_each_degree_is_further_from_the_master(work: str, seed: int) -> None:
+@pytest.mark.parametrize("work", ["regular-tian", "clerical-shui", "seal-yue"])
+def test_each_degree_is_further_from_the_master(work: str) -> None:
     mask = master(work)
-    likeness = [iou(copy_at(mask, degree, seed=seed).mask, mask) for degree in DEGREES]
+    likeness = [
+        float(np.mean([iou(copy_at(mask, degree, seed=seed).mask, mask) for seed in range(4)]))
+        for degree in DEGREES
+    ]
     assert likeness == sorted(likeness, reverse=True)
     assert likeness[0] > 0.8
     assert likeness[-1] < 0.5
