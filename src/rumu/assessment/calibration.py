@@ -23,6 +23,9 @@ from rumu.values import FloatArray, Level
 
 Cuts = Mapping[Level, float]
 
+FULLNESS_RANGE = 0.3
+"""Natural logarithm of size, either way, up to which the human marks at hand speak."""
+
 LEVELS: Mapping[str, Cuts] = {
     # of the panel's 652 marks about a tenth is excellent, 30 % good, 35 % medium and a quarter bad
     "panel": {"excellent": 69.0, "good": 56.0, "medium": 41.0},
@@ -41,8 +44,8 @@ class PoseCharge:
     unit beyond, each up to its own cap.
     """
 
-    lean_free: float = 6.0  # degrees
-    lean_rate: float = 1.5  # points per degree
+    lean_free: float = 8.0  # degrees
+    lean_rate: float = 2.0  # points per degree
     offset_free: float = 0.12  # fraction of the cell
     offset_rate: float = 100.0  # points per cell
     size_free: float = 0.3  # natural logarithm
@@ -93,6 +96,8 @@ class Calibration:
 
     scale: over all residuals; parts: the same for 'structure' and 'brushwork' on their own residuals,
         fitted to the same marks, since nobody marked the parts.
+    fullness: points per natural logarithm of the copy's size over the master's: people mark full writing
+        up and cramped writing down. Counted within FULLNESS_RANGE; far beyond, PoseCharge takes over.
     interval: (low, high) offsets of the 80 % interval, from errors on characters held out.
     provenance: what was fitted on what, in words.
     """
@@ -101,11 +106,13 @@ class Calibration:
     parts: Mapping[str, Scale]
     interval: tuple[float, float]
     provenance: str
+    fullness: float = 0.0
 
     def score(self, features: Features, *, charge: PoseCharge | None = None) -> float:
         """0-100; 100 for a perfect copy in its place."""
         taken = sum((charge or PoseCharge()).points(features).values())
-        return max(self.scale.read(features.residuals) - taken, 0.0)
+        full = self.fullness * float(fullness(features.size))
+        return float(np.clip(self.scale.read(features.residuals) + full - taken, 0.0, 100.0))
 
     def part_scores(self, features: Features) -> dict[str, float]:
         """'brushwork', 'structure' and 'ink', each 0-100.
@@ -120,6 +127,11 @@ class Calibration:
         """The 80 % interval of the panel's mark around a score, within 0-100."""
         low, high = np.clip((score + self.interval[0], score + self.interval[1]), 0.0, 100.0)
         return float(low), float(high)
+
+
+def fullness(size: Any) -> Any:
+    """ln of size (a number or an array) as the calibration counts it."""
+    return np.clip(size, -FULLNESS_RANGE, FULLNESS_RANGE)
 
 
 def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
@@ -158,6 +170,7 @@ def read_calibration(plain: Mapping[str, Any]) -> Calibration:
             parts={name: _scale(scale) for name, scale in plain["parts"].items()},
             interval=(float(plain["interval"][0]), float(plain["interval"][1])),
             provenance=str(plain["provenance"]),
+            fullness=float(plain["fullness"]),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise CalibrationError(f"expected a calibration with scale, parts, interval; {error!r}") from error

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.calibration import LEVELS, Calibration, Scale, fit_scale, level_of
+from rumu.assessment.calibration import LEVELS, Calibration, Scale, fit_scale, fullness, level_of
 from rumu.assessment.features import RESIDUALS, Features, Residuals
 from rumu.errors import CalibrationError, RefusedImage
 from rumu.values import FloatArray, Surface
@@ -182,14 +182,25 @@ def fit_panel(measured: list[Measured], others: list[Residuals]) -> Calibration:
     """Scale and parts from marked copies, anchored; the interval is left at zero width."""
     logs = np.array([m.features.residuals.logarithms() for m in measured if m.features])
     marks = np.array([m.copy.mark for m in measured if m.features])
+    scale = anchored(fit_scale(logs, marks, names=RESIDUALS), others=others)
     return Calibration(
-        scale=anchored(fit_scale(logs, marks, names=RESIDUALS), others=others),
+        scale=scale,
         parts={part: anchored(fit_scale(logs, marks, names=names)) for part, names in PARTS.items()},
         interval=(0.0, 0.0),
         provenance=f"{len(marks)} brush copies of {len({m.copy.character for m in measured})} "
         "regular-script characters, each marked 1-10 by about ten people (E3C, Sun et al. 2023); "
         "panel mark = mean times ten",
+        fullness=fit_fullness(measured, scale),
     )
+
+
+def fit_fullness(measured: list[Measured], scale: Scale, *, shrinkage: float = 300.0) -> float:
+    """Points per ln of size in what the scale leaves unexplained: ridge, shrunk like the scale."""
+    pairs = [(m.features, m.copy.mark) for m in measured if m.features]
+    size = np.array([float(fullness(features.size)) for features, _ in pairs])
+    left = np.array([mark - scale.read(features.residuals) for features, mark in pairs])
+    spread = float(size.std())
+    return float(size @ (left - left.mean()) / (len(size) * spread**2 + shrinkage * spread**2))
 
 
 def anchored(scale: Scale, *, others: list[Residuals] | None = None) -> Scale:
