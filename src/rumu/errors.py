@@ -36,7 +36,7 @@ class RegistrationError(RumuError):
     """Two surfaces that cannot be compared at all."""
 
 
-class RefusedImage(RumuError):
+class RefusedImage(RumuError):  # noqa: N818  what it is, not that it went wrong
     """A picture that holds nothing to mark; `reason` is the short word for it."""
 
     def __init__(self, message: str, *, reason: str) -> None:

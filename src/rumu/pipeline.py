@@ -6,24 +6,24 @@ The functions are pure and their values pickle, so a batch may run anywhere.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rumu.assessment.calibration import checked_cuts, level_of, panel
-from rumu.assessment.features import Features, Residuals, measure, residuals
+from rumu.assessment.comparison import compare
 from rumu.assessment.remarks import remarks
 from rumu.assessment.similarity import sim_paper, similarity
 from rumu.capture.folder import read_capture
-from rumu.errors import RefusedImage, RegistrationError
+from rumu.errors import RefusedImage
 from rumu.registration.icp import IcpSettings, register_points
 from rumu.registration.points import Sampling, sample_points
 from rumu.registration.quaternion import Rotation
 from rumu.surface.folder import MARKER, read_surface
 from rumu.surface.relief import relief
-from rumu.values import Assessment, Capture, PointSet, Registration, Surface
+from rumu.values import Assessment, Capture, Registration, Surface
 
 SurfaceLike = Surface | str | Path | np.ndarray
 
@@ -84,12 +84,15 @@ def assess(
     A copy that holds nothing to mark is refused in the result; a master that is no use raises.
     """
     cuts = None if levels is None else checked_cuts(levels, name="levels")
-    master = surface_of(reference)
-    try:
-        copy = surface_of(probe)
-        registration, features = compare(copy, master, seed=seed)
-    except RefusedImage as refusal:
-        return _refused(refusal)
+    with ThreadPoolExecutor(1) as beside:  # two pictures, two cores
+        coming = beside.submit(surface_of, reference)
+        try:
+            copy = surface_of(probe)
+            master = coming.result()
+            registration, features = compare(copy, master, seed=seed)
+        except RefusedImage as refusal:
+            coming.result()  # a master that is no use is an error, whatever the copy is
+            return _refused(refusal)
     calibration = panel()
     score = calibration.score(features)
     return Assessment(
@@ -103,27 +106,6 @@ def assess(
         registration=registration,
         source=(copy.source, master.source),
     )
-
-
-def compare(copy: Surface, master: Surface, *, seed: int = 0) -> tuple[Registration, Features]:
-    """Copy laid on master, and what a mark is made of.
-
-    Raises RefusedImage for a copy with too little ink, RegistrationError for such a master.
-    """
-    reference, floor = _prepared(master)
-    try:
-        probe = sample_points(copy, settings=Sampling(seed=seed))
-    except RegistrationError as error:
-        raise RefusedImage(str(error), reason="too small") from error
-    registration = register_points(probe, reference)
-    return registration, measure(registration, floor=floor)
-
-
-@lru_cache(maxsize=2)  # many copies of one master come in a row
-def _prepared(master: Surface) -> tuple[PointSet, Residuals]:
-    """A master's points, and what registration leaves between it and itself sampled anew."""
-    once, again = (sample_points(master, settings=Sampling(seed=seed)) for seed in (0, 1))
-    return once, residuals(register_points(again, once, settings=IcpSettings(starts=(0.0,))))
 
 
 def _refused(refusal: RefusedImage) -> Assessment:

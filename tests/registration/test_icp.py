@@ -76,7 +76,7 @@ def test_a_ring_is_turned_upright_less_surely(points, glyph, moved, lean):
     """The ring of seal script slides on itself; only its bar and its corners say how it leans."""
     ink = glyph("seal-ri")
     assert register_points(points(moved(ink, lean=lean)), points(ink > 0.5)).angle == pytest.approx(
-        lean, abs=1.0
+        lean, abs=1.5
     )
 
 
@@ -168,13 +168,15 @@ def test_swapped_roles_give_the_inverse_pose(*, points, glyph, moved, copy, mast
     assert there.overlap == back.overlap
 
 
-def test_several_starts_find_what_one_does_not(points, glyph, moved):
-    ink = glyph("seal-shui")
-    leaning, reference = points(moved(ink, lean=-25.0)), points(ink > 0.5)
-    one = register_points(leaning, reference, settings=IcpSettings(starts=(20.0,)))
-    many = register_points(leaning, reference)
-    assert abs(one.angle + 25.0) > 2.0
-    assert many.angle == pytest.approx(-25.0, abs=0.3)
+def test_several_starts_find_what_one_does_not(points, glyph):
+    upright = points(glyph("regular-shu") > 0.5, seed=1)
+    reference = points(glyph("regular-shu") > 0.5)
+    one, several = (
+        register_points(upright, reference, settings=IcpSettings(starts=starts))
+        for starts in ((80.0,), (80.0, 15.0, -80.0))
+    )
+    assert abs(one.angle) > 45.0
+    assert several.angle == pytest.approx(0.0, abs=0.3)
 
 
 def test_directions_keep_a_stroke_off_one_that_crosses_it(shui):

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from rumu.assessment.calibration import LEVELS, Calibration, Scale, fit_scale, fullness, level_of
+from rumu.assessment.comparison import compare
 from rumu.assessment.features import RESIDUALS, Features, Residuals
 from rumu.errors import CalibrationError, RefusedImage
 from rumu.values import FloatArray, Surface
@@ -163,7 +164,7 @@ def measure_copy(copy: Copy) -> Measured:
     from rumu.assessment.similarity import sim_paper, similarity
 
     try:
-        registration, features = pipeline.compare(pipeline.surface_of(copy.image), _master(copy.template))
+        registration, features = compare(pipeline.surface_of(copy.image), _master(copy.template))
     except RefusedImage as refusal:
         return Measured(copy, None, refused=str(refusal))
     return Measured(copy, features, sim_paper(registration), similarity(registration))
@@ -171,11 +172,9 @@ def measure_copy(copy: Copy) -> Measured:
 
 def other_characters(copies: list[Copy]) -> list[Residuals]:
     """Residuals of each master against the masters of three other characters: a wrong character."""
-    from rumu import pipeline
-
     masters = sorted({copy.template for copy in copies})
     chosen = ((a, masters[(i + step) % len(masters)]) for i, a in enumerate(masters) for step in (1, 4, 9))
-    return [pipeline.compare(_master(b), _master(a))[1].residuals for a, b in chosen if a != b]
+    return [compare(_master(b), _master(a))[1].residuals for a, b in chosen if a != b]
 
 
 def fit_panel(measured: list[Measured], others: list[Residuals]) -> Calibration:

@@ -23,8 +23,9 @@ class IcpSettings:
 
     rotation: 'z' turns the sheet in its plane; 'full' also tilts it, for true 3-D scans.
     direction_weight: w, what opposite stroke directions are worth in rms radii.
-    starts: degrees; the loop is run from each on a quarter of the points and the best is kept, since one
-        start has a small basin of convergence.
+    starts: degrees; the loop is run from each and the best is kept, since one start has a small basin of
+        convergence.
+    thinning: every how many-th point the starts use, and the loop until it has settled; it ends on all.
     tolerance: tau; the loop stops when the error falls by less than tau * tr Sigma, the mean of both
         clouds. The error is a squared length, so it is the trace, not its root, that makes tau free of
         units.
@@ -36,6 +37,7 @@ class IcpSettings:
     rotation: Rotation = "z"
     direction_weight: float = 0.7
     starts: tuple[float, ...] = (-20.0, -10.0, 0.0, 10.0, 20.0)
+    thinning: tuple[int, int] = (4, 2)
     start_iterations: int = 4
     tolerance: float = 1e-5
     max_iterations: int = 40
@@ -93,7 +95,10 @@ def register_points(
     settings = settings or IcpSettings()
     if not settings.starts:
         raise RegistrationError("expected at least one starting angle, got none")
-    coarse = Neighbours(probe, reference, direction_weight=settings.direction_weight, step=4)
+    coarse, loop, full = (
+        Neighbours(probe, reference, direction_weight=settings.direction_weight, step=step)
+        for step in (*settings.thinning, 1)
+    )
     best = min(
         (
             closest_points(
@@ -103,10 +108,20 @@ def register_points(
         ),
         key=lambda outcome: outcome.error,
     )
-    fine = Neighbours(probe, reference, direction_weight=settings.direction_weight)
-    overlap = trimmed_share(fine.pairs(best.pose).squared, settings=settings)
-    found = closest_points(fine, start=best.pose, overlap=overlap, settings=settings)
-    return _registration(probe, reference, found=found, pairs=fine.pairs(found.pose), overlap=overlap)
+    overlap = trimmed_share(loop.pairs(best.pose).squared, settings=settings)
+    near = closest_points(loop, start=best.pose, overlap=overlap, settings=settings)
+    found = closest_points(full, start=near.pose, overlap=overlap, settings=settings)
+    return _registration(probe, reference, found=found, pairs=full.pairs(found.pose), overlap=overlap)
+
+
+def register_in_place(
+    probe: PointSet, reference: PointSet, *, settings: IcpSettings | None = None
+) -> Registration:
+    """What lies between two point sets as they stand: a registration whose pose is the identity."""
+    settings = settings or IcpSettings()
+    found = Outcome(_turned(0.0), 0.0, True, 0)
+    pairs = Neighbours(probe, reference, direction_weight=settings.direction_weight).pairs(found.pose)
+    return _registration(probe, reference, found=found, pairs=pairs, overlap=1.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

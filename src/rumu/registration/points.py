@@ -54,15 +54,32 @@ def normalise_height(
     return np.where(mask, (height - low) / (high - low), 0.0).astype(np.float32)
 
 
-def sample_points(surface: Surface, *, settings: Sampling | None = None) -> PointSet:
-    """Ink points of a surface, with the direction of the stroke at each.
+@dataclass(frozen=True, slots=True, eq=False)
+class InkCanvas:
+    """The ink of a surface on the common canvas, to take points from.
+
+    ink: (CANVAS, CANVAS) float32 in [0, 1]. relief: the same shape, normalised height. direction: (CANVAS,
+    CANVAS, 2) float32, see `stroke_direction`. centre, radius, pixel, cell: as in PointSet.
+    """
+
+    ink: FloatArray
+    relief: FloatArray
+    direction: FloatArray
+    centre: FloatArray
+    radius: float
+    pixel: float
+    cell: tuple[float, float]
+
+
+def ink_canvas(surface: Surface) -> InkCanvas:
+    """Bring the ink of a surface to the common canvas.
 
     An inflated height has the unit of the page, so its bounds are the paper and a tenth of the rms radius
     for copy and master alike, and a stroke twice as wide stays twice as high; other sources are
     normalised each by its own range.
-    Raises RegistrationError when the surface holds too little ink to compare.
+    Raises RegistrationError when the surface holds too little ink to compare, SurfaceError when its height
+    was measured and is flat, as ink on paper is.
     """
-    settings = settings or Sampling()
     mask = ink_mask(surface)
     rows, columns = np.nonzero(mask)
     if len(rows) < 20:
@@ -70,21 +87,39 @@ def sample_points(surface: Surface, *, settings: Sampling | None = None) -> Poin
     centre, radius = np.array([columns.mean(), rows.mean()]), float(np.hypot(columns.std(), rows.std()))
     if radius < 2.0:
         raise RegistrationError(f"expected ink with an rms radius of 2 pixels or more, got {radius:.2f}")
-    bounds = (0.0, INFLATION_TOP * radius) if surface.source == "inflation" else None
-    relief = normalise_height(surface.height / surface.spacing, mask=mask, bounds=bounds)
+    height = surface.height / surface.spacing
+    bounds, noise = (0.0, INFLATION_TOP * radius), 0.0
+    if surface.source != "inflation":
+        bounds, noise = _own_bounds(height, ink=mask, paper=surface.mask & ~mask)
+    relief = normalise_height(height, mask=mask, bounds=bounds, noise=noise)
     ink, relief = _canvas(mask, relief, centre=centre, radius=radius)
-    y, x = _one_per_square(ink, settings=settings)
-    height, width = surface.height.shape
-    half = (CANVAS - 1) / 2
-    return PointSet(
-        xyz=np.column_stack(
-            [(x - half) / RADIUS, (half - y) / RADIUS, settings.height_weight * relief[y, x]]
-        ).astype(float),
-        direction=stroke_direction(ink)[y, x].astype(float),
-        centre=np.array([centre[0] + 0.5 - width / 2, height / 2 - centre[1] - 0.5]) / max(height, width),
-        radius=radius / max(height, width),
+    rows_in_all, columns_in_all = surface.height.shape
+    longer = max(rows_in_all, columns_in_all)
+    return InkCanvas(
+        ink=ink,
+        relief=relief,
+        direction=stroke_direction(ink),
+        centre=np.array([centre[0] + 0.5 - columns_in_all / 2, rows_in_all / 2 - centre[1] - 0.5]) / longer,
+        radius=radius / longer,
         pixel=1.0 / radius,
-        cell=(width / max(height, width), height / max(height, width)),
+        cell=(columns_in_all / longer, rows_in_all / longer),
+    )
+
+
+def sample_points(surface: Surface | InkCanvas, *, settings: Sampling | None = None) -> PointSet:
+    """Ink points of a surface, with the direction of the stroke at each; see `ink_canvas`."""
+    settings = settings or Sampling()
+    canvas = ink_canvas(surface) if isinstance(surface, Surface) else surface
+    y, x = _one_per_square(canvas.ink, settings=settings)
+    half = (CANVAS - 1) / 2
+    z = settings.height_weight * canvas.relief[y, x]
+    return PointSet(
+        xyz=np.column_stack([(x - half) / RADIUS, (half - y) / RADIUS, z]).astype(float),
+        direction=canvas.direction[y, x].astype(float),
+        centre=canvas.centre,
+        radius=canvas.radius,
+        pixel=canvas.pixel,
+        cell=canvas.cell,
     )
 
 
@@ -94,7 +129,20 @@ def ink_mask(surface: Surface) -> BoolArray:
         return surface.mask
     from rumu.surface.ink import find_ink
 
-    return find_ink(surface.albedo).mask & surface.mask
+    return find_ink(surface.albedo, linear=True).mask & surface.mask
+
+
+def _own_bounds(height: FloatArray, *, ink: BoolArray, paper: BoolArray) -> tuple[tuple[float, float], float]:
+    """Bounds from the ink's own range and the level of the paper, and how much the height wanders there.
+
+    Ink on flat paper has no relief: what is measured is then noise, which normalising would blow up.
+    """
+    low, high = np.percentile(height[ink], (0.5, 99.5))
+    if not paper.any():
+        return (float(low), float(high)), 0.0
+    level = float(np.median(height[paper]))
+    noise = 1.4826 * float(np.median(np.abs(height[paper] - level)))
+    return (min(float(low), level), max(float(high), level)), noise
 
 
 def stroke_direction(ink: FloatArray) -> FloatArray:
