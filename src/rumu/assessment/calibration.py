@@ -36,12 +36,13 @@ LEVELS: Mapping[str, Cuts] = {
 
 
 @dataclass(frozen=True, slots=True)
-class PoseCharge:
-    """What registration repairs and a teacher still sees: charged apart from the residual.
+class Charges:
+    """What the residuals forgive and a teacher would not. Declared conventions, not fitted.
 
-    A declared convention, not fitted: human marks hardly charge for the little lean and offset of the
-    copies at hand, so nothing is taken within the tolerances that those copies show. Points are taken per
-    unit beyond, each up to its own cap.
+    Registration repairs lean, place and size: points are taken per unit beyond the free part, which is
+    what the copies with human marks show, each up to `cap`. A stroke left out or put in hardly moves the
+    quartiles of an otherwise perfect copy: from `faulty_from` of the ink on, whole regions that have no
+    counterpart set a ceiling of `ceiling` less `ceiling_rate` times their share, below 'excellent'.
     """
 
     lean_free: float = 8.0  # degrees
@@ -50,7 +51,10 @@ class PoseCharge:
     offset_rate: float = 100.0  # points per cell
     size_free: float = 0.3  # natural logarithm
     size_rate: float = 40.0  # points per unit of natural logarithm
-    cap: float = 20.0
+    cap: float = 40.0
+    faulty_from: float = 0.04  # share of the ink
+    ceiling: float = 72.0
+    ceiling_rate: float = 100.0  # points per share
 
     def points(self, features: Features) -> dict[str, float]:
         """Points taken for 'lean', 'offset' and 'size'."""
@@ -60,6 +64,11 @@ class PoseCharge:
             "size": self.size_rate * (abs(features.size) - self.size_free),
         }
         return {name: float(min(max(value, 0.0), self.cap)) for name, value in over.items()}
+
+    def highest(self, features: Features) -> float:
+        """The highest score that what is missing and what is too much leave."""
+        faulty = features.absent + features.surplus
+        return 100.0 if faulty < self.faulty_from else max(self.ceiling - self.ceiling_rate * faulty, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +106,7 @@ class Calibration:
     scale: over all residuals; parts: the same for 'structure' and 'brushwork' on their own residuals,
         fitted to the same marks, since nobody marked the parts.
     fullness: points per natural logarithm of the copy's size over the master's: people mark full writing
-        up and cramped writing down. Counted within FULLNESS_RANGE; far beyond, PoseCharge takes over.
+        up and cramped writing down. Counted within FULLNESS_RANGE; far beyond, Charges takes over.
     interval: (low, high) offsets of the 80 % interval, from errors on characters held out.
     provenance: what was fitted on what, in words.
     """
@@ -108,11 +117,12 @@ class Calibration:
     provenance: str
     fullness: float = 0.0
 
-    def score(self, features: Features, *, charge: PoseCharge | None = None) -> float:
+    def score(self, features: Features) -> float:
         """0-100; 100 for a perfect copy in its place."""
-        taken = sum((charge or PoseCharge()).points(features).values())
+        charges = Charges()
         full = self.fullness * float(fullness(features.size))
-        return float(np.clip(self.scale.read(features.residuals) + full - taken, 0.0, 100.0))
+        whole = min(self.scale.read(features.residuals) + full, charges.highest(features))
+        return float(np.clip(whole - sum(charges.points(features).values()), 0.0, 100.0))
 
     def part_scores(self, features: Features) -> dict[str, float]:
         """'brushwork', 'structure' and 'ink', each 0-100.

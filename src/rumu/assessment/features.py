@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rumu.assessment.regions import Region, find_regions
 from rumu.assessment.similarity import posed
 from rumu.values import FloatArray, Registration
 
@@ -53,6 +54,7 @@ class Features:
     size: natural logarithm of the copy's size over the master's; 0 is the same.
     weight: natural logarithm of the copy's mean normalised height over the master's; for an inflated
         height above 0 means heavier strokes.
+    regions: where copy and master part.
     """
 
     residuals: Residuals
@@ -60,6 +62,17 @@ class Features:
     offset: float
     size: float
     weight: float
+    regions: tuple[Region, ...] = ()
+
+    @property
+    def absent(self) -> float:
+        """Share of the master's ink in whole regions that the copy lacks."""
+        return sum(region.share for region in self.regions if region.kind == "missing")
+
+    @property
+    def surplus(self) -> float:
+        """Share of the copy's ink in whole regions where the master is blank."""
+        return sum(region.share for region in self.regions if region.kind == "extra")
 
 
 def measure(registration: Registration, *, floor: Residuals) -> Features:
@@ -71,6 +84,7 @@ def measure(registration: Registration, *, floor: Residuals) -> Features:
         offset=float(np.hypot(*registration.shift)),
         size=float(np.log(registration.scale)),
         weight=float(np.log(max(heights[0], 1e-6) / max(heights[1], 1e-6))),
+        regions=find_regions(registration),
     )
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.assessment.features import Features
-from rumu.assessment.similarity import posed
-from rumu.values import BoolArray, FloatArray, IntArray, Registration, Remark
+from rumu.assessment.regions import Region
+from rumu.values import FloatArray, Registration, Remark
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,16 +21,13 @@ class Noticeable:
     """The smallest fault that is worth a remark.
 
     lean: degrees. offset: fraction of the cell. size, weight: relative difference.
-    apart: distance in the plane, in rms radii, from which ink has no counterpart (a stroke's half-width
-        is about 0.1). share: part of the character's ink that a region must hold. at_most: remarks in all.
+    at_most: remarks in all.
     """
 
     lean: float = 3.0
     offset: float = 0.06
     size: float = 0.12
     weight: float = 0.15
-    apart: float = 0.16
-    share: float = 0.025
     at_most: int = 5
 
 
@@ -39,7 +36,7 @@ def remarks(
 ) -> tuple[Remark, ...]:
     """At most five remarks, the worst first."""
     limits = noticeable or Noticeable()
-    found = [*_of_the_whole(features, registration, limits), *_of_regions(registration, limits)]
+    found = [*_of_the_whole(features, registration, limits), *_of_regions(features, registration)]
     return tuple(sorted(found, key=lambda r: -r.severity)[: limits.at_most])
 
 
@@ -83,25 +80,14 @@ def _of_the_whole(features: Features, registration: Registration, limits: Notice
         )  # fmt: skip
 
 
-def _of_regions(registration: Registration, limits: Noticeable) -> Iterator[Remark]:
-    """Missing and extra parts; a missing one with an extra one of its size beside it is a displaced one."""
-    p, x = posed(registration)
-    p, x = p[:, :2], x[:, :2]
-    missing = [g for g in _regions(x, _apart(x, p, limits)) if len(g) >= limits.share * len(x)]
-    extra = [g for g in _regions(p, _apart(p, x, limits)) if len(g) >= limits.share * len(p)]
-    for group in missing:
-        partner = _partner(x[group], [p[g] for g in extra])
-        share = len(group) / len(x)
-        if partner is None:
-            yield _absent(x[group], share, registration)
-        else:
-            yield _displaced(x[group], p[extra.pop(partner)], share, registration)
-    for group in extra:
-        yield _surplus(p[group], len(group) / len(p), registration)
+def _of_regions(features: Features, registration: Registration) -> Iterator[Remark]:
+    say = {"missing": _absent, "extra": _surplus, "displaced": _displaced}
+    for region in features.regions:
+        yield say[region.kind](region, registration)
 
 
-def _absent(points: FloatArray, share: float, registration: Registration) -> Remark:
-    region = _region(points, registration)
+def _absent(found: Region, registration: Registration) -> Remark:
+    region, share = _region(found.points, registration), found.share
     zh, en = _place(region)
     return Remark(
         "missing", share, "of the ink", 150 * share, region,
@@ -110,8 +96,8 @@ def _absent(points: FloatArray, share: float, registration: Registration) -> Rem
     )  # fmt: skip
 
 
-def _surplus(points: FloatArray, share: float, registration: Registration) -> Remark:
-    region = _region(points, registration)
+def _surplus(found: Region, registration: Registration) -> Remark:
+    region, share = _region(found.points, registration), found.share
     zh, en = _place(region)
     return Remark(
         "extra", share, "of the ink", 100 * share, region,
@@ -120,49 +106,16 @@ def _surplus(points: FloatArray, share: float, registration: Registration) -> Re
     )  # fmt: skip
 
 
-def _displaced(points: FloatArray, copied: FloatArray, share: float, registration: Registration) -> Remark:
-    moved = copied.mean(axis=0) - points.mean(axis=0)
-    cell = float(np.hypot(*moved)) * registration.reference.radius
-    region = _region(copied, registration)
-    (zh, en), (to_zh, to_en) = _place(region), _towards(moved)
+def _displaced(found: Region, registration: Registration) -> Remark:
+    cell = float(np.hypot(*found.moved)) * registration.reference.radius
+    region = _region(found.points, registration)
+    (zh, en), (to_zh, to_en) = _place(region), _towards(np.array(found.moved))
     return Remark(
-        "displaced", cell, "of the cell", 120 * share, region,
+        "displaced", cell, "of the cell", 120 * found.share, region,
         f"{zh}的笔画偏{to_zh}约 {cell:.0%} 格。看清它与邻笔的距离再落笔。",
         f"The stroke at the {en} stands about {cell:.0%} of the cell too far to the {to_en}. "
         "Measure its distance to its neighbour.",
     )  # fmt: skip
-
-
-def _apart(a: FloatArray, b: FloatArray, limits: Noticeable) -> BoolArray:
-    from scipy.spatial import cKDTree
-
-    return np.asarray(cKDTree(b).query(a)[0] > limits.apart)
-
-
-def _regions(points: FloatArray, chosen: BoolArray) -> list[IntArray]:
-    """Indices of the connected groups of the chosen points, points within 0.15 rms radii being one group."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    indices = np.flatnonzero(chosen)
-    if len(indices) == 0:
-        return []
-    pairs = cKDTree(points[indices]).query_pairs(0.15, output_type="ndarray")
-    n = len(indices)
-    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    count, labels = connected_components(graph, directed=False)
-    return [indices[labels == k] for k in range(count)]
-
-
-def _partner(group: FloatArray, others: list[FloatArray]) -> int | None:
-    """The index of the group that lies near and has about the same extent, if there is one."""
-    best: tuple[float, int] | None = None
-    for k, other in enumerate(others):
-        distance = float(np.hypot(*(other.mean(axis=0) - group.mean(axis=0))))
-        if distance < 0.8 and 0.5 < len(other) / len(group) < 2.0 and (best is None or distance < best[0]):
-            best = distance, k
-    return best[1] if best else None
 
 
 def _region(points: FloatArray, registration: Registration) -> tuple[float, float, float, float]:

@@ -7,7 +7,7 @@ which makes a stroke that the copy lacks count, and swapped roles give the inver
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,11 @@ class IcpSettings:
         clouds. The error is a squared length, so it is the trace, not its root, that makes tau free of
         units.
     start_iterations: how long each start may run before the best is chosen.
+    start_overlap: share of the pairs that the starts rest on.
+    scalings: how often the size may be taken anew from the pairs that are kept: a stroke left out changes
+        the rms radius of what was written, and would shrink or grow the rest. The best fit is kept.
+    same_size: natural logarithm of size below which it is settled; whole: share of kept pairs above which
+        nothing seems to be left out, so that the size stands as it was written.
     max_iterations: when reached, the result says that it did not converge.
     trim_power: lambda of trimmed ICP (Chetverikov et al. 2002); min_overlap: the least share kept.
     """
@@ -39,6 +44,10 @@ class IcpSettings:
     starts: tuple[float, ...] = (-20.0, -10.0, 0.0, 10.0, 20.0)
     thinning: tuple[int, int] = (4, 2)
     start_iterations: int = 4
+    start_overlap: float = 0.8
+    scalings: int = 5
+    same_size: float = 0.01
+    whole: float = 0.93
     tolerance: float = 1e-5
     max_iterations: int = 40
     trim_power: float = 2.0
@@ -84,6 +93,16 @@ class Neighbours:
         backward = self._P_tree.query(np.hstack([(self.X - t) @ R, self._X_direction @ D]))
         return Pairs(forward[0], forward[1], backward[0], backward[1])
 
+    def matched(self, pairs: Pairs, *, overlap: float) -> tuple[FloatArray, FloatArray]:
+        """The closest `overlap` share of the pairs, both ways, as matched points (n, 3), (n, 3)."""
+        kept = _closest(pairs.squared, overlap)
+        P = np.vstack([self.P, self.P[pairs.backward_index]])[kept]
+        return P, np.vstack([self.X[pairs.forward_index], self.X])[kept]
+
+
+def _closest(squared: FloatArray, overlap: float) -> IntArray:
+    return np.argsort(squared)[: max(round(overlap * len(squared)), 3)]
+
 
 def register_points(
     probe: PointSet, reference: PointSet, *, settings: IcpSettings | None = None
@@ -95,23 +114,60 @@ def register_points(
     settings = settings or IcpSettings()
     if not settings.starts:
         raise RegistrationError("expected at least one starting angle, got none")
-    coarse, loop, full = (
+    candidates = []
+    start = None
+    for _ in range(settings.scalings):
+        candidate = _trimmed_fit(probe, reference, start=start, settings=settings)
+        candidates.append((candidate.psi, probe, candidate))
+        if candidate.overlap > settings.whole or abs(np.log(candidate.ratio)) < settings.same_size:
+            break
+        probe, start = _resized(probe, candidate.ratio), candidate.found.pose
+    _, probe, best = min(candidates, key=lambda c: c[0])
+    full = Neighbours(probe, reference, direction_weight=settings.direction_weight)
+    found = closest_points(full, start=best.found.pose, overlap=best.overlap, settings=settings)
+    return _registration(probe, reference, found=found, pairs=full.pairs(found.pose), overlap=best.overlap)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fit:
+    """A pose with the share of pairs it rests on, how good that is, and the size those pairs ask for."""
+
+    found: Outcome
+    overlap: float
+    psi: float
+    ratio: float
+
+
+def _trimmed_fit(probe: PointSet, reference: PointSet, *, start: Pose | None, settings: IcpSettings) -> _Fit:
+    coarse, loop = (
         Neighbours(probe, reference, direction_weight=settings.direction_weight, step=step)
-        for step in (*settings.thinning, 1)
+        for step in settings.thinning
     )
+    starts = [_turned(angle) for angle in settings.starts] if start is None else [start]
     best = min(
         (
             closest_points(
-                coarse, start=_turned(a), overlap=1.0, settings=settings, limit=settings.start_iterations
+                coarse,
+                start=s,
+                overlap=settings.start_overlap,
+                settings=settings,
+                limit=settings.start_iterations,
             )
-            for a in settings.starts
+            for s in starts
         ),
         key=lambda outcome: outcome.error,
     )
-    overlap = trimmed_share(loop.pairs(best.pose).squared, settings=settings)
-    near = closest_points(loop, start=best.pose, overlap=overlap, settings=settings)
-    found = closest_points(full, start=near.pose, overlap=overlap, settings=settings)
-    return _registration(probe, reference, found=found, pairs=full.pairs(found.pose), overlap=overlap)
+    overlap, _ = trimmed_share(loop.pairs(best.pose).squared, settings=settings)
+    found = closest_points(loop, start=best.pose, overlap=overlap, settings=settings)
+    pairs = loop.pairs(found.pose)
+    overlap, psi = trimmed_share(pairs.squared, settings=settings)
+    P, X = (float(np.var(side[:, :2], axis=0).sum()) for side in loop.matched(pairs, overlap=overlap))
+    return _Fit(found, overlap, psi, float(np.sqrt(X / P)))
+
+
+def _resized(points: PointSet, ratio: float) -> PointSet:
+    """The same ink in a unit that makes it `ratio` times as large."""
+    return replace(points, xyz=points.xyz * ratio, radius=points.radius / ratio, pixel=points.pixel * ratio)
 
 
 def register_in_place(
@@ -148,19 +204,18 @@ def closest_points(
     for iteration in range(limit):
         pairs = neighbours.pairs(pose)
         squared = pairs.squared
-        kept = np.argsort(squared)[: max(round(overlap * len(squared)), 3)]
+        kept = _closest(squared, overlap)
         error = float(squared[kept].mean())
         if last - error < threshold:
             return Outcome(pose if error < last else best, min(error, last), True, iteration)
         last, best = error, pose
-        P = np.vstack([neighbours.P, neighbours.P[pairs.backward_index]])[kept]
-        X = np.vstack([neighbours.X[pairs.forward_index], neighbours.X])[kept]
+        P, X = neighbours.matched(pairs, overlap=overlap)
         pose = closed_form_pose(P, X, rotation=settings.rotation)
     return Outcome(best, last, False, limit)
 
 
-def trimmed_share(squared: FloatArray, *, settings: IcpSettings) -> float:
-    """Share xi of pairs that minimises psi = e(xi) xi^-(1 + lambda), e the mean of the smallest xi N.
+def trimmed_share(squared: FloatArray, *, settings: IcpSettings) -> tuple[float, float]:
+    """Share xi of pairs that minimises psi = e(xi) xi^-(1 + lambda), and psi; e the mean of the least xi N.
 
     squared: (N,) squared distances. All shares are tried at once from the sorted sums, so no search is
     needed. Source: Chetverikov et al. 2002.
@@ -169,7 +224,8 @@ def trimmed_share(squared: FloatArray, *, settings: IcpSettings) -> float:
     share = np.arange(1, n + 1) / n
     e = np.cumsum(np.sort(squared)) / np.arange(1, n + 1)
     psi = np.where(share >= settings.min_overlap, e * share ** -(1.0 + settings.trim_power), np.inf)
-    return 1.0 if e[-1] < 1e-12 else float(share[int(np.argmin(psi))])
+    best = n - 1 if e[-1] < 1e-12 else int(np.argmin(psi))
+    return float(share[best]), float(psi[best])
 
 
 def _turned(angle: float) -> Pose:

@@ -1,0 +1,98 @@
+"""Where copy and master part: regions of ink that the other lacks, and strokes that stand elsewhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from rumu.assessment.similarity import posed
+from rumu.values import BoolArray, FloatArray, IntArray, Registration
+
+Kind = Literal["missing", "extra", "displaced"]
+
+
+@dataclass(frozen=True, slots=True)
+class RegionSettings:
+    """What makes a region.
+
+    apart: distance in the plane, in rms radii, from which ink has no counterpart (a stroke's half-width is
+        about 0.1). together: distance within which such points are one region. share: part of the ink that a
+        region must hold. reach: how far apart, in rms radii, a missing and an extra region of like size may
+        be to be one displaced stroke.
+    """
+
+    apart: float = 0.16
+    together: float = 0.15
+    share: float = 0.025
+    reach: float = 0.8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Region:
+    """One place where copy and master part.
+
+    points: (n, 2) in the frame of the reference: the master's for 'missing', the copy's otherwise.
+    share: of the ink, of the copy for 'extra', of the master otherwise.
+    moved: (x, y) from where the master has it to where the copy has it, in rms radii, y up.
+    """
+
+    kind: Kind
+    points: FloatArray
+    share: float
+    moved: tuple[float, float] = (0.0, 0.0)
+
+
+def find_regions(registration: Registration, *, settings: RegionSettings | None = None) -> tuple[Region, ...]:
+    """Missing and extra regions; a missing one with an extra one of its size beside it is a displaced one."""
+    settings = settings or RegionSettings()
+    p, x = (cloud[:, :2] for cloud in posed(registration))
+    missing, extra = _without_counterpart(x, p, settings), _without_counterpart(p, x, settings)
+    found = []
+    for group in missing:
+        share = len(group) / len(x)
+        partner = _partner(x[group], [p[g] for g in extra], reach=settings.reach)
+        if partner is None:
+            found.append(Region("missing", x[group], share))
+        else:
+            copied = p[extra.pop(partner)]
+            moved = copied.mean(axis=0) - x[group].mean(axis=0)
+            found.append(Region("displaced", copied, share, (float(moved[0]), float(moved[1]))))
+    found += [Region("extra", p[group], len(group) / len(p)) for group in extra]
+    return tuple(found)
+
+
+def _without_counterpart(a: FloatArray, b: FloatArray, settings: RegionSettings) -> list[IntArray]:
+    """Indices of the regions of a that have no point of b near."""
+    from scipy.spatial import cKDTree
+
+    alone = np.asarray(cKDTree(b).query(a)[0] > settings.apart)
+    groups = _groups(a, alone, together=settings.together)
+    return [group for group in groups if len(group) >= settings.share * len(a)]
+
+
+def _groups(points: FloatArray, chosen: BoolArray, *, together: float) -> list[IntArray]:
+    """Indices of the connected groups of the chosen points."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    indices = np.flatnonzero(chosen)
+    if len(indices) == 0:
+        return []
+    pairs = cKDTree(points[indices]).query_pairs(together, output_type="ndarray")
+    n = len(indices)
+    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    count, labels = connected_components(graph, directed=False)
+    return [indices[labels == k] for k in range(count)]
+
+
+def _partner(group: FloatArray, others: list[FloatArray], *, reach: float) -> int | None:
+    """The index of the group that lies near and has about the same extent, if there is one."""
+    best: tuple[float, int] | None = None
+    for k, other in enumerate(others):
+        distance = float(np.hypot(*(other.mean(axis=0) - group.mean(axis=0))))
+        if distance < reach and 0.5 < len(other) / len(group) < 2.0 and (best is None or distance < best[0]):
+            best = distance, k
+    return best[1] if best else None
