@@ -14,5 +14,7 @@ DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shar
 def data() -> Path:
     """The folder of real photographs and copies (RUMU_DATA, or ../shared/data beside the checkout)."""
     if not DATA.is_dir():
+        if os.environ.get("CI"):
+            pytest.fail(f"real data must be present where CI runs: {DATA}")
         pytest.skip(f"real data is absent: {DATA} (set RUMU_DATA)")
     return DATA

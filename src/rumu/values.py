@@ -74,6 +74,13 @@ class Capture:
         )
         _require(bool(self.mask.any()), CaptureError, "a mask with at least one pixel", "an empty mask")
         _require_finite(self.images, CaptureError, "images")
+        _require(float(self.images.min()) >= 0, CaptureError, "images of 0 or more", self.images.min())
+        _require(
+            self.spacing is None or (np.isfinite(self.spacing) and self.spacing > 0),
+            CaptureError,
+            "spacing > 0",
+            self.spacing,
+        )
         _require_finite(self.lights, CaptureError, "lights")
         lengths = np.linalg.norm(self.lights, axis=1)
         _require(bool(np.allclose(lengths, 1.0, atol=1e-6)), CaptureError, "unit light vectors", lengths)
@@ -132,6 +139,11 @@ class Surface:
         _require(self.confidence.shape == shape, SurfaceError, f"confidence {shape}", self.confidence.shape)
         for name in ("height", "normals", "albedo", "confidence"):
             _require_finite(getattr(self, name), SurfaceError, name)
+        lengths = np.linalg.norm(self.normals[::8, ::8], axis=-1)  # a sample: this is checked often
+        _require(bool(np.allclose(lengths, 1.0, atol=1e-3)), SurfaceError, "unit normals", lengths.min())
+        for name in ("albedo", "confidence"):
+            low, high = float(getattr(self, name).min()), float(getattr(self, name).max())
+            _require(low >= 0 and high <= 1 + 1e-5, SurfaceError, f"{name} in [0, 1]", (low, high))
         _require(self.unit in UNITS, SurfaceError, f"a unit among {UNITS}", self.unit)
         _require(self.source in SOURCES, SurfaceError, f"a source among {SOURCES}", self.source)
         _require(np.isfinite(self.spacing) and self.spacing > 0, SurfaceError, "spacing > 0", self.spacing)

@@ -161,11 +161,15 @@ def test_full_rotation_sets_a_tilted_sheet_level(shui, axis):
 def test_swapped_roles_give_the_inverse_pose(*, points, glyph, moved, copy, master, lean):
     P, X = points(moved(glyph(copy), lean=lean)), points(glyph(master) > 0.5)
     there, back = register_points(P, X), register_points(X, P)
-    np.testing.assert_allclose(there.T_reference_probe @ back.T_reference_probe, np.eye(4), atol=1e-6)
-    assert there.scale == pytest.approx(1 / back.scale)
-    assert there.angle == pytest.approx(-back.angle, abs=1e-4)
-    np.testing.assert_allclose(there.forward, back.backward, atol=1e-6)
-    assert there.overlap == back.overlap
+    # another hand's writing: when its size is taken anew, each way has the unit of its own reference
+    exact = there.overlap > IcpSettings().whole
+    np.testing.assert_allclose(
+        there.T_reference_probe @ back.T_reference_probe, np.eye(4), atol=1e-6 if exact else 2e-3
+    )
+    assert there.scale == pytest.approx(1 / back.scale, rel=1e-6 if exact else 2e-3)
+    assert there.angle == pytest.approx(-back.angle, abs=1e-4 if exact else 0.05)
+    np.testing.assert_allclose(there.forward, back.backward, atol=1e-6 if exact else 5e-2)
+    assert there.overlap == pytest.approx(back.overlap, abs=0.0 if exact else 0.01)
 
 
 def test_several_starts_find_what_one_does_not(points, glyph):
@@ -173,7 +177,7 @@ def test_several_starts_find_what_one_does_not(points, glyph):
     reference = points(glyph("regular-shu") > 0.5)
     one, several = (
         register_points(upright, reference, settings=IcpSettings(starts=starts))
-        for starts in ((80.0,), (80.0, 15.0, -80.0))
+        for starts in ((170.0,), (170.0, 15.0, -170.0))
     )
     assert abs(one.angle) > 45.0
     assert several.angle == pytest.approx(0.0, abs=0.3)
@@ -272,28 +276,26 @@ def test_a_blot_does_not_move_the_pose_and_is_not_forgiven(points, glyph, moved,
 def test_the_share_is_the_best_of_all(squared, power):
     given_squares = np.array(squared)
     options = IcpSettings(trim_power=power)
-    share = trimmed_share(given_squares, settings=options)
+    share, least = trimmed_share(given_squares, settings=options)
     if given_squares.mean() < 1e-12:
         assert share == 1.0
         return
     n = len(squared)
     shares = [k / n for k in range(1, n + 1) if k / n >= options.min_overlap]
-    psi = [np.sort(given_squares)[: round(s * n)].mean() * s ** -(1 + power) for s in shares]
-    assert share in shares
-    assert np.sort(given_squares)[: round(share * n)].mean() * share ** -(1 + power) == pytest.approx(
-        min(psi)
-    )
+    psi = {s: np.sort(given_squares)[: round(s * n)].mean() * s ** -(1 + power) for s in shares}
+    assert least == pytest.approx(min(psi.values()))
+    assert psi[share] == pytest.approx(least)
 
 
 def test_the_share_of_a_cloud_with_outliers_is_that_of_its_inliers():
     rng = np.random.default_rng(4)
     squared = np.concatenate([rng.random(700) * 1e-3, 1 + rng.random(300)])
     rng.shuffle(squared)
-    assert trimmed_share(squared, settings=IcpSettings()) == pytest.approx(0.7, abs=0.005)
+    assert trimmed_share(squared, settings=IcpSettings())[0] == pytest.approx(0.7, abs=0.005)
 
 
 def test_the_share_has_a_floor():
     squared = np.linspace(0.01, 1, 100) ** 8  # the fewer are kept the better
-    assert trimmed_share(squared, settings=IcpSettings()) == pytest.approx(0.4)
-    assert trimmed_share(squared, settings=IcpSettings(min_overlap=0.6)) == pytest.approx(0.6)
-    assert trimmed_share(np.zeros(9), settings=IcpSettings()) == 1.0
+    assert trimmed_share(squared, settings=IcpSettings())[0] == pytest.approx(0.4)
+    assert trimmed_share(squared, settings=IcpSettings(min_overlap=0.6))[0] == pytest.approx(0.6)
+    assert trimmed_share(np.zeros(9), settings=IcpSettings())[0] == 1.0

@@ -17,7 +17,10 @@ def compare(copy: Surface, master: Surface, *, seed: int = 0) -> tuple[Registrat
     seed: of the sampling of the copy. Raises RefusedImage for a copy with too little ink or no relief,
     RegistrationError or SurfaceError for such a master.
     """
-    reference, floor = _prepared(master)
+    try:
+        reference, floor = _prepared(master)
+    except RefusedImage as refusal:
+        raise RegistrationError(f"the master cannot be compared with: {refusal}") from refusal
     try:
         probe = sample_points(copy, settings=Sampling(seed=seed))
     except RegistrationError as error:

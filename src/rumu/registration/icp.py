@@ -53,6 +53,12 @@ class IcpSettings:
     trim_power: float = 2.0
     min_overlap: float = 0.4
 
+    def __post_init__(self) -> None:
+        if self.rotation not in ("z", "full"):
+            raise RegistrationError(f"rotation: expected 'z' or 'full', got {self.rotation!r}")
+        if not self.starts:
+            raise RegistrationError("expected at least one starting angle, got none")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pairs:
@@ -112,8 +118,6 @@ def register_points(
     Raises RegistrationError for point sets that cannot be compared; not converging is a field.
     """
     settings = settings or IcpSettings()
-    if not settings.starts:
-        raise RegistrationError("expected at least one starting angle, got none")
     candidates = []
     start = None
     for _ in range(settings.scalings):

@@ -1,0 +1,282 @@
+"""From features to a mark: its order, its ends, its levels and what a teacher may set."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rumu.assessment.calibration import (
+    LEVELS,
+    Charges,
+    checked_cuts,
+    fit_scale,
+    level_of,
+    panel,
+    read_calibration,
+    write_calibration,
+)
+from rumu.assessment.features import RESIDUALS, Features, Residuals
+from rumu.assessment.regions import Region
+from rumu.errors import CalibrationError, OutputError, RumuError
+
+PERFECT = Features(Residuals(0.0, 0.0, 0.0, 0.0, 0.0), lean=0.0, offset=0.0, size=0.0, weight=0.0)
+residual = st.floats(0, 3)
+all_residuals = st.builds(Residuals, *[residual] * len(RESIDUALS))
+
+
+def plain() -> dict:
+    return json.loads(json.dumps(asdict(panel())))
+
+
+# the scale
+
+
+def test_no_residual_can_raise_a_mark():
+    calibration = panel()
+    for scale in (calibration.scale, *calibration.parts.values()):
+        assert min(scale.weights) >= 0
+        assert max(scale.weights) > 0
+        assert min(scale.spread) > 0
+
+
+@given(all_residuals, st.sampled_from(RESIDUALS), st.floats(0, 2))
+def test_a_larger_residual_never_raises_the_score(r, name, more):
+    worse = replace(r, **{name: getattr(r, name) + more})
+    score = panel().score
+    assert score(replace(PERFECT, residuals=worse)) <= score(replace(PERFECT, residuals=r)) + 1e-9
+
+
+@given(all_residuals)
+def test_scores_and_parts_stay_within_0_and_100(r):
+    features = replace(PERFECT, residuals=r)
+    parts = panel().part_scores(features)
+    assert set(parts) == {"brushwork", "structure", "ink"}
+    for value in (panel().score(features), *parts.values()):
+        assert 0 <= value <= 100
+
+
+def test_a_perfect_copy_scores_100_and_is_excellent():
+    assert panel().score(PERFECT) == pytest.approx(100.0)
+    for cuts in LEVELS.values():
+        assert level_of(100.0, cuts=cuts) == "excellent"
+
+
+def test_anchors_rise():
+    for scale in (panel().scale, *panel().parts.values()):
+        sums, marks = np.array(scale.anchors).T
+        assert (np.diff(sums) > 0).all()
+        assert (np.diff(marks) > 0).all()
+        assert (marks[0], marks[-1]) == (0.0, 100.0)
+
+
+def test_the_human_range_is_the_panels_own():
+    """In the middle of the range a point of the scale is a point of the panel's mark."""
+    from rumu.experiments.e3c import HUMAN_RANGE
+
+    assert [pair for pair in panel().scale.anchors if pair[0] == pair[1]] == [(v, v) for v in HUMAN_RANGE]
+
+
+def test_a_perfect_copy_has_perfect_parts():
+    assert panel().part_scores(PERFECT) == pytest.approx({"brushwork": 100, "structure": 100, "ink": 100})
+
+
+def test_full_writing_is_marked_up_within_reason():
+    """People mark cramped writing down; a copy of twice the size earns no more than one a third larger."""
+    r = Residuals(0.2, 0.15, 0.2, 0.3, 0.3)
+    large, same, small = (panel().score(replace(PERFECT, residuals=r, size=s)) for s in (0.2, 0.0, -0.2))
+    assert small < same < large
+    assert large - same == pytest.approx(same - small)
+    assert large - same < 5
+    assert panel().score(replace(PERFECT, residuals=r, size=0.7)) <= panel().score(
+        replace(PERFECT, residuals=r, size=0.3)
+    )
+
+
+# what registration repaired
+
+
+@pytest.mark.parametrize(
+    ("pose", "points"),
+    [
+        ({"lean": 8.0}, 0),
+        ({"lean": 10.0}, 4),
+        ({"lean": -10.0}, 4),
+        ({"lean": 170.0}, 40),
+        ({"offset": 0.12}, 0),
+        ({"offset": 0.22}, 10),
+        ({"offset": 0.9}, 40),
+        ({"size": 0.3}, 0),
+        ({"size": 0.5}, 8),
+        ({"size": -0.5}, 8),
+        ({"size": np.log(0.2)}, 40),
+        ({"lean": 10.0, "offset": 0.22, "size": -0.5}, 22),
+    ],
+)
+def test_pose_is_charged_apart_beyond_a_tolerance_up_to_a_cap(pose, points):
+    features = replace(PERFECT, **pose)
+    assert sum(Charges().points(features).values()) == pytest.approx(points)
+    assert replace(panel(), fullness=0.0).score(features) == pytest.approx(100 - points)
+
+
+@pytest.mark.parametrize("kind", ["missing", "extra"])
+def test_a_stroke_too_few_or_too_many_is_never_excellent(kind):
+    def score(share):
+        return panel().score(replace(PERFECT, regions=(Region(kind, np.zeros((3, 2)), share),)))
+
+    assert score(0.03) == 100
+    assert [score(share) for share in (0.04, 0.14, 0.5, 0.9)] == pytest.approx([68, 58, 22, 0])
+    assert score(0.04) < LEVELS["panel"]["excellent"]
+
+
+def test_ink_is_100_at_the_masters_weight_and_halves_by_quarters():
+    ink = [
+        panel().part_scores(replace(PERFECT, weight=w))["ink"]
+        for w in (0.0, np.log(1.25), -np.log(1.25), 9.0)
+    ]
+    assert ink == pytest.approx([100, 50, 50, 0], abs=0.01)
+
+
+# interval and levels
+
+
+@pytest.mark.parametrize("score", [0.0, 3.0, 50.0, 97.0, 100.0])
+def test_the_interval_holds_the_score_and_stays_on_the_scale(score):
+    low, high = panel().interval_of(score)
+    assert 0 <= low <= score <= high <= 100
+    assert high - low > 10
+
+
+def test_levels_by_name():
+    for cuts in LEVELS.values():
+        assert list(cuts) == ["excellent", "good", "medium"]
+        for level, lowest in cuts.items():
+            assert level_of(lowest, cuts=cuts) == level
+            assert level_of(lowest - 1e-6, cuts=cuts) != level
+        assert level_of(0.0, cuts=cuts) == "bad"
+    assert LEVELS["rubric"] == {"excellent": 87.5, "good": 72.5, "medium": 52.5}
+    assert [level_of(s, cuts=LEVELS["rubric"]) for s in (90, 80, 60, 50)] == [
+        "excellent",
+        "good",
+        "medium",
+        "bad",
+    ]
+
+
+def test_all_four_levels_are_in_use_on_human_marks(data):
+    from rumu.experiments.e3c import read_copies
+
+    levels = [level_of(copy.mark) for copy in read_copies(data)]
+    shares = {level: levels.count(level) / len(levels) for level in (*LEVELS["panel"], "bad")}
+    assert min(shares.values()) > 0.08, shares
+    assert max(shares.values()) < 0.5, shares
+
+
+def test_a_teachers_levels_are_taken():
+    cuts = checked_cuts({"good": "60", "excellent": 80, "medium": 40}, name="mine")
+    assert cuts == {"excellent": 80.0, "good": 60.0, "medium": 40.0}
+    assert level_of(79, cuts=cuts) == "good"
+
+
+@pytest.mark.parametrize(
+    "cuts",
+    [
+        {},
+        {"excellent": 80, "good": 60},
+        {"excellent": 80, "good": 60, "medium": 40, "bad": 0},
+        {"excellent": 60, "good": 80, "medium": 40},
+        {"excellent": 80, "good": 80, "medium": 40},
+        {"excellent": 101, "good": 60, "medium": 40},
+        {"excellent": 80, "good": 60, "medium": -1},
+        {"excellent": "high", "good": 60, "medium": 40},
+        {"excellent": float("nan"), "good": 60, "medium": 40},
+        {"excellent": None, "good": 60, "medium": 40},
+    ],
+)
+def test_other_levels_are_refused_by_name(cuts):
+    with pytest.raises(
+        CalibrationError, match=r"^mine: expected cut-offs 100 >= excellent > good > medium >= 0, got "
+    ):
+        checked_cuts(cuts, name="mine")
+
+
+# fitting
+
+
+def marked(n: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    logs = rng.normal(-1.5, 0.3, (n, len(RESIDUALS)))
+    marks = 50 - 10 * (logs[:, 0] + 1.5) / 0.3 + 6 * (logs[:, 3] + 1.5) / 0.3 + rng.normal(0, 1, n)
+    return logs, marks
+
+
+def test_a_fit_finds_what_marks_follow_and_refuses_what_would_raise_them():
+    logs, marks = marked(2000)
+    scale = fit_scale(logs, marks, names=RESIDUALS, shrinkage=1.0)
+    assert scale.weights[0] == pytest.approx(10.0, rel=0.1)
+    assert scale.weights[3] == 0.0  # those marks rise with it; a fault must not earn points
+    assert max(scale.weights[1:3]) < 1.0
+    assert scale.mean == pytest.approx(marks.mean())
+
+
+def test_shrinkage_draws_weights_to_nought():
+    logs, marks = marked(400)
+    loose, tight = (fit_scale(logs, marks, names=RESIDUALS, shrinkage=s).weights[0] for s in (1.0, 4000.0))
+    assert 0 < tight < 0.2 * loose
+
+
+def test_a_scale_of_some_residuals_reads_only_those():
+    logs, marks = marked(100)
+    scale = fit_scale(logs, marks, names=("position", "missing"))
+    assert scale.names == ("position", "missing")
+    r = Residuals(0.2, 0.1, 0.2, 0.3, 0.3)
+    assert scale.read(replace(r, height=2.0, direction=2.0, extra=2.0)) == scale.read(r)
+    assert scale.read(replace(r, position=0.4)) < scale.read(r)
+
+
+def test_too_few_marks_are_no_calibration():
+    logs, marks = marked(19)
+    with pytest.raises(CalibrationError, match="expected at least 20 marks to fit a scale, got 19"):
+        fit_scale(logs, marks, names=RESIDUALS)
+    fit_scale(*marked(20), names=RESIDUALS)
+
+
+# reading and writing
+
+
+def test_a_calibration_comes_back_from_its_file(tmp_path):
+    write_calibration(panel(), tmp_path / "mine.json")
+    again = read_calibration(json.loads((tmp_path / "mine.json").read_text("utf-8")))
+    assert again == panel()
+
+
+def test_it_says_what_it_was_fitted_on():
+    for word in ("652", "E3C", "2023", "mean times ten"):
+        assert word in panel().provenance
+
+
+@pytest.mark.parametrize("lost", ["scale", "parts", "interval", "provenance"])
+def test_a_calibration_that_is_not_whole_is_refused(lost):
+    cut = plain()
+    del cut[lost]
+    with pytest.raises(CalibrationError, match=f"expected a calibration with scale, .*{lost}"):
+        read_calibration(cut)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("interval", ["low", "high"]), ("parts", {"structure": {}}), ("scale", {}), ("fullness", "much")],
+)
+def test_a_calibration_of_wrong_things_is_refused(key, value):
+    with pytest.raises(RumuError, match="expected a calibration with"):
+        read_calibration(plain() | {key: value})
+
+
+def test_a_calibration_needs_a_place(tmp_path):
+    (tmp_path / "taken").write_text("a file", "utf-8")
+    with pytest.raises(OutputError, match="taken"):
+        write_calibration(panel(), tmp_path / "taken" / "mine.json")

@@ -1,0 +1,89 @@
+"""Each number measures what its name says, with the right sign and size."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rumu.assessment.features import FLOOR_SOFTENING, RESIDUALS, Residuals, residuals
+from rumu.simulation.glyph import Glyph
+
+WORK = "regular-shui"
+
+
+def test_a_copy_of_itself_has_nothing_left(compared, mask):
+    _, features = compared(mask(WORK), mask(WORK))
+    np.testing.assert_allclose([getattr(features.residuals, n) for n in RESIDUALS], 0.0, atol=1e-6)
+    np.testing.assert_allclose(features.residuals.logarithms(), np.log(FLOOR_SOFTENING), atol=1e-4)
+    assert (features.lean, features.offset, features.size, features.weight) == pytest.approx(
+        (0, 0, 0, 0), abs=1e-6
+    )
+
+
+@pytest.mark.parametrize("lean", [-12.0, 7.0])
+def test_lean_is_degrees_clockwise(compared, moved, mask, lean):
+    assert compared(moved(WORK, lean=lean), mask(WORK))[1].lean == pytest.approx(lean, abs=0.4)
+
+
+@pytest.mark.parametrize("shift", [(30, 40), (-50, 0)])
+def test_offset_is_a_share_of_the_cell(compared, moved, mask, shift):
+    found = compared(moved(WORK, shift=shift), mask(WORK))[1].offset
+    assert found == pytest.approx(np.hypot(*shift) / 512, abs=0.002)
+
+
+@pytest.mark.parametrize("scale", [0.5, 0.8, 1.15])
+def test_size_is_a_logarithm(compared, moved, mask, scale):
+    assert compared(moved(WORK, scale=scale), mask(WORK))[1].size == pytest.approx(np.log(scale), abs=0.01)
+
+
+def test_weight_is_up_for_heavier_strokes(compared, fault, mask):
+    heavy = compared(fault(WORK, "thick", 3).mask, mask(WORK))[1].weight
+    thin = compared(fault(WORK, "thin", 3).mask, mask(WORK))[1].weight
+    assert heavy > 0.1
+    assert thin < -0.1
+
+
+def test_a_missing_stroke_is_missing_and_an_added_one_extra(laid, mask):
+    """On ink of one size and place: the residual grows on the side where the stroke is."""
+    whole = mask(WORK)
+    lacking = Glyph(whole).without(len(Glyph(whole).strokes) - 1)
+    same = residuals(laid(whole, whole, seed=1))
+    missing, extra = residuals(laid(lacking, whole)), residuals(laid(whole, lacking))
+    assert missing.missing > 1.2 * same.missing
+    assert missing.missing > missing.extra
+    assert extra.extra > extra.missing
+    assert missing.missing == pytest.approx(extra.extra, rel=0.05)  # the same pair seen from either side
+
+
+def test_residuals_of_known_points(laid, mask):
+    """By hand, both ways."""
+    r = laid(mask("running-shui"), mask(WORK))
+    found = residuals(r)
+    p = r.probe.xyz @ r.T_reference_probe[:3, :3].T + r.T_reference_probe[:3, 3]
+    x = r.reference.xyz
+    left = [p[i] - x[j] for i, j in enumerate(r.forward_index)] + [
+        p[j] - x[i] for i, j in enumerate(r.backward_index)
+    ]
+    assert found.position == pytest.approx(np.sqrt(np.mean([d[0] ** 2 + d[1] ** 2 for d in left])))
+    assert found.height == pytest.approx(np.sqrt(np.mean([d[2] ** 2 for d in left])))
+    assert found.extra == pytest.approx(np.quantile(r.forward, 0.75))
+    assert found.missing == pytest.approx(np.quantile(r.backward, 0.75))
+    assert 0 <= found.direction <= 2
+
+
+def test_direction_does_not_change_when_both_turn(laid, mask, moved):
+    upright = residuals(laid(mask("running-shui"), mask(WORK)))
+    leaning = residuals(laid(moved("running-shui", lean=14.0), mask(WORK)))
+    assert leaning.direction == pytest.approx(upright.direction, rel=0.1)
+    assert leaning.position == pytest.approx(upright.position, rel=0.1)
+
+
+def test_the_floor_is_taken_out_in_squares_and_never_below_nought():
+    r, floor = Residuals(0.5, 0.1, 0.3, 0.2, 0.05), Residuals(0.3, 0.2, 0.3, 0.0, 0.03)
+    left = r.above(floor)
+    assert left.position == pytest.approx(0.4)
+    assert left.height == 0.0
+    assert left.direction == 0.0
+    assert left.extra == pytest.approx(0.2)
+    assert left.missing == pytest.approx(0.04)
+    assert np.isfinite(left.logarithms()).all()

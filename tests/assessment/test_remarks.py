@@ -1,0 +1,158 @@
+"""What is said of known faults: the right thing, at the right place, of the right size, in two languages."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from rumu.assessment.remarks import Noticeable, remarks
+from rumu.simulation.faults import FAULTS
+from rumu.simulation.glyph import Glyph, region_of
+
+WORK = "regular-shui"
+
+
+@pytest.fixture(scope="session")
+def said(compared):
+    """The remarks on one ink mask as a copy of another."""
+
+    def say(copy, master, **options):
+        registration, features = compared(copy, master)
+        return remarks(registration, features=features, **options)
+
+    return say
+
+
+def the(kind, found):
+    chosen = [r for r in found if r.kind == kind]
+    assert chosen, f"no {kind!r} among {[r.kind for r in found]}"
+    return chosen[0]
+
+
+def overlap(a, b) -> float:
+    """Shared area over the smaller of two boxes (x0, y0, x1, y1)."""
+    across = min(a[2], b[2]) - max(a[0], b[0])
+    down = min(a[3], b[3]) - max(a[1], b[1])
+    areas = [(r[2] - r[0]) * (r[3] - r[1]) for r in (a, b)]
+    return max(across, 0.0) * max(down, 0.0) / min(areas)
+
+
+def test_of_a_perfect_copy_nothing_is_said(said, mask):
+    assert said(mask(WORK), mask(WORK)) == ()
+
+
+@pytest.mark.parametrize("fault_name", FAULTS)
+def test_remarks_are_few_ordered_whole_and_bilingual(said, fault, mask, fault_name):
+    found = said(fault(WORK, fault_name, 5).mask, mask(WORK))
+    assert len(found) <= 5
+    severities = [r.severity for r in found]
+    assert severities == sorted(severities, reverse=True)
+    for remark in found:
+        assert remark.severity > 0
+        assert np.isfinite(remark.size)
+        assert remark.unit
+        assert re.search("[一-鿿]", remark.zh), remark.zh
+        assert re.fullmatch(r"[ -~°]+\.", remark.en), remark.en
+        if remark.region is not None:
+            x0, y0, x1, y1 = remark.region
+            assert 0 <= x0 < x1 <= 1
+            assert 0 <= y0 < y1 <= 1
+
+
+def test_no_more_is_said_than_asked(said, fault, mask):
+    bad = fault(WORK, "squeeze", 5).mask
+    everything = said(bad, mask(WORK))
+    assert len(everything) >= 3
+    assert said(bad, mask(WORK), noticeable=Noticeable(at_most=2)) == everything[:2]
+
+
+@pytest.mark.parametrize(
+    ("lean", "zh", "en"), [(12.0, "向右", " clockwise"), (-9.0, "向左", " anticlockwise")]
+)
+def test_a_lean_is_named_with_its_side_and_size(*, said, moved, mask, lean, zh, en):
+    remark = the("lean", said(moved(WORK, lean=lean), mask(WORK)))
+    assert remark.size == pytest.approx(lean, abs=0.4)
+    assert remark.unit == "degrees"
+    assert remark.region is None
+    assert zh in remark.zh and en in remark.en
+    assert f"{abs(lean):.0f}°" in remark.zh and f"{abs(lean):.0f}°" in remark.en
+
+
+@pytest.mark.parametrize(("scale", "zh", "en"), [(0.6, "小", "smaller"), (1.2, "大", "larger")])
+def test_size_is_named(*, said, moved, mask, scale, zh, en):
+    remark = the("size", said(moved(WORK, scale=scale), mask(WORK)))
+    assert remark.size == pytest.approx(scale - 1, abs=0.01)
+    assert zh in remark.zh and en in remark.en
+
+
+@pytest.mark.parametrize(
+    ("shift", "zh", "en"),
+    [((60, 0), "偏右", "to the right"), ((-60, 0), "偏左", "to the left"), ((0, 60), "偏上", "to the top"),
+     ((50, -50), "偏右下", "to the lower right")],
+)  # fmt: skip
+def test_an_offset_is_named_with_its_direction(*, said, moved, mask, shift, zh, en):
+    remark = the("offset", said(moved(WORK, shift=shift), mask(WORK)))
+    assert remark.size == pytest.approx(np.hypot(*shift) / 512, abs=0.003)
+    assert zh in remark.zh and en in remark.en
+
+
+@pytest.mark.parametrize(("name", "kind", "sign"), [("thick", "heavy", 1), ("thin", "thin", -1)])
+def test_weight_is_named(*, said, fault, mask, name, kind, sign):
+    remark = the(kind, said(fault(WORK, name, 4).mask, mask(WORK)))
+    assert remark.size * sign > 0.15
+
+
+def test_small_faults_are_left_unsaid(said, moved, mask):
+    assert said(moved(WORK, lean=2.0, scale=0.95, shift=(10, 5)), mask(WORK)) == ()
+
+
+@pytest.mark.parametrize("work", ["regular-shui", "regular-shu", "clerical-tian", "seal-shui"])
+def test_a_dropped_stroke_is_missed_where_it_was(said, mask, work):
+    glyph = Glyph(mask(work))
+    stroke = len(glyph.strokes) // 2
+    gone = glyph.mask & ~glyph.without(stroke)
+    remark = the("missing", said(glyph.without(stroke), mask(work)))
+    assert overlap(remark.region, region_of(gone)) > 0.5
+    assert remark.size == pytest.approx(gone.sum() / glyph.mask.sum(), rel=0.6)
+    assert remark.unit == "of the ink"
+
+
+@pytest.mark.parametrize(
+    ("corner", "zh", "en"), [((40, 40), "左上", "top left"), ((420, 410), "右下", "bottom right")]
+)
+def test_added_ink_is_pointed_at(said, mask, corner, zh, en):
+    row, column = corner
+    copy = mask("regular-ren").copy()
+    copy[row : row + 45, column : column + 45] = True
+    added = np.zeros_like(copy)
+    added[row : row + 45, column : column + 45] = True
+    remark = the("extra", said(copy, mask("regular-ren")))
+    assert overlap(remark.region, region_of(added)) > 0.6
+    assert zh in remark.zh and en in remark.en
+
+
+def test_a_stroke_in_the_wrong_place_is_displaced_and_not_missing(said, mask):
+    glyph = Glyph(mask("regular-shui"))
+    stroke = max(range(len(glyph.strokes)), key=lambda k: glyph.strokes[k].path[:, 1].mean())
+    alone = glyph.mask & ~glyph.without(stroke)
+    copy = glyph.without(stroke) | np.roll(alone, (0, 45), axis=(0, 1))
+    found = said(copy, glyph.mask)
+    remark = the("displaced", found)
+    assert "missing" not in [r.kind for r in found]
+    assert "右" in remark.zh and "right" in remark.en
+    assert remark.size == pytest.approx(45 / 512, abs=0.05)
+
+
+@pytest.mark.parametrize("stroke", [0, 1, 2])
+def test_of_a_missing_stroke_it_is_not_said_that_all_is_small(said, mask, stroke):
+    glyph = Glyph(mask("regular-shui"))
+    found = said(glyph.without(stroke), glyph.mask)
+    assert "size" not in [r.kind for r in found], found
+
+
+def test_a_blot_does_not_make_the_character_large(said, mask):
+    copy = mask("regular-shui").copy()
+    copy[40:90, 40:90] = True
+    assert "size" not in [r.kind for r in said(copy, mask("regular-shui"))]
