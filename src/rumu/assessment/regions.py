@@ -60,7 +60,7 @@ def find_regions(registration: Registration, *, settings: RegionSettings | None 
             moved = copied.mean(axis=0) - x[group].mean(axis=0)
             found.append(Region("displaced", copied, share, (float(moved[0]), float(moved[1]))))
     found += [Region("extra", p[group], len(group) / len(p)) for group in extra]
-    return tuple(found)
+    return tuple(region for region in found if region.share >= settings.share)
 
 
 def _without_counterpart(a: FloatArray, b: FloatArray, settings: RegionSettings) -> list[IntArray]:
@@ -69,7 +69,8 @@ def _without_counterpart(a: FloatArray, b: FloatArray, settings: RegionSettings)
 
     alone = np.asarray(cKDTree(b).query(a)[0] > settings.apart)
     groups = _groups(a, alone, together=settings.together)
-    return [group for group in groups if len(group) >= settings.share * len(a)]
+    # smaller ones may still be where a missing stroke went
+    return [group for group in groups if len(group) >= settings.share * len(a) / 4]
 
 
 def _groups(points: FloatArray, chosen: BoolArray, *, together: float) -> list[IntArray]:
