@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rumu.assessment.features import FLOOR_SOFTENING, RESIDUALS, Residuals, residuals
+from rumu.assessment.features import RESIDUALS, SOFTENING, residuals
 from rumu.simulation.glyph import Glyph
 
 WORK = "regular-shui"
@@ -14,7 +14,7 @@ WORK = "regular-shui"
 def test_a_copy_of_itself_has_nothing_left(compared, mask):
     _, features = compared(mask(WORK), mask(WORK))
     np.testing.assert_allclose([getattr(features.residuals, n) for n in RESIDUALS], 0.0, atol=1e-6)
-    np.testing.assert_allclose(features.residuals.logarithms(), np.log(FLOOR_SOFTENING), atol=1e-4)
+    np.testing.assert_allclose(features.residuals.logarithms(), np.log(SOFTENING), atol=1e-4)
     assert (features.lean, features.offset, features.size, features.weight) == pytest.approx(
         (0, 0, 0, 0), abs=1e-6
     )
@@ -76,14 +76,3 @@ def test_direction_does_not_change_when_both_turn(laid, mask, moved):
     leaning = residuals(laid(moved("running-shui", lean=14.0), mask(WORK)))
     assert leaning.direction == pytest.approx(upright.direction, rel=0.1)
     assert leaning.position == pytest.approx(upright.position, rel=0.1)
-
-
-def test_the_floor_is_taken_out_in_squares_and_never_below_nought():
-    r, floor = Residuals(0.5, 0.1, 0.3, 0.2, 0.05), Residuals(0.3, 0.2, 0.3, 0.0, 0.03)
-    left = r.above(floor)
-    assert left.position == pytest.approx(0.4)
-    assert left.height == 0.0
-    assert left.direction == 0.0
-    assert left.extra == pytest.approx(0.2)
-    assert left.missing == pytest.approx(0.04)
-    assert np.isfinite(left.logarithms()).all()

@@ -13,8 +13,8 @@ from rumu.values import FloatArray, Registration
 RESIDUALS = ("position", "height", "direction", "extra", "missing")
 """The features that the calibration weighs, in this order; the rest are charged apart."""
 
-FLOOR_SOFTENING = 0.02
-"""Residual, in rms radii, below which two writings count as one: about a pixel of the common canvas."""
+SOFTENING = 0.05
+"""Residual, in rms radii, below which differences hardly count: a pixel and a half of the common canvas."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,22 +34,16 @@ class Residuals:
     extra: float
     missing: float
 
-    def above(self, floor: Residuals) -> Residuals:
-        """What is left when the residual of the master against itself, sampled anew, is taken out."""
-        return Residuals(
-            *(float(np.sqrt(max(getattr(self, n) ** 2 - getattr(floor, n) ** 2, 0.0))) for n in RESIDUALS)
-        )
-
     def logarithms(self) -> FloatArray:
         """(5,) natural logarithms in the order of RESIDUALS, softened near zero."""
-        return np.log(np.array([getattr(self, name) for name in RESIDUALS]) + FLOOR_SOFTENING)
+        return np.log(np.array([getattr(self, name) for name in RESIDUALS]) + SOFTENING)
 
 
 @dataclass(frozen=True, slots=True)
 class Features:
     """All that a mark is made of.
 
-    residuals: see Residuals, above the master's own floor.
+    residuals: see Residuals.
     lean: degrees, positive clockwise. offset: distance from the master's place, fraction of the cell.
     size: natural logarithm of the copy's size over the master's; 0 is the same.
     weight: natural logarithm of the copy's mean normalised height over the master's; for an inflated
@@ -75,11 +69,11 @@ class Features:
         return sum(region.share for region in self.regions if region.kind == "extra")
 
 
-def measure(registration: Registration, *, floor: Residuals) -> Features:
-    """Features of one registration; floor: `residuals` of the master against itself."""
+def measure(registration: Registration) -> Features:
+    """Features of one registration."""
     heights = registration.probe.xyz[:, 2].mean(), registration.reference.xyz[:, 2].mean()
     return Features(
-        residuals=residuals(registration).above(floor),
+        residuals=residuals(registration),
         lean=registration.angle,
         offset=float(np.hypot(*registration.shift)),
         size=float(np.log(registration.scale)),
@@ -89,7 +83,7 @@ def measure(registration: Registration, *, floor: Residuals) -> Features:
 
 
 def residuals(registration: Registration) -> Residuals:
-    """The residuals of one registration, nothing taken out."""
+    """The residuals of one registration."""
     p, x = posed(registration)
     a = 2 * np.deg2rad(registration.angle)
     d = registration.probe.direction @ np.array([[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]])

@@ -25,7 +25,7 @@ class RegionSettings:
 
     apart: float = 0.16
     together: float = 0.15
-    share: float = 0.025
+    share: float = 0.02
     reach: float = 0.8
 
 

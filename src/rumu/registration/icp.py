@@ -25,7 +25,8 @@ class IcpSettings:
     direction_weight: w, what opposite stroke directions are worth in rms radii.
     starts: degrees; the loop is run from each and the best is kept, since one start has a small basin of
         convergence.
-    thinning: every how many-th point the starts use, and the loop until it has settled; it ends on all.
+    thinning: about how many points the starts use, and the loop; a pose of three numbers needs no more.
+        What is left between copy and master is measured on all.
     tolerance: tau; the loop stops when the error falls by less than tau * tr Sigma, the mean of both
         clouds. The error is a squared length, so it is the trace, not its root, that makes tau free of
         units.
@@ -42,7 +43,7 @@ class IcpSettings:
     rotation: Rotation = "z"
     direction_weight: float = 0.7
     starts: tuple[float, ...] = (-20.0, -10.0, 0.0, 10.0, 20.0)
-    thinning: tuple[int, int] = (4, 2)
+    thinning: tuple[int, int] = (300, 1200)
     start_iterations: int = 4
     start_overlap: float = 0.8
     scalings: int = 5
@@ -128,8 +129,8 @@ def register_points(
         probe, start = _resized(probe, candidate.ratio), candidate.found.pose
     _, probe, best = min(candidates, key=lambda c: c[0])
     full = Neighbours(probe, reference, direction_weight=settings.direction_weight)
-    found = closest_points(full, start=best.found.pose, overlap=best.overlap, settings=settings)
-    return _registration(probe, reference, found=found, pairs=full.pairs(found.pose), overlap=best.overlap)
+    pairs = full.pairs(best.found.pose)
+    return _registration(probe, reference, found=best.found, pairs=pairs, overlap=best.overlap)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,9 +144,10 @@ class _Fit:
 
 
 def _trimmed_fit(probe: PointSet, reference: PointSet, *, start: Pose | None, settings: IcpSettings) -> _Fit:
+    longer = max(len(probe.xyz), len(reference.xyz))  # of both, so that swapped roles rest on the same points
     coarse, loop = (
         Neighbours(probe, reference, direction_weight=settings.direction_weight, step=step)
-        for step in settings.thinning
+        for step in (max(longer // count, 1) for count in settings.thinning)
     )
     starts = [_turned(angle) for angle in settings.starts] if start is None else [start]
     best = min(
@@ -172,16 +174,6 @@ def _trimmed_fit(probe: PointSet, reference: PointSet, *, start: Pose | None, se
 def _resized(points: PointSet, ratio: float) -> PointSet:
     """The same ink in a unit that makes it `ratio` times as large."""
     return replace(points, xyz=points.xyz * ratio, radius=points.radius / ratio, pixel=points.pixel * ratio)
-
-
-def register_in_place(
-    probe: PointSet, reference: PointSet, *, settings: IcpSettings | None = None
-) -> Registration:
-    """What lies between two point sets as they stand: a registration whose pose is the identity."""
-    settings = settings or IcpSettings()
-    found = Outcome(_turned(0.0), 0.0, True, 0)
-    pairs = Neighbours(probe, reference, direction_weight=settings.direction_weight).pairs(found.pose)
-    return _registration(probe, reference, found=found, pairs=pairs, overlap=1.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
