@@ -182,7 +182,7 @@ def read_calibration(plain: Mapping[str, Any]) -> Calibration:
             provenance=str(plain["provenance"]),
             fullness=float(plain["fullness"]),
         )
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         raise CalibrationError(f"expected a calibration with scale, parts, interval; {error!r}") from error
 
 
