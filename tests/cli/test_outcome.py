@@ -115,6 +115,8 @@ def test_a_latin_terminal_gets_escapes_instead_of_a_crash():
 def test_ctrl_c_on_the_whole_program(tmp_path):
     """Interrupted while it starts or runs: code 130, no traceback."""
     script = (
+        # a shell that runs the tests in the background ignores the signal, and so would the child
+        "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "import rumu.cli as c, time\nc.app = lambda **k: (print('up', flush=True), time.sleep(30))\nc.main()"
     )
     with subprocess.Popen([sys.executable, "-c", script], stdout=-1, stderr=-1, cwd=tmp_path) as process:
