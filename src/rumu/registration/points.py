@@ -55,25 +55,8 @@ def normalise_height(
     return np.where(mask, (height - low) / (high - low), 0.0).astype(np.float32)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class InkCanvas:
-    """The ink of a surface on the common canvas, to take points from.
-
-    ink: (CANVAS, CANVAS) float32 in [0, 1]. relief: the same shape, normalised height. direction: (CANVAS,
-    CANVAS, 2) float32, see `stroke_direction`. centre, radius, pixel, cell: as in PointSet.
-    """
-
-    ink: FloatArray
-    relief: FloatArray
-    direction: FloatArray
-    centre: FloatArray
-    radius: float
-    pixel: float
-    cell: tuple[float, float]
-
-
-def ink_canvas(surface: Surface) -> InkCanvas:
-    """Bring the ink of a surface to the common canvas.
+def sample_points(surface: Surface, *, settings: Sampling | None = None) -> PointSet:
+    """Ink points of a surface, taken on the common canvas, with the direction of the stroke at each.
 
     An inflated height has the unit of the page, so its bounds are the paper and a tenth of the rms radius
     for copy and master alike, and a stroke twice as wide stays twice as high; other sources are
@@ -96,31 +79,17 @@ def ink_canvas(surface: Surface) -> InkCanvas:
     ink, relief = _canvas(mask, relief, centre=centre, radius=radius)
     rows_in_all, columns_in_all = surface.height.shape
     longer = max(rows_in_all, columns_in_all)
-    return InkCanvas(
-        ink=ink,
-        relief=relief,
-        direction=stroke_direction(ink),
+    settings = settings or Sampling()
+    y, x = _one_per_square(ink, settings=settings)
+    half = (CANVAS - 1) / 2
+    z = settings.height_weight * relief[y, x]
+    return PointSet(
+        xyz=np.column_stack([(x - half) / RADIUS, (half - y) / RADIUS, z]).astype(float),
+        direction=stroke_direction(ink)[y, x].astype(float),
         centre=np.array([centre[0] + 0.5 - columns_in_all / 2, rows_in_all / 2 - centre[1] - 0.5]) / longer,
         radius=radius / longer,
         pixel=1.0 / radius,
         cell=(columns_in_all / longer, rows_in_all / longer),
-    )
-
-
-def sample_points(surface: Surface | InkCanvas, *, settings: Sampling | None = None) -> PointSet:
-    """Ink points of a surface, with the direction of the stroke at each; see `ink_canvas`."""
-    settings = settings or Sampling()
-    canvas = ink_canvas(surface) if isinstance(surface, Surface) else surface
-    y, x = _one_per_square(canvas.ink, settings=settings)
-    half = (CANVAS - 1) / 2
-    z = settings.height_weight * canvas.relief[y, x]
-    return PointSet(
-        xyz=np.column_stack([(x - half) / RADIUS, (half - y) / RADIUS, z]).astype(float),
-        direction=canvas.direction[y, x].astype(float),
-        centre=canvas.centre,
-        radius=canvas.radius,
-        pixel=canvas.pixel,
-        cell=canvas.cell,
     )
 
 
