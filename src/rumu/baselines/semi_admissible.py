@@ -43,13 +43,46 @@ class Choice:
 class _State:
     """The first nodes decided. spent: their cost; bound: spent plus the least the rest can cost.
 
-    pending: (rest, K), cost of each candidate of the rest, arcs to what is decided included.
+    above: (rest + 1, K), what the parent's undecided nodes cost, arcs to what it had decided included; the
+    state's own table is made of it only when it is expanded, as most never are.
     """
 
     chosen: tuple[int, ...]
     spent: float
     bound: float
-    pending: FloatArray
+    above: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Problem:
+    """nodes, arcs: as given. ahead: (n, K), the least that the arcs of a candidate to later nodes can cost."""
+
+    nodes: FloatArray
+    arcs: FloatArray
+    ahead: FloatArray
+
+    @classmethod
+    def of(cls, nodes: FloatArray, arcs: FloatArray) -> _Problem:
+        n = len(nodes)
+        present = np.where(np.isfinite(nodes)[None, None], arcs, np.inf)
+        least = present.min(axis=3)
+        later = np.arange(n)[None] > np.arange(n)[:, None]
+        ahead = np.where(later[:, None], least, 0.0).sum(axis=2)
+        return cls(nodes, arcs, ahead)
+
+    def children(self, state: _State) -> list[_State]:
+        d = len(state.chosen)
+        table = state.above
+        if d > 0:
+            table = table[1:] + self.arcs[d - 1, state.chosen[-1], d:]
+        spent = state.spent + table[0]
+        bounds = spent + (table[None, 1:] + self.arcs[d, :, d + 1 :] + self.ahead[d + 1 :]).min(axis=2).sum(
+            axis=1
+        )
+        return [
+            _State((*state.chosen, k), float(spent[k]), float(bounds[k]), table)
+            for k in np.flatnonzero(np.isfinite(bounds)).tolist()
+        ]
 
 
 def search(nodes: FloatArray, arcs: FloatArray, *, settings: SearchSettings | None = None) -> Choice:
@@ -57,17 +90,19 @@ def search(nodes: FloatArray, arcs: FloatArray, *, settings: SearchSettings | No
 
     nodes: (n, K) float64 >= 0, inf where node i has no k-th candidate; each node has a finite one.
     arcs: (n, K, n, K) float64 >= 0, inf for two that exclude each other; read for i < j only. Nodes are
-        decided in the order given. The bound is admissible: what the arcs to decided nodes and the node
-        itself cost at the least, the arcs among the undecided taken as free.
-    Raises RumuError when the shapes do not belong together, a cost is negative or NaN, or no choice is finite.
+        decided in the order given. The bound is admissible: for each undecided node the least that it, its
+        arcs to the decided, and each of its arcs to later ones taken by itself can cost.
+    Raises RumuError when the shapes do not belong together, a cost is negative or NaN, or all choices
+    are inconsistent.
     """
     settings = settings or SearchSettings()
     _checked(nodes, arcs)
-    root = _State((), 0.0, float(nodes.min(axis=1).sum()), nodes)
-    found, frontier, expansions = _focal(root, arcs, settings)
+    problem = _Problem.of(nodes, arcs)
+    root = _State((), 0.0, float((nodes + problem.ahead).min(axis=1).sum()), nodes)
+    found, frontier, expansions = _focal(root, problem, settings)
     bounded = found is not None
     if found is None:
-        found = _beam(frontier, arcs, settings.beam)
+        found = _beam(frontier, problem, settings.beam)
     if found is None:
         raise RumuError("expected candidates of which some choice is consistent, got none")
     return Choice(found.chosen, found.spent, expansions, bounded)
@@ -85,10 +120,10 @@ def _checked(nodes: FloatArray, arcs: FloatArray) -> None:
 
 
 def _focal(
-    root: _State, arcs: FloatArray, settings: SearchSettings
+    root: _State, problem: _Problem, settings: SearchSettings
 ) -> tuple[_State | None, list[_State], int]:
     """The goal, or None with the open states when the expansions are used up."""
-    n, ticket, expanded = len(arcs), count(), 0
+    n, ticket, expanded = len(problem.nodes), count(), 0
     waiting = [(root.bound, next(ticket), root)]  # open states not yet in focal, by bound
     least = list(waiting)  # all open states by bound; those expanded are dropped when they surface
     focal: list[tuple[int, float, int, _State]] = []
@@ -107,31 +142,20 @@ def _focal(
             return state, [], expanded
         closed.add(key)
         expanded += 1
-        for child in _children(state, arcs):
+        for child in problem.children(state):
             item = (child.bound, next(ticket), child)
             heapq.heappush(least, item)
             heapq.heappush(waiting, item)
     return None, [state for _, key, state in least if key not in closed], expanded
 
 
-def _children(state: _State, arcs: FloatArray) -> list[_State]:
-    d = len(state.chosen)
-    tables = state.pending[None, 1:] + arcs[d, :, d + 1 :]
-    spent = state.spent + state.pending[0]
-    bounds = spent + tables.min(axis=2).sum(axis=1)
-    return [
-        _State((*state.chosen, int(k)), float(spent[k]), float(bounds[k]), tables[k])
-        for k in np.flatnonzero(np.isfinite(bounds))
-    ]
-
-
-def _beam(frontier: list[_State], arcs: FloatArray, width: int) -> _State | None:
+def _beam(frontier: list[_State], problem: _Problem, width: int) -> _State | None:
     """Level by level from the open states, keeping the `width` of least bound on each."""
-    n = len(arcs)
+    n = len(problem.nodes)
     level: list[_State] = []
     for depth in range(n):
         level = level + [state for state in frontier if len(state.chosen) == depth]
         level = sorted(level, key=lambda state: state.bound)[:width]
-        level = [child for state in level for child in _children(state, arcs)]
+        level = [child for state in level for child in problem.children(state)]
     level += [state for state in frontier if len(state.chosen) == n]
     return min(level, key=lambda state: state.spent, default=None)
