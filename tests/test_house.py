@@ -22,6 +22,7 @@ PUBLIC = {
     "RumuError",
     "Surface",
     "assess",
+    "find",
     "integrate",
     "read_capture",
     "reconstruct",

@@ -19,6 +19,7 @@ _HOMES = {
     "integrate": "rumu.surface.integrate",
     "register": "rumu.pipeline",
     "assess": "rumu.pipeline",
+    "find": "rumu.gallery.search",
     "Capture": "rumu.values",
     "Surface": "rumu.values",
     "Registration": "rumu.values",
@@ -33,6 +34,7 @@ __all__ = [
     "RumuError",
     "Surface",
     "assess",
+    "find",
     "integrate",
     "read_capture",
     "reconstruct",
@@ -44,6 +46,7 @@ __all__ = [
 if TYPE_CHECKING:
     from rumu.capture.folder import read_capture as read_capture
     from rumu.errors import RumuError as RumuError
+    from rumu.gallery.search import find as find
     from rumu.pipeline import assess as assess
     from rumu.pipeline import reconstruct as reconstruct
     from rumu.pipeline import register as register

@@ -1,0 +1,72 @@
+"""find: which master a copy is a copy of."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from rumu.cli.options import AsJson
+from rumu.cli.outcome import Outcome, ends_well
+from rumu.cli.progress import bar
+
+if TYPE_CHECKING:
+    from rumu.gallery.search import MasterIndex, Match
+
+
+def register(app: typer.Typer) -> None:
+    app.command()(find)
+
+
+@ends_well
+def find(
+    copy: Annotated[Path, typer.Argument(metavar="COPY", help="The copy: an image or a surface folder.")],
+    masters: Annotated[
+        list[Path],
+        typer.Option(metavar="MASTERS", help="Folder of pictures, or a labels.csv; may be given repeatedly."),
+    ],
+    top: Annotated[int, typer.Option(min=1, help="How many masters to name.")] = 10,
+    as_json: AsJson = False,
+) -> Outcome:
+    """The masters that a copy is most like, best first."""
+    from rumu.gallery.search import find as find_match
+    from rumu.gallery.search import index_masters
+
+    with bar("Describing masters") as advance:
+        index = index_masters(masters, jobs=os.cpu_count() or 1, progress=advance)
+    started = time.perf_counter()
+    matches = find_match(copy, index, top=top)
+    seconds = time.perf_counter() - started
+    facts = {
+        "copy": copy,
+        "masters": len(index.masters),
+        "left_out": [{"file": master.path, "reason": reason} for master, reason in index.left_out],
+        "matches": [_facts(match) for match in matches],
+        "seconds": round(seconds, 3),
+    }
+    return Outcome(facts, "\n".join([_heading(copy, index, seconds), *map(_line, matches)]))
+
+
+def _heading(copy: Path, index: MasterIndex, seconds: float) -> str:
+    left_out = f" ({len(index.left_out)} more hold no writing)" if index.left_out else ""
+    return f"{copy}, among {len(index.masters)} masters{left_out}, {seconds:.2f} s"
+
+
+def _line(match: Match) -> str:
+    master = match.master
+    words = [word for word in (master.character, master.hand, master.work) if word]
+    return f"  {match.likeness:.2f}  {' '.join(words)}  {master.path}".replace("    ", "  ")
+
+
+def _facts(match: Match) -> dict[str, Any]:
+    master = match.master
+    return {
+        "file": master.path,
+        "character": master.character,
+        "hand": master.hand,
+        "work": master.work,
+        "likeness": match.likeness,
+    }

@@ -1,0 +1,65 @@
+"""One vector a character: alike for one character by several hands, unlike for others."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+import rumu
+from rumu.gallery.works import find_work
+from rumu.registration.descriptor import DescriptorSettings, describe
+from rumu.registration.points import sample_points
+from rumu.simulation import faults
+
+
+def vector_of(ink: np.ndarray, **options) -> np.ndarray:
+    page = np.rint(245 - 225 * ink.astype(np.float32)).astype(np.uint8)
+    return describe(sample_points(rumu.relief(page)), **options)
+
+
+def ink_of(work: str) -> np.ndarray:
+    return 1.0 - np.asarray(Image.open(find_work(work).path), np.float32) / 255.0
+
+
+def test_a_vector_is_of_unit_length_and_nowhere_negative():
+    vector = vector_of(ink_of("regular-shu"))
+    assert vector.shape == (DescriptorSettings().length,)
+    assert vector.dtype == np.float32
+    assert np.linalg.norm(vector) == pytest.approx(1.0, abs=1e-5)
+    assert vector.min() >= 0
+
+
+@pytest.mark.parametrize("work", ["regular-shui", "seal-ren", "cursive-shu"])
+def test_place_and_size_do_not_matter(work):
+    ink = ink_of(work)
+    M = np.array([[0.6, 0, 40.0], [0, 0.6, 130.0]])
+    moved = cv2.warpAffine(ink, M, (512, 512), flags=cv2.INTER_AREA)
+    assert vector_of(moved) @ vector_of(ink) > 0.985
+
+
+def test_a_squeezed_part_costs_less_when_strokes_are_spread_evenly():
+    ink = ink_of("regular-shu")
+    squeezed = faults.apply(ink > 0.5, "squeeze", severity=5, seed=1).ink
+    plain, even = (DescriptorSettings(evenness=e) for e in (0.0, 0.8))
+    gained = [vector_of(squeezed, settings=s) @ vector_of(ink, settings=s) for s in (plain, even)]
+    assert gained[1] > gained[0]
+
+
+def test_another_character_is_less_like_than_another_hand():
+    own, hand = vector_of(ink_of("regular-shui")), vector_of(ink_of("running-shui"))
+    others = [vector_of(ink_of(f"regular-{name}")) for name in ("ren", "ri", "shu", "tian", "yue")]
+    assert own @ hand > max(own @ other for other in others)
+
+
+def test_a_mirrored_character_is_another():
+    ink = ink_of("regular-ren")
+    assert vector_of(ink) @ vector_of(ink[:, ::-1].copy()) < 0.93
+
+
+def test_one_straight_stroke_can_be_described():
+    ink = np.zeros((200, 200), np.float32)
+    ink[96:104, 20:180] = 1
+    assert np.isfinite(vector_of(ink)).all()
+    assert vector_of(ink) @ vector_of(ink.T.copy()) < 0.7
