@@ -8,11 +8,11 @@ which makes a stroke that the copy lacks count, and swapped roles give the inver
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from rumu.errors import RegistrationError
+from rumu.registration.nearest import Nearest
 from rumu.registration.quaternion import Pose, Rotation, closed_form_pose, unit_quaternion
 from rumu.values import FloatArray, IntArray, PointSet, Registration
 
@@ -63,7 +63,11 @@ class IcpSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pairs:
-    """Nearest neighbours both ways under one pose; distances in the five-dimensional space."""
+    """Nearest neighbours both ways under one pose: squared distances in the five-dimensional space.
+
+    forward: (N,) of each point of the probe to the reference, forward_index: (N,) to which of its points;
+    backward: (M,) and backward_index: (M,) of each point of the reference to the probe.
+    """
 
     forward: FloatArray
     forward_index: IntArray
@@ -72,43 +76,66 @@ class Pairs:
 
     @property
     def squared(self) -> FloatArray:
-        return np.concatenate([self.forward, self.backward]) ** 2
+        return np.concatenate([self.forward, self.backward])
 
 
 class Neighbours:
-    """Both clouds in the matching space, each with its KD-tree, built once.
+    """Both clouds in the matching space, each ready to be searched.
 
     A pose is an isometry of that space (positions turn by a, doubled directions by 2a), so the backward
-    search moves the reference by the inverse pose instead of rebuilding the probe's tree.
+    search moves the reference by the inverse pose instead of building the probe's tree anew.
+    step: take every step-th point. follows: the poses asked for come one near the other.
     """
 
-    def __init__(self, P: PointSet, X: PointSet, *, direction_weight: float, step: int = 1) -> None:
-        from scipy.spatial import cKDTree
-
+    def __init__(
+        self, P: PointSet, X: PointSet, *, direction_weight: float, step: int = 1, follows: bool = False
+    ) -> None:
         self.P, self.X = P.xyz[::step], X.xyz[::step]
-        self._P_direction = direction_weight * P.direction[::step]
-        self._X_direction = direction_weight * X.direction[::step]
-        self._P_tree: Any = cKDTree(np.hstack([self.P, self._P_direction]))
-        self._X_tree: Any = cKDTree(np.hstack([self.X, self._X_direction]))
+        self._P_all, self._X_all = (_homogeneous(cloud, direction_weight, step) for cloud in (P, X))
+        self._to_P, self._to_X = (
+            Nearest(space[:, :5], follows=follows) for space in (self._P_all, self._X_all)
+        )
+        self.spread = (_spread(self.P) + _spread(self.X)) / 2
 
     def pairs(self, pose: Pose) -> Pairs:
+        """The nearest point to each, both ways."""
         T = pose.matrix
-        R, t = T[:3, :3], T[:3, 3]
-        a = np.arctan2(R[1, 0], R[0, 0])
-        D = np.array([[np.cos(2 * a), -np.sin(2 * a)], [np.sin(2 * a), np.cos(2 * a)]])
-        forward = self._X_tree.query(np.hstack([self.P @ R.T + t, self._P_direction @ D.T]))
-        backward = self._P_tree.query(np.hstack([(self.X - t) @ R, self._X_direction @ D]))
-        return Pairs(forward[0], forward[1], backward[0], backward[1])
+        a = 2.0 * np.arctan2(T[1, 0], T[0, 0])
+        there, back = np.zeros((6, 5)), np.zeros((6, 5))
+        there[:3, :3] = T[:3, :3].T
+        there[3:5, 3:] = [[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]]
+        there[5, :3] = T[:3, 3]
+        back[:5] = there[:5].T
+        back[5] = -there[5] @ back[:5]
+        return Pairs(*self._to_X(self._P_all @ there), *self._to_P(self._X_all @ back))
 
-    def matched(self, pairs: Pairs, *, overlap: float) -> tuple[FloatArray, FloatArray]:
-        """The closest `overlap` share of the pairs, both ways, as matched points (n, 3), (n, 3)."""
-        kept = _closest(pairs.squared, overlap)
-        P = np.vstack([self.P, self.P[pairs.backward_index]])[kept]
-        return P, np.vstack([self.X[pairs.forward_index], self.X])[kept]
+    def matched(self, pairs: Pairs, *, kept: IntArray) -> tuple[FloatArray, FloatArray]:
+        """The kept of the pairs, both ways, as matched points (n, 3), (n, 3)."""
+        P = np.concatenate([np.arange(len(self.P)), pairs.backward_index])[kept]
+        X = np.concatenate([pairs.forward_index, np.arange(len(self.X))])[kept]
+        return self.P.take(P, axis=0), self.X.take(X, axis=0)
 
 
-def _closest(squared: FloatArray, overlap: float) -> IntArray:
-    return np.argsort(squared)[: max(round(overlap * len(squared)), 3)]
+def _homogeneous(cloud: PointSet, direction_weight: float, step: int) -> FloatArray:
+    """(n, 6): x, y, z, w cos 2t, w sin 2t, 1."""
+    rows = np.ones((len(cloud.xyz[::step]), 6))
+    rows[:, :3] = cloud.xyz[::step]
+    rows[:, 3:5] = direction_weight * cloud.direction[::step]
+    return rows
+
+
+def _spread(cloud: FloatArray) -> float:
+    """tr Sigma."""
+    centre = np.einsum("ij->j", cloud) / len(cloud)
+    return float(np.vdot(cloud, cloud) / len(cloud) - centre @ centre)
+
+
+def closest(squared: FloatArray, overlap: float) -> IntArray:
+    """Indices of the closest `overlap` share of the pairs, at least three, in no order."""
+    count = max(round(overlap * len(squared)), 3)
+    if count >= len(squared):
+        return np.arange(len(squared))
+    return np.argpartition(squared, count - 1)[:count]
 
 
 def register_points(
@@ -128,26 +155,35 @@ def register_points(
             break
         probe, start = _resized(probe, candidate.ratio), candidate.found.pose
     _, probe, best = min(candidates, key=lambda c: c[0])
-    full = Neighbours(probe, reference, direction_weight=settings.direction_weight)
-    pairs = full.pairs(best.found.pose)
+    pairs = best.pairs
+    if pairs is None:
+        every = Neighbours(probe, reference, direction_weight=settings.direction_weight)
+        pairs = every.pairs(best.found.pose)
     return _registration(probe, reference, found=best.found, pairs=pairs, overlap=best.overlap)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Fit:
-    """A pose with the share of pairs it rests on, how good that is, and the size those pairs ask for."""
+    """A pose with the share of pairs it rests on, how good that is, and the size those pairs ask for.
+
+    pairs: what is left under that pose, when all points took part; else None.
+    """
 
     found: Outcome
     overlap: float
     psi: float
     ratio: float
+    pairs: Pairs | None
 
 
 def _trimmed_fit(probe: PointSet, reference: PointSet, *, start: Pose | None, settings: IcpSettings) -> _Fit:
     longer = max(len(probe.xyz), len(reference.xyz))  # of both, so that swapped roles rest on the same points
+    steps = [max(longer // count, 1) for count in settings.thinning]
     coarse, loop = (
-        Neighbours(probe, reference, direction_weight=settings.direction_weight, step=step)
-        for step in (max(longer // count, 1) for count in settings.thinning)
+        Neighbours(
+            probe, reference, direction_weight=settings.direction_weight, step=step, follows=step == steps[-1]
+        )
+        for step in steps
     )
     starts = [_turned(angle) for angle in settings.starts] if start is None else [start]
     best = min(
@@ -167,8 +203,11 @@ def _trimmed_fit(probe: PointSet, reference: PointSet, *, start: Pose | None, se
     found = closest_points(loop, start=best.pose, overlap=overlap, settings=settings)
     pairs = loop.pairs(found.pose)
     overlap, psi = trimmed_share(pairs.squared, settings=settings)
-    P, X = (float(np.var(side[:, :2], axis=0).sum()) for side in loop.matched(pairs, overlap=overlap))
-    return _Fit(found, overlap, psi, float(np.sqrt(X / P)))
+    P, X = (
+        _spread(np.ascontiguousarray(side[:, :2]))
+        for side in loop.matched(pairs, kept=closest(pairs.squared, overlap))
+    )
+    return _Fit(found, overlap, psi, float(np.sqrt(X / P)), pairs if steps[-1] == 1 else None)
 
 
 def _resized(points: PointSet, ratio: float) -> PointSet:
@@ -193,19 +232,18 @@ def closest_points(
 
     Of the pairs, both ways, only the closest `overlap` share moves the pose.
     """
-    spreads = (float(np.var(cloud, axis=0).sum()) for cloud in (neighbours.P, neighbours.X))
-    threshold = settings.tolerance * sum(spreads) / 2  # of both, so that swapped roles stop alike
+    threshold = settings.tolerance * neighbours.spread  # of both, so that swapped roles stop alike
     pose, best, last = start, start, np.inf
     limit = limit or settings.max_iterations
     for iteration in range(limit):
         pairs = neighbours.pairs(pose)
         squared = pairs.squared
-        kept = _closest(squared, overlap)
+        kept = closest(squared, overlap)
         error = float(squared[kept].mean())
         if last - error < threshold:
             return Outcome(pose if error < last else best, min(error, last), True, iteration)
         last, best = error, pose
-        P, X = neighbours.matched(pairs, overlap=overlap)
+        P, X = neighbours.matched(pairs, kept=kept)
         pose = closed_form_pose(P, X, rotation=settings.rotation)
     return Outcome(best, last, False, limit)
 
@@ -245,9 +283,9 @@ def _registration(
         shift=probe.centre - reference.centre + origin * probe.radius,
         overlap=overlap,
         d_ms=float(np.mean(np.sum(left * left, axis=1))),
-        forward=pairs.forward,
+        forward=np.sqrt(pairs.forward),
         forward_index=pairs.forward_index,
-        backward=pairs.backward,
+        backward=np.sqrt(pairs.backward),
         backward_index=pairs.backward_index,
         converged=found.converged,
         iterations=found.iterations,

@@ -67,8 +67,9 @@ def cross_covariance(P: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArr
 
     With p and x exchanged the pose comes out inverted.
     """
-    mu_p, mu_x = P.mean(axis=0), X.mean(axis=0)
-    return mu_p, mu_x, (P - mu_p).T @ (X - mu_x) / len(P)
+    ones = np.full(len(P), 1.0 / len(P))
+    mu_p, mu_x = ones @ P, ones @ X
+    return mu_p, mu_x, P.T @ X / len(P) - np.outer(mu_p, mu_x)
 
 
 def profile_matrix(S: FloatArray) -> FloatArray:
@@ -98,5 +99,5 @@ def closed_form_pose(P: FloatArray, X: FloatArray, *, rotation: Rotation = "z") 
     largest = np.zeros(4)
     largest[free] = vectors[:, -1]
     q = unit_quaternion(largest)
-    spread = float(np.mean(np.sum((P - mu_p) ** 2, axis=1)) + np.mean(np.sum((X - mu_x) ** 2, axis=1)))
+    spread = float((np.vdot(P, P) + np.vdot(X, X)) / len(P) - mu_p @ mu_p - mu_x @ mu_x)
     return Pose(q, mu_x - rotation_matrix(q) @ mu_p, max(spread - 2.0 * float(values[-1]), 0.0))
