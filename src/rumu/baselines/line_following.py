@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rumu.baselines.lines import Line, angles_between, as_line, polygon
+from rumu.baselines.lines import Line, angles_between, as_line, corners, polygon
 from rumu.baselines.relational_graph import Frame, Graph, Traits, traits_of, wrapped
 from rumu.surface.skeleton import Skeleton
 from rumu.values import FloatArray, IntArray
@@ -27,14 +27,17 @@ TOLERANCE = {"D": 60.0, "K": 45.0}
 @dataclass(frozen=True, slots=True)
 class FollowSettings:
     """deviation: of the polygon whose vertices are feature points. reach: farthest start from the reference's.
-    turn: most degrees at a feature point; blind_turn: the same from or into a piece shorter than a stroke is
-    wide, whose direction is a fork's or a tip's more than the stroke's. gap: widest break in the ink that is
+    turn: most degrees at a fork, or at a bend over chords of `arm` stroke widths, as strokes of the
+    reference are cut; blind_turn: the same from or into a piece shorter than `blind`
+    stroke widths, whose direction is a fork's or a tip's more than the stroke's. gap: widest break in the ink that is
     jumped. shortest, longest: length over the reference's. keep: candidates for each stroke."""
 
     deviation: float = 0.02
     reach: float = 0.25
     tolerance: float = 30.0
     turn: float = 45.0
+    arm: float = 1.25
+    blind: float = 1.5
     blind_turn: float = 90.0
     gap: float = 0.06
     shortest: float = 0.4
@@ -74,8 +77,7 @@ def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | 
     """Feature points (ends, forks, corners of the polygon) and the pieces between them, in box sides."""
     settings = settings or FollowSettings()
     width = skeleton.width / frame.side
-    pieces, ends = _pieces(skeleton, frame, settings)
-    m = len(pieces)
+    pieces, ends, smooth = _pieces(skeleton, frame, settings)
     directed = np.array([*ends, *(end[::-1] for end in ends)], dtype=np.intp)
     lines = [*pieces, *(piece.turned() for piece in pieces)]
     count = int(directed.max()) + 1
@@ -85,8 +87,9 @@ def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | 
     heading = np.array([_heading(line, width) for line in lines])
     degree = np.bincount(directed[:, 0], minlength=count)
     tip = np.array([line.radius[0] for line in lines])
-    short = np.array([line.length < width for line in lines])
+    short = np.array([line.length < settings.blind * width for line in lines])
     limit = np.where(short[:, None] | short[None], settings.blind_turn, settings.turn)
+    limit[np.isin(directed[:, 1], smooth)] = 180.0
     follows = _follows(directed, heading, degree, places, tip, limit, gap=settings.gap)
     return Segments(
         tuple(pieces),
@@ -102,8 +105,10 @@ def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | 
 
 def _pieces(
     skeleton: Skeleton, frame: Frame, settings: FollowSettings
-) -> tuple[list[Line], list[tuple[int, int]]]:
-    pieces, ends, fresh = [], [], len(skeleton.nodes)
+) -> tuple[list[Line], list[tuple[int, int]], list[int]]:
+    """Pieces, the feature points they run between, and those of these where a line bends but has no corner."""
+    pieces, ends, smooth, fresh = [], [], [], len(skeleton.nodes)
+    arm = settings.arm * skeleton.width / frame.side
     for segment in skeleton.segments:
         line = frame.boxed(as_line(segment.points, segment.radius))
         marks = polygon(line.points, deviation=settings.deviation)
@@ -112,10 +117,12 @@ def _pieces(
             stop, fresh = fresh, fresh + 1
         numbers = [start, *range(fresh, fresh + len(marks) - 2), stop]
         fresh += len(marks) - 2
+        sharp = corners(line, deviation=settings.deviation, arm=arm, least=settings.turn)
+        smooth += [number for mark, number in zip(marks, numbers, strict=True) if mark not in sharp][1:-1]
         for k, (a, b) in enumerate(zip(marks[:-1], marks[1:], strict=True)):
             pieces.append(line.part(a, b))
             ends.append((numbers[k], numbers[k + 1]))
-    return pieces, ends
+    return pieces, ends, smooth
 
 
 def _heading(line: Line, width: float) -> FloatArray:

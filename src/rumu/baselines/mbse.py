@@ -11,8 +11,9 @@ Reconstructed by us: every number, cost and angle (see `relational_graph`, `line
 
 Decided where the reconstruction left it open: the strokes of the reference come from its own skeleton, as
 fonts and steles have no stroke data; an arc to a stroke that is not found costs what a differing relation does;
-in the grade an arc weighs the mean length of its two strokes, else characters of many short strokes would
-cost more for the same deviation. Width of strokes, place, and size in the cell are not seen: the frame is the
+in the grade nodes and arcs count where strokes were found, as what is missing is charged by a factor of its
+own; and an arc weighs the mean length of its two strokes, else characters of many short strokes would cost
+more for the same deviation. Width of strokes, place, and size in the cell are not seen: the frame is the
 character's own box.
 """
 
@@ -312,7 +313,7 @@ def _graded(
     cost = np.full(len(ways), NULL_COST)
     for k, i in enumerate(found):
         cost[i] = node_costs(graph, i, traits, np.array([k]))[0]
-    total = float(lengths.sum())
+    total, held = float(lengths.sum()), float(lengths[found].sum())
     pairs = tuple(
         Pair(
             graph.kinds[i],
@@ -325,28 +326,32 @@ def _graded(
     return Match(
         pairs,
         tuple(_unboxed(segments.line(way), frames[0]) for way in extra),
-        float(lengths @ cost) / total,
+        float(lengths[found] @ cost[found]) / held if found else NULL_COST,
         _arc_mean(graph, traits, found, segments.width),
-        float(lengths[[i for i, way in enumerate(ways) if not way]].sum()) / total,
+        1.0 - held / total,
         float(sum(segments.traits.length[d] for way in extra for d in way)) / total,
         *search,
     )
 
 
 def _arc_mean(graph: Graph, traits: Traits, found: Sequence[int], width: float) -> float:
-    """Sum over arcs between strokes found, each by its strokes' mean length, over (n - 1) and all length."""
-    n = len(graph.lines)
+    """Half the mean cost of the arcs among the strokes found, each weighing the mean length of its strokes.
+
+    The half makes it the sum of arcs over (number of strokes - 1) and all length, as the search has it.
+    """
     if len(found) < 2:
         return 0.0
     vectors, bend = differences(traits)
     relation = relations(traits, width=width)
-    total = 0.0
+    total, weight = 0.0, 0.0
     for a, i in enumerate(found):
         for b in range(a + 1, len(found)):
             j = found[b]
             cost = arc_costs(graph, i, j, vector=vectors[a, b], bend=bend[a, b], relation=relation[a, b])
-            total += float(cost) * (graph.traits.length[i] + graph.traits.length[j]) / 2
-    return total / (n - 1) / float(graph.traits.length.sum())
+            mean_length = float(graph.traits.length[i] + graph.traits.length[j]) / 2
+            total += float(cost) * mean_length
+            weight += mean_length
+    return 0.5 * total / weight
 
 
 def _unboxed(line: Line, frame: Frame) -> Line:
