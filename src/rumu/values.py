@@ -6,7 +6,7 @@ dz/drow = -q where q = dz/dy. Values are frozen: nothing is changed after it is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -100,7 +100,58 @@ class Capture:
         return self.images if self.images.ndim == 3 else self.images.mean(axis=3)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+class Deferred:
+    """An array of a Surface that may be given as a recipe instead, a function without arguments.
+
+    Then it is made when it is first asked for, checked like any other, and kept: the mark needs neither
+    normals nor albedo, and they cost more than the height. A partial of a module's function pickles.
+    """
+
+    def __init__(self, check: Callable[[FloatArray, tuple[int, ...]], None]) -> None:
+        self._check = check
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, surface: Surface | None, owner: type | None = None) -> FloatArray:
+        if surface is None:
+            raise AttributeError(self._name)  # a field without a default
+        held = vars(surface)[self._name]
+        if callable(held):
+            held = held()
+            self._check(held, surface.height.shape)
+            vars(surface)[self._name] = held
+        return held  # type: ignore[no-any-return]
+
+    def __set__(self, surface: Surface, given: FloatArray | Callable[[], FloatArray]) -> None:
+        vars(surface)[self._name] = given
+
+    def check_given(self, surface: Surface) -> None:
+        """Check the array, unless it is still to be made."""
+        held = vars(surface)[self._name]
+        if not callable(held):
+            self._check(held, surface.height.shape)
+
+
+def _check_normals(normals: FloatArray, shape: tuple[int, ...]) -> None:
+    _require(normals.shape == (*shape, 3), SurfaceError, f"normals {(*shape, 3)}", normals.shape)
+    _require_finite(normals, SurfaceError, "normals")
+    lengths = np.linalg.norm(normals[::8, ::8], axis=-1)  # a sample: this is checked often
+    _require(bool(np.allclose(lengths, 1.0, atol=1e-3)), SurfaceError, "unit normals", lengths.min())
+
+
+def _check_albedo(albedo: FloatArray, shape: tuple[int, ...]) -> None:
+    _require(albedo.shape in (shape, (*shape, 3)), SurfaceError, f"albedo of {shape}", albedo.shape)
+    _require_unit_range(albedo, "albedo")
+
+
+def _require_unit_range(array: FloatArray, name: str) -> None:
+    _require_finite(array, SurfaceError, name)
+    low, high = float(array.min()), float(array.max())
+    _require(low >= 0 and high <= 1 + 1e-5, SurfaceError, f"{name} in [0, 1]", (low, high))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Surface:
     """A sheet as a surface.
 
@@ -116,8 +167,8 @@ class Surface:
     """
 
     height: FloatArray
-    normals: FloatArray
-    albedo: FloatArray
+    normals: Deferred = Deferred(_check_normals)
+    albedo: Deferred = Deferred(_check_albedo)
     mask: BoolArray
     confidence: FloatArray
     spacing: float
@@ -128,22 +179,13 @@ class Surface:
     def __post_init__(self) -> None:
         shape = self.height.shape
         _require(len(shape) == 2, SurfaceError, "a height map of shape (H, W)", shape)
-        _require(
-            self.normals.shape == (*shape, 3), SurfaceError, f"normals {(*shape, 3)}", self.normals.shape
-        )
-        _require(
-            self.albedo.shape in (shape, (*shape, 3)), SurfaceError, f"albedo of {shape}", self.albedo.shape
-        )
         _require(self.mask.shape == shape, SurfaceError, f"a mask of {shape}", self.mask.shape)
         _require(self.mask.dtype == np.bool_, SurfaceError, "a bool mask", self.mask.dtype)
         _require(self.confidence.shape == shape, SurfaceError, f"confidence {shape}", self.confidence.shape)
-        for name in ("height", "normals", "albedo", "confidence"):
-            _require_finite(getattr(self, name), SurfaceError, name)
-        lengths = np.linalg.norm(self.normals[::8, ::8], axis=-1)  # a sample: this is checked often
-        _require(bool(np.allclose(lengths, 1.0, atol=1e-3)), SurfaceError, "unit normals", lengths.min())
-        for name in ("albedo", "confidence"):
-            low, high = float(getattr(self, name).min()), float(getattr(self, name).max())
-            _require(low >= 0 and high <= 1 + 1e-5, SurfaceError, f"{name} in [0, 1]", (low, high))
+        _require_finite(self.height, SurfaceError, "height")
+        _require_unit_range(self.confidence, "confidence")
+        for name in ("normals", "albedo"):
+            vars(Surface)[name].check_given(self)
         _require(self.unit in UNITS, SurfaceError, f"a unit among {UNITS}", self.unit)
         _require(self.source in SOURCES, SurfaceError, f"a source among {SOURCES}", self.source)
         _require(np.isfinite(self.spacing) and self.spacing > 0, SurfaceError, "spacing > 0", self.spacing)
@@ -229,6 +271,8 @@ class Remark:
     size: how large, in `unit`; severity: points of the mark it stands for, for ordering.
     region: (x0, y0, x1, y1) in fractions of the copy's cell, origin top left; None for the whole.
     zh, en: what is wrong and what to do.
+    outline: lines of (x, y) in the same fractions that trace the strokes it speaks of; where a missing stroke
+        should stand; the edge of ink that is too much.
     """
 
     kind: str
@@ -238,6 +282,7 @@ class Remark:
     region: tuple[float, float, float, float] | None
     zh: str
     en: str
+    outline: tuple[tuple[tuple[float, float], ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

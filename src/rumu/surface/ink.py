@@ -130,9 +130,8 @@ def find_ink(
     """
     limits = limits or InkLimits()
     picture = _bytes(as_image(image), linear=linear)
-    (y0, y1, x0, x1), off = _sheet(picture, polarity)
+    (y0, y1, x0, x1), off, small = _sheet(picture, polarity)
     view = np.ascontiguousarray(picture[y0:y1, x0:x1])
-    small = reduced(view)
     _refuse_flat(small, limits)
     paper = read_paper(small, polarity="dark" if off is not None else polarity)
     split = _split(view, small, paper, off, limits)
@@ -149,20 +148,21 @@ def find_ink(
     return Ink(whole, density, paper.polarity, ground, 1.0 - split.ink / PAPER, left_out, figures)
 
 
-def _sheet(picture: Bytes, polarity: Polarity | None) -> tuple[Box, Bools | None]:
-    """The box of the picture that shows paper, and the pixels in it that do not; None when all do."""
+def _sheet(picture: Bytes, polarity: Polarity | None) -> tuple[Box, Bools | None, Bytes]:
+    """The box of the picture that shows paper; the pixels in it that do not, if any; the box, reduced."""
     import cv2
 
     y0, y1, x0, x1 = inner_box(picture)
     view = picture[y0:y1, x0:x1]
-    sheet = None if polarity == "light" else sheet_on_table(reduced(view))
+    small = reduced(view)
+    sheet = None if polarity == "light" else sheet_on_table(small)
     if sheet is None or not sheet.any():
-        return (y0, y1, x0, x1), None
+        return (y0, y1, x0, x1), None, small
     full = cv2.resize(sheet.astype(np.uint8), view.shape[1::-1], interpolation=cv2.INTER_NEAREST) > 0
     rows, columns = np.flatnonzero(full.any(axis=1)), np.flatnonzero(full.any(axis=0))
     top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
     box = (int(y0 + top), int(y0 + bottom), int(x0 + left), int(x0 + right))
-    return box, ~full[top:bottom, left:right]
+    return box, ~full[top:bottom, left:right], reduced(view[top:bottom, left:right])
 
 
 def _bytes(image: Floats, *, linear: bool) -> Bytes:

@@ -81,6 +81,14 @@ def reduced(picture: Bytes, *, side: int = GRID) -> Bytes:
     return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
+def ink_box(mask: Bools) -> tuple[int, int, int, int]:
+    """Rows y0:y1 and columns x0:x1 of the tightest box that holds all that is True; something must be."""
+    import cv2
+
+    x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
+    return y, y + height, x, x + width
+
+
 @dataclass(frozen=True, slots=True)
 class SheetLimits:
     """When a picture shows a sheet that lies on something darker; shares of the picture unless said.

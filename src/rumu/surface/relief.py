@@ -9,6 +9,8 @@ the surfaces that a sheet of paper can have. Real relief needs lamps and an obje
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -64,7 +66,7 @@ def relief(
     source: Source = "density" if method == "density" else "inflation"
     return Surface(
         height=height,
-        normals=normals_of(height),
+        normals=partial(normals_of, height),
         albedo=albedo,
         mask=ink.mask,
         confidence=ink.mask.astype(np.float32),
@@ -81,15 +83,17 @@ def _check_choice(value: object, choices: tuple[str, ...], name: str) -> None:
         raise SurfaceError(f"{name}: expected one of {', '.join(choices)}, got {value!r}")
 
 
-def _ink_and_albedo(image: str | os.PathLike[str] | npt.NDArray[Any] | Ink) -> tuple[Ink, Floats]:
+def _ink_and_albedo(
+    image: str | os.PathLike[str] | npt.NDArray[Any] | Ink,
+) -> tuple[Ink, Callable[[], Floats]]:
     if isinstance(image, Ink):
-        return image, _painted(image)
+        return image, partial(_painted, image)
     if isinstance(image, np.ndarray):
         stored = as_image(image)
-        return find_ink(stored), _linear(stored)
+        return find_ink(stored), partial(_linear, stored)
     stored = read_image(Path(image))
     try:
-        return find_ink(stored), _linear(stored)
+        return find_ink(stored), partial(_linear, stored)
     except RefusedImage as error:
         raise RefusedImage(f"{image}: {error}", reason=error.reason) from None
 

@@ -148,8 +148,11 @@ def below_pale_grid(x: Bytes, threshold: float, *, limits: RuleLimits) -> float:
         return threshold
     lower = otsu(np.pad(counts, (0, 256 - len(counts))))
     dark = x < lower
-    near = cv2.dilate(dark.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
-    pale = reduced(((x < threshold) & ~near).astype(np.uint8) * 255, side=256) > 64
+    near = cv2.dilate(dark.astype(np.uint8), np.ones((5, 5), np.uint8))
+    between = cv2.bitwise_and(cv2.inRange(x, 0, int(np.ceil(threshold)) - 1), cv2.bitwise_not(255 * near))
+    if not between.any():  # a drawing of two levels, or a clean scan
+        return threshold
+    pale = reduced(between, side=256) > 64
     depth = cv2.distanceTransform(np.pad(pale, 1).astype(np.uint8), cv2.DIST_L2, 3)
     hair = limits.hair * max(pale.shape) + 1  # where lines cross they are thicker, so nearly all will do
     if not (dark.any() and pale.any()) or np.percentile(depth[depth > 0], 98) > hair:

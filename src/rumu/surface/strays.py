@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rumu.surface.paper import FLAT, Bools, Bytes, Floats
+from rumu.surface.paper import FLAT, Bools, Bytes, Floats, ink_box
 
 Doubles = npt.NDArray[np.float64]
 Stats = npt.NDArray[np.int32]
@@ -67,7 +67,7 @@ def _within_frame(colours: Bytes, frame: Floats) -> Box:
     active = np.zeros(colours.shape[:2], np.uint8)
     for k in range(colours.shape[2]):
         active |= cv2.absdiff(colours[:, :, k], float(frame[k])).astype(np.uint8) > FLAT  # type: ignore[call-overload]
-    rows, columns = active.mean(axis=1), active.mean(axis=0)
+    rows, columns = (_shares(active, axis=axis) for axis in (1, 0))
     spans = []
     for share in (rows, columns):
         busy = share[share > 0.02]
@@ -79,15 +79,22 @@ def _within_frame(colours: Bytes, frame: Floats) -> Box:
     if (y0, y1, x0, x1) == whole:
         return whole
     part = active[y0:y1, x0:x1]
-    inside = np.median(colours[y0:y1, x0:x1].reshape(-1, colours.shape[2]), axis=0)
-    if part.size < 0.08 * active.size or np.abs(inside - frame).max() > 60:
-        return whole
     k = max(4, min(part.shape) // 16)
     corners = [part[:k, :k], part[:k, -k:], part[-k:, :k], part[-k:, -k:]]
-    blocks = cv2.blur(part.astype(np.float32), (9, 9))
-    if min(float(c.mean()) for c in corners) < 0.3 or (blocks < 0.01).mean() > 0.02:
+    if part.size < 0.08 * active.size or min(float(c.mean()) for c in corners) < 0.3:
+        return whole
+    inside = np.median(colours[y0:y1, x0:x1].reshape(-1, colours.shape[2]), axis=0)
+    if np.abs(inside - frame).max() > 60 or (cv2.blur(part.astype(np.float32), (9, 9)) < 0.01).mean() > 0.02:
         return whole
     return y0, y1, x0, x1
+
+
+def _shares(active: Bytes, *, axis: int) -> Doubles:
+    """Mean of 0 and 1 along an axis."""
+    import cv2
+
+    sums = cv2.reduce(active, axis, cv2.REDUCE_SUM, dtype=cv2.CV_32S)
+    return np.asarray(sums.ravel() / active.shape[axis])
 
 
 def _within_strips(colours: Bytes) -> Box:
@@ -147,10 +154,13 @@ def drop_strays(mask: Bools, *, limits: StrayLimits) -> tuple[Bools, dict[str, i
     """The ink without specks, edges of the page, neighbours' ink and captions; pixels of each kind."""
     import cv2
 
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
     left_out = {"speck": 0, "edge": 0, "neighbour": 0, "caption": 0}
-    if count <= 1:
+    if not mask.any():
         return mask, left_out
+    y0, y1, x0, x1 = ink_box(mask)
+    box = (slice(y0, y1), slice(x0, x1))  # labelling costs by the pixel
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(mask[box].astype(np.uint8), connectivity=8)
+    stats[:, :2] += (x0, y0)
     area = stats[1:, cv2.CC_STAT_AREA].astype(np.int64)
     scale = mask.size / 65536.0
     limit = min(limits.speck * scale, limits.speck_share * float(area.sum()))
@@ -162,8 +172,9 @@ def drop_strays(mask: Bools, *, limits: StrayLimits) -> tuple[Bools, dict[str, i
         kept = kept & ~stray
     if kept.all():
         return mask, left_out
-    table = np.concatenate([[False], kept])
-    return np.asarray(table[labels]), left_out
+    clean = np.zeros_like(mask)
+    clean[box] = np.concatenate([[False], kept])[labels]
+    return clean, left_out
 
 
 def _sides(stats: Stats, shape: tuple[int, ...]) -> Doubles:
