@@ -102,7 +102,7 @@ def assess(
         sim_paper=sim_paper(registration),
         similarity=similarity(registration),
         parts=calibration.part_scores(features),
-        remarks=remarks(registration, features=features),
+        remarks=remarks(registration, copy=copy, master=master),
         registration=registration,
         source=(copy.source, master.source),
     )

@@ -1,150 +1,169 @@
-"""Registration -> what a teacher would say: where, what, how much, what to do, in Chinese and English.
+"""Comparison -> what a teacher would say: where, what, how much, what to do, in Chinese and English.
 
 Every remark comes from a measurement and carries its size; nothing is said below the size at which a
-person would see it.
+person would see it. What the whole character does is said once and not again of each stroke.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from rumu.assessment.features import Features
-from rumu.assessment.regions import Region
-from rumu.values import FloatArray, Registration, Remark
+from rumu.assessment.inkwork import Ink, measure_ink
+from rumu.assessment.places import as_lines, box, towards
+from rumu.assessment.stroke_names import place_of
+from rumu.assessment.stroke_remarks import of_strokes
+from rumu.assessment.strokes import Strokes, find_strokes
+from rumu.assessment.thresholds import Noticeable
+from rumu.values import FloatArray, Registration, Remark, Surface
 
-
-@dataclass(frozen=True, slots=True)
-class Noticeable:
-    """The smallest fault that is worth a remark.
-
-    lean: degrees. offset: fraction of the cell. size, weight: relative difference.
-    at_most: remarks in all.
-    """
-
-    lean: float = 3.0
-    offset: float = 0.06
-    size: float = 0.12
-    weight: float = 0.15
-    at_most: int = 5
+__all__ = ["Noticeable", "remarks"]
 
 
 def remarks(
-    registration: Registration, *, features: Features, noticeable: Noticeable | None = None
+    registration: Registration, *, copy: Surface, master: Surface, noticeable: Noticeable | None = None
 ) -> tuple[Remark, ...]:
-    """At most five remarks, the worst first."""
+    """At most five remarks, the worst first. `registration` is that of copy and master."""
     limits = noticeable or Noticeable()
-    found = [*_of_the_whole(features, registration, limits), *_of_regions(features, registration)]
-    return tuple(sorted(found, key=lambda r: -r.severity)[: limits.at_most])
+    strokes = find_strokes(registration, copy, master)
+    ink = measure_ink(strokes, copy, master)
+    found = [
+        *_of_the_whole(strokes, registration, limits),
+        *_of_parts(strokes, limits),
+        *of_strokes(strokes, registration, limits),
+        *_of_ink(ink, limits),
+    ]
+    return _worst(found, limits)
 
 
-def _of_the_whole(features: Features, registration: Registration, limits: Noticeable) -> Iterator[Remark]:
-    lean, size, weight = features.lean, np.expm1(features.size), np.expm1(features.weight)
+def _worst(found: Iterable[Remark], limits: Noticeable) -> tuple[Remark, ...]:
+    """The worst first; of one kind no more than a few, so that the list does not repeat itself."""
+    kinds: Counter[str] = Counter()
+    chosen: list[Remark] = []
+    for remark in sorted(found, key=lambda r: -r.severity):
+        if kinds[remark.kind] < limits.of_a_kind and len(chosen) < limits.at_most:
+            kinds[remark.kind] += 1
+            chosen.append(remark)
+    return tuple(chosen)
+
+
+def _of_the_whole(strokes: Strokes, registration: Registration, limits: Noticeable) -> Iterator[Remark]:
+    lean, size, weight = strokes.pose.angle, strokes.pose.scale - 1.0, strokes.width - 1.0
     if abs(lean) >= limits.lean:
         zh, en = ("右", "clockwise") if lean > 0 else ("左", "anticlockwise")
         yield Remark(
-            "lean", lean, "degrees", abs(lean), None,
-            f"整字向{zh}倾斜 {abs(lean):.0f}°。先看范本的中轴，落笔时把重心扶正。",
+            "lean", lean, "degrees", 3.0 * abs(lean) / limits.lean, None,
+            f"整字向{zh}傾斜 {abs(lean):.0f}°。先看範本的中軸，落筆時把重心扶正。",
             f"The whole character leans {abs(lean):.0f}° {en}. Find the master's axis and set yours upright.",
         )  # fmt: skip
     if abs(size) >= limits.size:
         zh, en, do_zh, do_en = (
-            ("大", "larger", "收紧间架。", "Draw the frame in.")
+            ("大", "larger", "收緊間架。", "Draw the frame in.")
             if size > 0
-            else ("小", "smaller", "把间架撑开。", "Open the frame out.")
+            else ("小", "smaller", "把間架撐開。", "Open the frame out.")
         )
         yield Remark(
-            "size", float(size), "of the master", 40 * abs(features.size), None,
-            f"整字比范本{zh} {abs(size):.0%}。{do_zh}",
+            "size", size, "of the master", 3.0 * abs(size) / limits.size, None,
+            f"整字比範本{zh} {abs(size):.0%}。{do_zh}",
             f"The whole character is {abs(size):.0%} {en} than the master. {do_en}",
         )  # fmt: skip
-    if features.offset >= limits.offset:
-        zh, en = _towards(registration.shift)
+    away = _offset(strokes) * registration.reference.radius
+    offset = float(np.hypot(*away))
+    if offset >= limits.offset:
+        zh, en = towards(away)
         yield Remark(
-            "offset", features.offset, "of the cell", 60 * features.offset, None,
-            f"整字在格中偏{zh}，离范本位置 {features.offset:.0%} 格。下笔前先定中心。",
-            f"The whole stands {features.offset:.0%} of the cell too far to the {en}. Find the centre first.",
+            "offset", offset, "of the cell", 3.0 * offset / limits.offset, None,
+            f"整字在格中偏{zh}，離範本位置 {offset:.0%} 格。下筆前先定中心。",
+            f"The whole stands {offset:.0%} of the cell too far to the {en}. Find the centre first.",
         )  # fmt: skip
     if abs(weight) >= limits.weight:
         zh, en, do_zh, do_en = (
-            ("粗", "heavier", "行笔稍提，蘸墨少些。", "Lift the brush a little and take less ink.")
+            ("粗", "heavier", "行筆稍提，蘸墨少些。", "Lift the brush a little and take less ink.")
             if weight > 0
-            else ("细", "thinner", "行笔按得实些。", "Press the brush more firmly.")
+            else ("細", "thinner", "行筆按得實些。", "Press the brush more firmly.")
         )
         yield Remark(
-            "heavy" if weight > 0 else "thin", float(weight), "of the master", 12 * abs(weight), None,
-            f"笔画比范本{zh}约 {abs(weight):.0%}。{do_zh}",
+            "heavy" if weight > 0 else "thin", weight, "of the master",
+            4.0 * abs(np.log1p(weight)) / limits.weight, None,
+            f"筆畫比範本{zh}約 {abs(weight):.0%}。{do_zh}",
             f"Strokes are about {abs(weight):.0%} {en} than the master's. {do_en}",
         )  # fmt: skip
 
 
-def _of_regions(features: Features, registration: Registration) -> Iterator[Remark]:
-    say = {"missing": _absent, "extra": _surplus, "displaced": _displaced}
-    for region in features.regions:
-        yield say[region.kind](region, registration)
+def _offset(strokes: Strokes) -> FloatArray:
+    """(x right, y DOWN), rms radii: how far the middle of the writing stands from the master's."""
+    master = strokes.places[strokes.covered]
+    if len(master) == 0:
+        return np.zeros(2)
+    middle = (master.min(axis=0) + master.max(axis=0)) / 2
+    if strokes.squeeze is None:
+        middle = master.mean(axis=0)
+        return np.asarray(strokes.pose.linear @ middle + strokes.pose.shift - middle)
+    # a squeeze keeps the outer edges and moves all between them
+    copy = strokes.in_cell[strokes.covered]
+    return np.asarray((copy.min(axis=0) + copy.max(axis=0)) / 2 - middle)
 
 
-def _absent(found: Region, registration: Registration) -> Remark:
-    region, share = _region(found.points, registration), found.share
-    zh, en = _place(region)
-    return Remark(
-        "missing", share, "of the ink", 150 * share, region,
-        f"{zh}少写了一处，约占全字墨迹的 {share:.0%}。对照范本，把这一笔写足。",
-        f"Something is missing at the {en}, about {share:.0%} of the ink. Write this stroke out in full.",
+def _of_parts(strokes: Strokes, limits: Noticeable) -> Iterator[Remark]:
+    q = strokes.squeeze
+    if q is None or max(q.first / q.second, q.second / q.first) - 1.0 < limits.squeeze:
+        return
+    parts = (("左", "left"), ("右", "right")) if q.axis == "across" else (("上", "top"), ("下", "bottom"))
+    wide, narrow = (0, 1) if q.first > q.second else (1, 0)
+    ratio = (q.first, q.second)
+    size = ratio[wide] / ratio[narrow] - 1.0
+    much = ("寬", "窄", "wide", "narrow") if q.axis == "across" else ("高", "扁", "tall", "flat")
+    (zh, en), (zh_other, en_other) = parts[wide], parts[narrow]
+    yield Remark(
+        "squeeze", size, "of the master", 5.0 * size / limits.squeeze, None,
+        f"{zh}部太{much[0]}（為範本的 {ratio[wide]:.0%}），{zh_other}部太{much[1]}（{ratio[narrow]:.0%}）。"
+        f"先定兩部的交界，{zh}部收緊，讓出位置給{zh_other}部。",
+        f"The {en} part is too {much[2]} ({ratio[wide]:.0%} of the master's) and the {en_other} part too "
+        f"{much[3]} ({ratio[narrow]:.0%}). Settle first where they meet and draw the {en} part in.",
     )  # fmt: skip
 
 
-def _surplus(found: Region, registration: Registration) -> Remark:
-    region, share = _region(found.points, registration), found.share
-    zh, en = _place(region)
-    return Remark(
-        "extra", share, "of the ink", 100 * share, region,
-        f"{zh}多出一处，约占全字墨迹的 {share:.0%}。范本此处留白，收笔要早。",
-        f"There is ink at the {en} where the master is blank, about {share:.0%}. End the stroke earlier.",
-    )  # fmt: skip
-
-
-def _displaced(found: Region, registration: Registration) -> Remark:
-    cell = float(np.hypot(*found.moved)) * registration.reference.radius
-    region = _region(found.points, registration)
-    (zh, en), (to_zh, to_en) = _place(region), _towards(np.array(found.moved))
-    return Remark(
-        "displaced", cell, "of the cell", 120 * found.share, region,
-        f"{zh}的笔画偏{to_zh}约 {cell:.0%} 格。看清它与邻笔的距离再落笔。",
-        f"The stroke at the {en} stands about {cell:.0%} of the cell too far to the {to_en}. "
-        "Measure its distance to its neighbour.",
-    )  # fmt: skip
-
-
-def _region(points: FloatArray, registration: Registration) -> tuple[float, float, float, float]:
-    """Box of points given in the reference's frame, in fractions of the copy's cell, origin top left."""
-    T, probe = registration.T_reference_probe, registration.probe
-    local = (points - T[:2, 3]) @ T[:2, :2] * probe.radius + probe.centre
-    x, y = 0.5 + local[:, 0] / probe.cell[0], 0.5 - local[:, 1] / probe.cell[1]
-    box = np.clip((x.min(), y.min(), x.max(), y.max()), 0.0, 1.0)
-    return float(box[0]), float(box[1]), float(box[2]), float(box[3])
-
-
-_ROWS = (("上", "top"), ("中", "middle"), ("下", "bottom"))
-_COLUMNS = (("左", "left"), ("", ""), ("右", "right"))
-_COMPASS = (
-    ("右", "right"), ("右上", "upper right"), ("上", "top"), ("左上", "upper left"),
-    ("左", "left"), ("左下", "lower left"), ("下", "bottom"), ("右下", "lower right"),
-)  # fmt: skip
-
-
-def _place(region: tuple[float, float, float, float]) -> tuple[str, str]:
-    """The ninth of the cell in which a box has its centre, in Chinese and English."""
-    row = min(int(3 * (region[1] + region[3]) / 2), 2)
-    column = min(int(3 * (region[0] + region[2]) / 2), 2)
-    (row_zh, row_en), (column_zh, column_en) = _ROWS[row], _COLUMNS[column]
-    if row == 1:
-        return (column_zh + "侧", column_en) if column_zh else ("中部", "centre")
-    return column_zh + row_zh + "部", f"{row_en} {column_en}".strip()
-
-
-def _towards(vector: FloatArray) -> tuple[str, str]:
-    """The nearest of eight directions, y up, in Chinese and English."""
-    return _COMPASS[round(float(np.arctan2(vector[1], vector[0])) / (np.pi / 4)) % 8]
+def _of_ink(ink: Ink, limits: Noticeable) -> Iterator[Remark]:
+    dry = ink.bare >= limits.bare
+    for patch in ink.patches if not dry else ():
+        region = box(patch.outline)
+        zh, en = place_of(np.array([region[0] + region[2], region[1] + region[3]]) / 2)
+        blot = patch.attached and patch.slender < limits.round
+        outline = as_lines(patch.outline)
+        if blot and patch.share >= limits.blot:
+            yield Remark(
+                "blot", patch.share, "of the ink", 4.0 + 60.0 * patch.share, region,
+                f"{zh}有一團墨漬，約佔全字墨跡的 {patch.share:.0%}。蘸墨後先在硯邊舔筆。",
+                f"There is a blot at the {en}, about {patch.share:.0%} of the ink. Wipe the brush on the "
+                "stone before you write.",
+                outline,
+            )  # fmt: skip
+        elif not blot and patch.share >= limits.extra:
+            yield Remark(
+                "extra", patch.share, "of the ink", 5.0 + 60.0 * patch.share, region,
+                f"{zh}多出一筆，約佔全字墨跡的 {patch.share:.0%}。範本此處留白，不要添筆。",
+                f"There is a stroke too many at the {en}, about {patch.share:.0%} of the ink. The master is "
+                "blank there.",
+                outline,
+            )  # fmt: skip
+    if dry:
+        yield Remark(
+            "dry", ink.bare, "of the ink", 4.0 * ink.bare / limits.bare, None,
+            f"枯筆露白，筆畫裏約有 {ink.bare:.0%} 沒有墨。蘸足墨，行筆慢些。",
+            f"The brush ran dry: about {ink.bare:.0%} of the strokes is bare. Take more ink and go slower.",
+        )  # fmt: skip
+    elif ink.tremor >= limits.tremor:
+        yield Remark(
+            "rough", 100.0 * ink.tremor, "percent of the radius", 3.0 * ink.tremor / limits.tremor, None,
+            f"筆畫邊緣抖動，比範本多 {100 * ink.tremor:.1f}%（以字的半徑計）。懸腕勻速，一筆寫到底。",
+            f"The edges tremble, by {100 * ink.tremor:.1f} % of the character's radius more than the "
+            "master's. Keep an even pace and finish each stroke in one go.",
+        )  # fmt: skip
+    if 1.0 - ink.pale >= limits.pale:
+        yield Remark(
+            "pale", ink.pale - 1.0, "of the master", 4.0 * (1.0 - ink.pale) / limits.pale, None,
+            f"墨色比範本淡 {1.0 - ink.pale:.0%}。墨磨濃些，水少些。",
+            f"The ink is {1.0 - ink.pale:.0%} paler than the master's. Grind it thicker and use less water.",
+        )  # fmt: skip

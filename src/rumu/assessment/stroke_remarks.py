@@ -1,0 +1,227 @@
+"""What is said of single strokes: missing, out of place, turned, short, heavy, ends, spaces between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rumu.assessment.places import as_lines, box, towards
+from rumu.assessment.spacing import Gap, find_gaps
+from rumu.assessment.stroke_names import HORIZONTAL, RING, VERTICAL, Name, kind_of, names_of
+from rumu.assessment.strokes import StrokeFound, Strokes
+from rumu.assessment.thresholds import Noticeable
+from rumu.values import BoolArray, IntArray, Registration, Remark
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Said:
+    """A stroke with what is needed to speak of it. cell: one rms radius of the master in cells."""
+
+    stroke: StrokeFound
+    name: Name
+    kind: Name
+    cell: float
+    limits: Noticeable
+    wide: float
+    whole: float
+
+    def remark(self, kind: str, size: float, unit: str, severity: float, *text: str) -> Remark:
+        zh, en = text
+        return Remark(kind, size, unit, severity, self.box, zh, en, as_lines(self.stroke.outline))
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        return box(self.stroke.outline, margin=0.4 * self.wide * self.cell)
+
+    @property
+    def en(self) -> str:
+        """The name at the beginning of a sentence."""
+        return self.name.en[0].upper() + self.name.en[1:]
+
+    @property
+    def slim(self) -> float:
+        """Length in stroke widths."""
+        return self.stroke.line.length / max(self.wide, 1e-9)
+
+
+def of_strokes(strokes: Strokes, registration: Registration, limits: Noticeable) -> Iterator[Remark]:
+    """Remarks on single strokes, in no order."""
+    wide, cell = strokes.master.width, registration.reference.radius
+    names = names_of(strokes.master.lines, width=wide)
+    told = [
+        _Said(s, name, kind_of(s.line, width=wide), cell, limits, wide, strokes.width)
+        for s, name in zip(strokes.strokes, names, strict=True)
+    ]
+    for k, said in enumerate(told):
+        if not said.stroke.present:
+            yield _missing(said, strokes, k)
+            continue
+        yield from _partly_missing(said, strokes, k)
+        yield from _place(said)
+        yield from _length(said)
+        yield from _width(said)
+        yield from _ends(said)
+    yield from _spaces(find_gaps(strokes), told, limits)
+
+
+def _share(strokes: Strokes, own: BoolArray | IntArray) -> float:
+    """Share of the master's ink in some of its points."""
+    radius = strokes.master.points.radius
+    return float(radius[own].sum() / radius.sum())
+
+
+def _missing(said: _Said, strokes: Strokes, k: int) -> Remark:
+    share = _share(strokes, strokes.master.points.owner == k)
+    return said.remark(
+        "missing", share, "of the ink", 8.0 + 60.0 * share,
+        f"漏寫了{said.name.zh}，約佔全字墨跡的 {share:.0%}。對照範本，補上這一筆。",
+        f"{said.en} is missing, about {share:.0%} of the ink. Write this stroke too.",
+    )  # fmt: skip
+
+
+def _partly_missing(said: _Said, strokes: Strokes, k: int) -> Iterator[Remark]:
+    own = np.flatnonzero(strokes.master.points.owner == k)
+    gone = _longest_run(~strokes.covered[own])
+    if len(gone) < said.limits.missing * len(own):
+        return
+    if len(gone) * strokes.master.points.spacing < 2.0 * said.wide:
+        return
+    share = _share(strokes, own[gone])
+    outline = said.stroke.outline[gone]
+    yield Remark(
+        "missing", share, "of the ink", 4.0 + 60.0 * share, box(outline, margin=0.4 * said.wide * said.cell),
+        f"{said.name.zh}缺了一段，約佔全字墨跡的 {share:.0%}。這一筆要寫足。",
+        f"A part of {said.name.en} is missing, about {share:.0%} of the ink. Write this stroke out in full.",
+        as_lines(outline),
+    )  # fmt: skip
+
+
+def _longest_run(flags: BoolArray) -> IntArray:
+    """Indices of the longest run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
+    if len(edges) == 0:
+        return np.zeros(0, int)
+    starts, stops = edges[::2], edges[1::2]
+    k = int((stops - starts).argmax())
+    return np.arange(starts[k], stops[k])
+
+
+def _place(said: _Said) -> Iterator[Remark]:
+    stroke, limits = said.stroke, said.limits
+    away = float(np.hypot(*stroke.shift))
+    if away >= limits.displaced:
+        zh, en = towards(stroke.shift)
+        size = away * said.cell
+        yield said.remark(
+            "displaced", size, "of the cell", 3.0 * away / limits.displaced,
+            f"{said.name.zh}偏{zh}約 {size:.1%} 格。看清它與鄰筆的距離再落筆。",
+            f"{said.en} stands about {size:.1%} of the cell too far to the {en}. Measure its distance to its "
+            "neighbour.",
+        )  # fmt: skip
+    least = limits.turn * (1.0 if said.slim > 4.0 else 2.0)  # a dot's direction is easily mistaken
+    if abs(stroke.turn) >= least and said.kind != RING:
+        way_zh, way_en = _leaning(said, stroke.turn)
+        yield said.remark(
+            "stroke_angle", stroke.turn, "degrees", 3.0 * abs(stroke.turn) / least,
+            f"{said.name.zh}斜了 {abs(stroke.turn):.0f}°，{way_zh}。落筆前先看準範本的方向。",
+            f"{said.en} is off by {abs(stroke.turn):.0f}°: {way_en}. Look at the master's direction first.",
+        )  # fmt: skip
+
+
+def _leaning(said: _Said, turn: float) -> Name:
+    if said.kind == HORIZONTAL:
+        return (
+            Name("右端太低", "its right end is too low")
+            if turn > 0
+            else Name("右端太高", "its right end is too high")
+        )
+    if said.kind == VERTICAL:
+        return (
+            Name("下端偏左", "its foot is too far left")
+            if turn > 0
+            else Name("下端偏右", "its foot is too far right")
+        )
+    return Name("順時針轉了", "turned clockwise") if turn > 0 else Name("逆時針轉了", "turned anticlockwise")
+
+
+def _length(said: _Said) -> Iterator[Remark]:
+    change, limits = said.stroke.length - 1.0, said.limits
+    free = sum(said.stroke.line.free)
+    least = limits.length * (1.0, 1.0, 1.6)[2 - free] * (1.0 if said.slim > 4.0 else 1.6)
+    if abs(change) < least or said.kind == RING:
+        return
+    kind, zh, en, do_zh, do_en = (
+        ("stroke_long", "長", "too long", "提早收筆。", "End it earlier.")
+        if change > 0
+        else ("stroke_short", "短", "too short", "行筆到位再收。", "Carry it to its end.")
+    )
+    yield said.remark(
+        kind, change, "of the master", 2.5 * abs(change) / least,
+        f"{said.name.zh}{zh}了 {abs(change):.0%}。{do_zh}",
+        f"{said.en} is {abs(change):.0%} {en}. {do_en}",
+    )  # fmt: skip
+
+
+def _width(said: _Said) -> Iterator[Remark]:
+    ratio = said.stroke.width / said.whole
+    if not np.isfinite(ratio) or abs(np.log(ratio)) < said.limits.stroke:
+        return
+    change = ratio - 1.0
+    kind, zh, en, do_zh, do_en = (
+        ("stroke_heavy", "粗", "heavier", "行筆稍提。", "Lift the brush a little.")
+        if change > 0
+        else ("stroke_thin", "細", "thinner", "行筆按得實些。", "Press more firmly.")
+    )
+    yield said.remark(
+        kind, change, "of the master", 3.0 * abs(np.log(ratio)) / said.limits.stroke,
+        f"{said.name.zh}比別的筆畫{zh} {abs(change):.0%}。{do_zh}",
+        f"{said.en} is {abs(change):.0%} {en} than the other strokes are. {do_en}",
+    )  # fmt: skip
+
+
+def _ends(said: _Said) -> Iterator[Remark]:
+    stroke, limits = said.stroke, said.limits
+    middle = stroke.middle if np.isfinite(stroke.middle) else said.whole
+    entry, end = np.log(stroke.entry / middle), np.log(stroke.exit / middle)
+    if np.isfinite(entry) and abs(entry) >= limits.entry:
+        kind, zh, en, do_zh, do_en = (
+            ("entry_heavy", "重", "heavy", "落筆輕些，再按下去。", "Set the brush down more lightly.")
+            if entry > 0
+            else ("entry_light", "輕", "light", "落筆先頓一頓。", "Press as you set the brush down.")
+        )
+        size = float(np.expm1(entry))
+        yield said.remark(
+            kind, size, "of the master", 2.5 * abs(entry) / limits.entry,
+            f"{said.name.zh}起筆太{zh}，寬度差 {abs(size):.0%}。{do_zh}",
+            f"{said.en} begins too {en}, by {abs(size):.0%} of its width. {do_en}",
+        )  # fmt: skip
+    if np.isfinite(end) and end >= limits.exit:
+        size = float(np.expm1(end))
+        yield said.remark(
+            "exit_blunt", size, "of the master", 2.5 * end / limits.exit,
+            f"{said.name.zh}收筆禿鈍，比範本寬 {size:.0%}。收筆時漸漸提鋒。",
+            f"{said.en} ends bluntly, {size:.0%} wider than the master's. Lift the brush little by little.",
+        )  # fmt: skip
+
+
+def _spaces(gaps: tuple[Gap, ...], told: list[_Said], limits: Noticeable) -> Iterator[Remark]:
+    """Spaces are uneven when several differ from the master's in different ways."""
+    odd = [gap for gap in gaps if abs(gap.change) >= limits.gap]
+    if len(gaps) < 2 or not odd:
+        return
+    spread = float(np.std([gap.change for gap in gaps]))
+    if spread < 0.6 * limits.gap:
+        return
+    worst = max(odd, key=lambda gap: abs(gap.change))
+    a, b = told[worst.first], told[worst.second]
+    zh, en = ("寬", "wide") if worst.change > 0 else ("窄", "narrow")
+    points = np.concatenate([a.stroke.outline, b.stroke.outline])
+    yield Remark(
+        "spacing", worst.change, "of the master", 2.0 * spread / (0.6 * limits.gap), box(points),
+        f"筆畫間距不勻：{a.name.zh}與{b.name.zh}之間{zh}了 {abs(worst.change):.0%}。先看好留白再落筆。",
+        f"The spaces are uneven: that between {a.name.en} and {b.name.en} is {abs(worst.change):.0%} too "
+        f"{en}. Look at the white before you write.",
+        as_lines(a.stroke.outline, b.stroke.outline),
+    )  # fmt: skip
