@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from rumu.assessment.similarity import posed
+from rumu.registration.nearest import Nearest
 from rumu.values import BoolArray, FloatArray, IntArray, Registration
 
 Kind = Literal["missing", "extra", "displaced"]
@@ -48,7 +49,8 @@ def find_regions(registration: Registration, *, settings: RegionSettings | None 
     """Missing and extra regions; a missing one with an extra one of its size beside it is a displaced one."""
     settings = settings or RegionSettings()
     p, x = (cloud[:, :2] for cloud in posed(registration))
-    missing, extra = _without_counterpart(x, p, settings), _without_counterpart(p, x, settings)
+    missing = _without_counterpart(x, p, registration.backward_index, settings)
+    extra = _without_counterpart(p, x, registration.forward_index, settings)
     found = []
     for group in missing:
         share = len(group) / len(x)
@@ -63,14 +65,20 @@ def find_regions(registration: Registration, *, settings: RegionSettings | None 
     return tuple(region for region in found if region.share >= settings.share)
 
 
-def _without_counterpart(a: FloatArray, b: FloatArray, settings: RegionSettings) -> list[IntArray]:
-    """Indices of the regions of a that have no point of b near."""
-    from scipy.spatial import cKDTree
+def _without_counterpart(
+    a: FloatArray, b: FloatArray, match: IntArray, settings: RegionSettings
+) -> list[IntArray]:
+    """Indices of the regions of a that have no point of b near.
 
-    alone = np.asarray(cKDTree(b).query(a)[0] > settings.apart)
-    groups = _groups(a, alone, together=settings.together)
-    # smaller ones may still be where a missing stroke went
-    return [group for group in groups if len(group) >= settings.share * len(a) / 4]
+    match: (n,) the point of b that each point of a was matched with: in the plane the nearest is no farther.
+    """
+    alone = np.hypot(*(a - b.take(match, axis=0)).T) > settings.apart
+    if alone.any():
+        alone[alone] = Nearest(b, follows=False)(a[alone])[0] > settings.apart**2
+    fewest = settings.share * len(a) / 4  # less than a region may still be where a missing stroke went
+    if np.count_nonzero(alone) < fewest:
+        return []
+    return [group for group in _groups(a, alone, together=settings.together) if len(group) >= fewest]
 
 
 def _groups(points: FloatArray, chosen: BoolArray, *, together: float) -> list[IntArray]:
@@ -80,8 +88,6 @@ def _groups(points: FloatArray, chosen: BoolArray, *, together: float) -> list[I
     from scipy.spatial import cKDTree
 
     indices = np.flatnonzero(chosen)
-    if len(indices) == 0:
-        return []
     pairs = cKDTree(points[indices]).query_pairs(together, output_type="ndarray")
     n = len(indices)
     graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
