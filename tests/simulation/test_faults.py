@@ -170,6 +170,36 @@ def test_a_turned_stroke_turns_by_what_it_says(seed: int) -> None:
     np.testing.assert_allclose(centroid(result.mask), centroid(bar), atol=0.7)
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+def test_of_a_cross_the_lying_stroke_leans_and_the_standing_one_stays(seed: int) -> None:
+    cross = np.zeros((SIDE, SIDE), dtype=bool)
+    lying, standing = cross.copy(), cross.copy()
+    lying[120:136, 40:216] = standing[40:216, 120:136] = True
+    result = apply(lying | standing, "horizontal", severity=3.0, seed=seed)
+    assert abs(result.size) == pytest.approx(6.0)
+    assert (result.mask & standing).sum() / standing.sum() > 0.99
+    alone = result.mask.copy()
+    alone[:, 112:144] = False
+    assert difference(axis(alone)) == pytest.approx(result.size, abs=0.7), "positive is clockwise"
+
+
+def test_without_a_lying_stroke_none_can_lean() -> None:
+    bar = np.zeros((SIDE, SIDE), dtype=bool)
+    bar[40:216, 120:136] = True
+    with pytest.raises(SurfaceError, match="horizontal"):
+        apply(bar, "horizontal", severity=1.0)
+
+
+def test_a_heavy_entry_widens_the_beginning_of_one_stroke_alone() -> None:
+    bar = np.zeros((SIDE, SIDE), dtype=bool)
+    bar[120:136, 40:216] = True
+    result = apply(bar, "entry", severity=4.0)
+    added = np.argwhere(result.mask & ~bar)
+    assert added[:, 1].max() < 40 + 0.3 * 176
+    assert result.mask[:, 48].sum() == pytest.approx(16 * 1.6, abs=3)
+    np.testing.assert_array_equal(result.mask[:, 120:], bar[:, 120:])
+
+
 def test_a_turned_stroke_of_a_cross_leaves_the_other_alone() -> None:
     cross = np.zeros((SIDE, SIDE), dtype=bool)
     cross[120:136, 40:216] = cross[40:216, 120:136] = True

@@ -47,6 +47,8 @@ _MAKERS: Mapping[str, Maker] = {
     "blot": faults_of_ink.blot,
     "pale": faults_of_ink.pale,
     "dry": faults_of_ink.dry,
+    "horizontal": faults_of_strokes.horizontal,
+    "entry": faults_of_ink.entry,
 }
 FAULTS: tuple[str, ...] = tuple(KINDS)
 

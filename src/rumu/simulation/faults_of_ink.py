@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rumu.errors import SurfaceError
 from rumu.simulation.change import Change
 from rumu.simulation.glyph import Glyph, region_of, written_forward
 from rumu.simulation.ink import NO_INK, brush_depth, roughness, trembled
@@ -56,6 +57,36 @@ def blunt(glyph: Glyph, size: float, _: Chance) -> Change:
         region_of((tips > 0) & ~glyph.mask),
         en=f"tips of {len(struck)} strokes are blunt: {size:.0f} % of their taper is gone",
         zh=f"{len(struck)} 筆的筆鋒禿鈍，失去 {size:.0f}% 的尖銳",
+    )
+
+
+def entry(glyph: Glyph, size: float, chance: Chance) -> Change:
+    """One stroke that begins `size` per cent too wide: the brush was pressed down and only then moved on.
+
+    The surplus falls off over the first quarter of the stroke. Raises SurfaceError when every stroke begins
+    in another one.
+    """
+    begins = [k for k, stroke in enumerate(glyph.strokes) if _begins_free(stroke)]
+    if not begins:
+        raise SurfaceError("expected a stroke that begins by itself, found none")
+    lengths = np.array([glyph.strokes[k].length for k in begins])
+    k = begins[int(chance.choice(len(begins), p=lengths / lengths.sum()))]
+    stroke = glyph.strokes[k]
+    forward = written_forward(stroke)
+    path, radius = (stroke.path, stroke.radius) if forward else (stroke.path[::-1], stroke.radius[::-1])
+    count = max(len(path) // 4, 2)
+    surplus = size / 100.0 * np.cos(np.linspace(0.0, np.pi / 2, count))
+    # a tip that tapers is pressed to what the stroke has next to it
+    pressed = np.maximum(radius[:count], 0.8 * float(np.median(radius[: 2 * count]))) * (1.0 + surplus)
+    head = brush_depth(glyph.mask.shape, path[:count], np.where(surplus > 0.02, pressed, radius[:count]))
+    zh, en = glyph.named(k)
+    return Change(
+        np.maximum(glyph.depth, head),
+        size,
+        (k,),
+        region_of((head > 0) & ~glyph.mask) if ((head > 0) & ~glyph.mask).any() else region_of(stroke.ink),
+        en=f"{en} begins {size:.0f} % too heavy",
+        zh=f"{zh}起筆太重，寬了 {size:.0f}%",
     )
 
 
@@ -127,6 +158,10 @@ def _open_place(depth: FloatArray, radius: float, chance: Chance) -> FloatArray:
     rows, columns = np.clip(around, 0, np.array(depth.shape) - 1).transpose(2, 0, 1)
     bare = (depth[rows, columns] < 0).sum(axis=1)
     return np.asarray(tried[int(bare.argmax())], dtype=np.float64)
+
+
+def _begins_free(stroke: Stroke) -> bool:
+    return stroke.free[0 if written_forward(stroke) else 1]
 
 
 def _filled_tips(stroke: Stroke, share: float) -> tuple[FloatArray, FloatArray] | None:

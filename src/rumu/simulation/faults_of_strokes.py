@@ -48,8 +48,25 @@ def shift(glyph: Glyph, size: float, chance: Chance) -> Change:
 
 def angle(glyph: Glyph, size: float, chance: Chance) -> Change:
     """One stroke turned `size` degrees about its own middle; positive is clockwise."""
-    k = chosen(glyph, chance)
-    degrees = size * chance.choice((-1.0, 1.0))
+    return _turned(glyph, chosen(glyph, chance), size * chance.choice((-1.0, 1.0)))
+
+
+def horizontal(glyph: Glyph, size: float, chance: Chance) -> Change:
+    """One lying stroke turned `size` degrees about its own middle; positive is clockwise.
+
+    Raises SurfaceError when no stroke lies within 30 degrees of level.
+    """
+    chords = [stroke.path[-1] - stroke.path[0] for stroke in glyph.strokes]
+    lying = [k for k, (down, right) in enumerate(chords) if abs(down) < np.tan(np.radians(30)) * abs(right)]
+    if not lying:
+        raise SurfaceError("expected a horizontal stroke to turn, found none")
+    lengths = np.array([glyph.strokes[k].length for k in lying])
+    k = lying[int(chance.choice(len(lying), p=lengths / lengths.sum()))]
+    return _turned(glyph, k, size * chance.choice((-1.0, 1.0)))
+
+
+def _turned(glyph: Glyph, k: int, degrees: float) -> Change:
+    size = abs(degrees)
     depth, region = displaced(glyph, k, matrix=clockwise(degrees), shift=np.zeros(2))
     zh, en = glyph.named(k)
     way = ("clockwise", "順時針") if degrees > 0 else ("counter-clockwise", "逆時針")

@@ -55,6 +55,9 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "blot": Kind(3.0, "%", "墨漬", "blots"),
         "pale": Kind(12.0, "%", "墨色太淡", "pale ink"),
         "dry": Kind(7.0, "%", "枯筆過多", "dry streaks"),
+        # later ones stand last, so that the seeds of the others stay what they were
+        "horizontal": Kind(2.0, "deg", "一橫斜了", "one horizontal stroke that leans"),
+        "entry": Kind(15.0, "%", "起筆太重", "an entry too heavy"),
     }
 )
 OFF_CENTRE_DOWN = 8.0 / 11.0  # pushed so much up or down for each pixel to the side
