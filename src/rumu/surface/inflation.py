@@ -8,6 +8,7 @@ half circle of radius W; on a disk of radius R it is an ellipsoid of height R / 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -107,17 +108,29 @@ def _finest(ink: Floats, damping: float) -> _Grid:
     """
     import cv2
 
-    across = 2.0 - cv2.filter2D(ink, -1, _CROSS[1:2], borderType=cv2.BORDER_CONSTANT)
-    down = 2.0 - cv2.filter2D(ink, -1, _CROSS[:, 1:2], borderType=cv2.BORDER_CONSTANT)
-    missing = across + down
-    curvature = np.where((across > 0) & (down > 0), np.float32(0.125), np.float32(0.25))
+    places = cv2.filter2D(ink.astype(np.uint8), -1, _PLACES, borderType=cv2.BORDER_CONSTANT)
+    diagonal, right, weight = (table.take(places) for table in _by_place(damping))
     east, south = np.zeros_like(ink), np.zeros_like(ink)
-    east[:, :-1] = ink[:, :-1] * ink[:, 1:]
-    south[:-1] = ink[:-1] * ink[1:]
-    diagonal = np.asarray(4.0 + missing, dtype=np.float32)
-    right = np.asarray((1.0 - missing * curvature) * ink, dtype=np.float32)
-    weight = np.asarray(np.float32(damping) * ink / diagonal, dtype=np.float32)
+    np.multiply(ink[:, :-1], ink[:, 1:], out=east[:, :-1])
+    np.multiply(ink[:-1], ink[1:], out=south[:-1])
     return _Grid(ink, diagonal, weight, right, east, south, finest=True)
+
+
+_PLACES = np.array([[0, 3, 0], [1, 9, 1], [0, 3, 0]], np.float32)
+"""9 on ink, and 1 for each neighbour in the row that is ink, and 3 for each in the column; below 9 off it."""
+
+
+@lru_cache(maxsize=4)
+def _by_place(damping: float) -> tuple[Floats, Floats, Floats]:
+    """Diagonal, right side and weight of a pixel, each (18,), by its `_PLACES`."""
+    place = np.arange(18)
+    on_ink = place >= 9
+    across, down = (np.where(on_ink, 2 - k, 2) for k in (place % 3, (place - 9) // 3))
+    missing = (across + down).astype(np.float32)
+    curvature = np.where((across > 0) & (down > 0), np.float32(0.125), np.float32(0.25))
+    diagonal = np.float32(4.0) + missing
+    right = np.where(on_ink, np.float32(1.0) - missing * curvature, np.float32(0.0))
+    return diagonal, right, np.where(on_ink, np.float32(damping) / diagonal, np.float32(0.0))
 
 
 def _coarser(grid: _Grid, damping: float) -> _Grid:
@@ -162,13 +175,20 @@ def _image(grid: _Grid, u: Floats) -> Floats:
     return image
 
 
+def _residual(grid: _Grid, u: Floats, right: Floats) -> Floats:
+    """The right side, which is 0 off the ink, less the left side at u."""
+    left = _image(grid, u)
+    return np.subtract(right, left, out=left)
+
+
 def _swept(grid: _Grid, u: Floats, right: Floats, damping: float) -> Floats:
     """One damped Jacobi sweep."""
+    import cv2
+
     swept = _neighbours(grid, u)
     swept += right
     swept *= grid.weight
-    swept += np.float32(1.0 - damping) * u
-    return swept
+    return np.asarray(cv2.scaleAdd(u, 1.0 - damping, swept, dst=swept))
 
 
 def _correction(grids: list[_Grid], residual: Floats, settings: InflationSettings) -> Floats:
@@ -179,7 +199,7 @@ def _correction(grids: list[_Grid], residual: Floats, settings: InflationSetting
         u = _swept(grid, u, residual, settings.damping)
     if len(grids) == 1:
         return u
-    u += _doubled(_correction(grids[1:], _halved(residual - _image(grid, u)), settings), grid)
+    u += _doubled(_correction(grids[1:], _halved(_residual(grid, u, residual)), settings), grid)
     for _ in range(settings.sweeps):
         u = _swept(grid, u, residual, settings.damping)
     return u
@@ -207,7 +227,7 @@ def _solve(mask: Bools, settings: InflationSettings) -> Floats:
     grids = _grids(mask, settings)
     grid = grids[0]
     u = _first_guess(grids, settings)
-    residual = grid.right - _image(grid, u)
+    residual = _residual(grid, u, grid.right)
     goal = settings.tolerance**2 * _dot(grid.right, grid.right)
     direction, energy = np.zeros_like(u), 1.0
     for _ in range(settings.iterations):
@@ -215,7 +235,8 @@ def _solve(mask: Bools, settings: InflationSettings) -> Floats:
             break
         corrected = _correction(grids, residual, settings)
         energy, before = _dot(residual, corrected), energy
-        direction = corrected + np.float32(energy / before) * direction
+        direction *= np.float32(energy / before)
+        direction += corrected
         image = _image(grid, direction)
         step = np.float32(energy / _dot(direction, image))
         u += step * direction
@@ -227,7 +248,7 @@ def _first_guess(grids: list[_Grid], settings: InflationSettings) -> Floats:
     """From the coarsest grid up: each starts from the one below and takes one V-cycle."""
     u = np.zeros_like(grids[-1].ink)
     for k in range(len(grids) - 1, 0, -1):
-        u += _correction(grids[k:], grids[k].right - _image(grids[k], u), settings)
+        u += _correction(grids[k:], _residual(grids[k], u, grids[k].right), settings)
         u = _doubled(u, grids[k - 1])
     return u
 
