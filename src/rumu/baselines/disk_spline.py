@@ -81,7 +81,9 @@ def _samples(line: Line) -> tuple[FloatArray, FloatArray, FloatArray]:
     return np.column_stack([points, radius]), chord / chord[-1], root / root[-1]
 
 
-def _fitted(samples: FloatArray, chord: FloatArray, root: FloatArray, count: int, length: float) -> DiskSpline:
+def _fitted(
+    samples: FloatArray, chord: FloatArray, root: FloatArray, count: int, length: float
+) -> DiskSpline:
     from scipy.interpolate import make_lsq_spline
 
     inner = np.interp(np.arange(1, count - ORDER) / (count - ORDER), root, chord)

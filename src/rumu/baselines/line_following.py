@@ -9,6 +9,7 @@ Lengths are in sides of the character's box, y up.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,15 +22,15 @@ Way = tuple[int, ...]
 """Directed pieces in order: number p forward is p, backward is p + (number of pieces)."""
 
 TOLERANCE = {"D": 60.0, "K": 45.0}
-"""Degrees a candidate's direction may be off; 30 for the other types. Short lines have no steady direction."""
+"""Degrees a candidate's direction may be off, by type; 30 for the others. Short lines have no steady one."""
 
 
 @dataclass(frozen=True, slots=True)
 class FollowSettings:
-    """deviation: of the polygon whose vertices are feature points. reach: farthest start from the reference's.
-    turn: most degrees at a fork, or at a bend over chords of `arm` stroke widths, as strokes of the
-    reference are cut; blind_turn: the same from or into a piece shorter than `blind`
-    stroke widths, whose direction is a fork's or a tip's more than the stroke's. gap: widest break in the ink that is
+    """deviation: of the polygon whose vertices are feature points. reach: farthest start from the
+    reference's. turn: most degrees at a fork, or at a bend over chords of `arm` stroke widths, as strokes
+    of the reference are cut; blind_turn: the same from or into a piece shorter than `blind` stroke widths,
+    whose direction is a fork's or a tip's more than the stroke's. gap: widest break in the ink that is
     jumped. shortest, longest: length over the reference's. keep: candidates for each stroke."""
 
     deviation: float = 0.02
@@ -90,7 +91,7 @@ def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | 
     short = np.array([line.length < settings.blind * width for line in lines])
     limit = np.where(short[:, None] | short[None], settings.blind_turn, settings.turn)
     limit[np.isin(directed[:, 1], smooth)] = 180.0
-    follows = _follows(directed, heading, degree, places, tip, limit, gap=settings.gap)
+    follows = _follows(directed, heading, degree, places, tip=tip, limit=limit, gap=settings.gap)
     return Segments(
         tuple(pieces),
         traits_of(lines),
@@ -106,7 +107,7 @@ def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | 
 def _pieces(
     skeleton: Skeleton, frame: Frame, settings: FollowSettings
 ) -> tuple[list[Line], list[tuple[int, int]], list[int]]:
-    """Pieces, the feature points they run between, and those of these where a line bends but has no corner."""
+    """Pieces, the feature points they run between, and those of them where a line bends without a corner."""
     pieces, ends, smooth, fresh = [], [], [], len(skeleton.nodes)
     arm = settings.arm * skeleton.width / frame.side
     for segment in skeleton.segments:
@@ -119,7 +120,7 @@ def _pieces(
         fresh += len(marks) - 2
         sharp = corners(line, deviation=settings.deviation, arm=arm, least=settings.turn)
         smooth += [number for mark, number in zip(marks, numbers, strict=True) if mark not in sharp][1:-1]
-        for k, (a, b) in enumerate(zip(marks[:-1], marks[1:], strict=True)):
+        for k, (a, b) in enumerate(pairwise(marks)):
             pieces.append(line.part(a, b))
             ends.append((numbers[k], numbers[k + 1]))
     return pieces, ends, smooth
@@ -140,9 +141,9 @@ def _follows(
     heading: FloatArray,
     degree: IntArray,
     places: FloatArray,
+    *,
     tip: FloatArray,
     limit: FloatArray,
-    *,
     gap: float,
 ) -> tuple[tuple[int, ...], ...]:
     """What each directed piece may go on in: at its feature point, or across a gap from end to end.
@@ -219,7 +220,9 @@ def _followed(i: int, graph: Graph, segments: Segments, settings: FollowSettings
         return bool(angles_between(stops[stop] - starts[start], ahead) <= tolerance)
 
     found: list[Way] = []
-    stack = [((int(d),), float(segments.traits.length[d])) for d in np.flatnonzero(near)]
+    stack: list[tuple[Way, float]] = [
+        ((int(d),), float(segments.traits.length[d])) for d in np.flatnonzero(near)
+    ]
     m = len(segments.pieces)
     while stack:
         way, travelled = stack.pop()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -19,9 +20,9 @@ from rumu.values import FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class LineSettings:
-    """continuation: most degrees that a stroke turns in a fork. corner: degrees of turning at which it is cut.
-    deviation: of the polygon that corners are sought on, in sides of the ink's box. arm: length of the chords
-    whose turning is taken, in stroke widths."""
+    """continuation: most degrees that a stroke turns in a fork. corner: degrees at which a stroke is cut.
+    deviation: of the polygon that corners are sought on, in sides of the ink's box. arm: length of the
+    chords whose turning is taken, in stroke widths."""
 
     continuation: float = 35.0
     corner: float = 45.0
@@ -31,7 +32,7 @@ class LineSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
-    """points: (n >= 2, 2) float64, (x, y), in order, y as the caller has it. radius: (n,) half-width there."""
+    """points: (n >= 2, 2) float64, (x, y) in order, y as the caller has it. radius: (n,) half-widths."""
 
     points: FloatArray
     radius: FloatArray
@@ -39,7 +40,7 @@ class Line:
     @property
     def along(self) -> FloatArray:
         """(n,) float64, length of the line up to each point."""
-        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))])
+        return np.asarray(np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))]))
 
     @property
     def length(self) -> float:
@@ -49,7 +50,7 @@ class Line:
     @property
     def middle(self) -> FloatArray:
         """(2,) float64, the point half-way along."""
-        return self.at(np.array([0.5]))[0]
+        return np.asarray(self.at(np.array([0.5]))[0])
 
     @property
     def chord(self) -> FloatArray:
@@ -64,7 +65,7 @@ class Line:
     def radius_at(self, shares: FloatArray) -> FloatArray:
         """(m,) float64: the half-widths there."""
         along = self.along
-        return np.interp(shares * along[-1], along, self.radius)
+        return np.asarray(np.interp(shares * along[-1], along, self.radius))
 
     def turned(self) -> Line:
         """The same line from its other end."""
@@ -101,7 +102,7 @@ def cut_lines(skeleton: Skeleton, *, settings: LineSettings | None = None) -> tu
             least=settings.corner,
         )
         marks = [0, *cuts, len(line.points) - 1]
-        found += [line.part(a, b) for a, b in zip(marks[:-1], marks[1:], strict=True)]
+        found += [line.part(a, b) for a, b in pairwise(marks)]
     return tuple(sorted(found, key=lambda line: -line.length))
 
 

@@ -10,9 +10,9 @@ Reconstructed by us: every number, cost and angle (see `relational_graph`, `line
 `semi_admissible`), the post-processing below, and the grade: the publication recognises, it does not grade.
 
 Decided where the reconstruction left it open: the strokes of the reference come from its own skeleton, as
-fonts and steles have no stroke data; an arc to a stroke that is not found costs what a differing relation does;
-in the grade nodes and arcs count where strokes were found, as what is missing is charged by a factor of its
-own; and an arc weighs the mean length of its two strokes, else characters of many short strokes would cost
+fonts and steles have no stroke data; an arc to a stroke that is not found costs what a differing relation
+does; in the grade nodes and arcs count where strokes were found, as what is missing is charged by a factor
+of its own; and an arc weighs the mean length of its two strokes, else characters of many short strokes would cost
 more for the same deviation. Width of strokes, place, and size in the cell are not seen: the frame is the
 character's own box.
 """
@@ -20,7 +20,7 @@ character's own box.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -62,8 +62,8 @@ class MbseSettings:
     extra: shortest extra stroke, in stroke widths. steepness: of the grade; extra_share: what it loses to
     as much extra ink as the reference is long."""
 
-    follow: FollowSettings = FollowSettings()
-    search: SearchSettings = SearchSettings()
+    follow: FollowSettings = field(default_factory=FollowSettings)
+    search: SearchSettings = field(default_factory=SearchSettings)
     collinear: float = 30.0
     extra: float = 1.5
     steepness: float = 1.5
@@ -234,7 +234,7 @@ def _excluded(segments: Segments, ways: Sequence[Way]) -> np.ndarray:
 def _tidied(
     ways: list[Way | None], segments: Segments, settings: MbseSettings
 ) -> tuple[list[Way | None], list[Way]]:
-    """Leftovers that continue a stroke joined to it, stubs beyond a fork trimmed; the rest, joined, is extra."""
+    """Leftovers that continue a stroke joined to it, stubs beyond a fork trimmed; the rest, joined: extra."""
     m = len(segments.pieces)
     free = set(range(m)) - {d % m for way in ways if way for d in way}
     ways = [_extended(way, segments, free, settings) if way else None for way in ways]

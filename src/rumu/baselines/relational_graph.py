@@ -1,8 +1,8 @@
 """Attributed relational graph: lines with what each is, and how each pair stands to one another.
 
 Known from the publication's abstract and captions: the reference is such a graph; stroke types D dot,
-H horizontal, V vertical, S slash, B back slash, T tick, K hook. The attributes, the angles that part the types
-and the five relations are our reconstruction. All lengths are in sides of the character's box, y up.
+H horizontal, V vertical, S slash, B back slash, T tick, K hook. The attributes, the angles that part the
+types and the five relations are our reconstruction. All lengths are in sides of the character's box, y up.
 """
 
 from __future__ import annotations

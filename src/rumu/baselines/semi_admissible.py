@@ -55,7 +55,7 @@ class _State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Problem:
-    """nodes, arcs: as given. ahead: (n, K), the least that the arcs of a candidate to later nodes can cost."""
+    """nodes, arcs: as given. ahead: (n, K), the least that a candidate's arcs to later nodes can cost."""
 
     nodes: FloatArray
     arcs: FloatArray

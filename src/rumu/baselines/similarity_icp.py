@@ -149,7 +149,8 @@ def _bounded(
 
 
 def _difference(a: Similarity, b: Similarity, probe: FloatArray, radius: float) -> float:
-    turned = abs(np.arctan2(*(a.rotation.T @ b.rotation)[[1, 0], 0]))
+    between = a.rotation.T @ b.rotation
+    turned = abs(float(np.arctan2(between[1, 0], between[0, 0])))
     centre = probe.mean(axis=0)[None]
     shifted = float(np.linalg.norm(a(centre) - b(centre))) / radius
-    return max(abs(np.log(b.scale / a.scale)), float(turned), shifted)
+    return max(abs(float(np.log(b.scale / a.scale))), turned, shifted)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -86,7 +87,7 @@ def _parts(line: Line, along: FloatArray, places: IntArray, least: float) -> lis
         if along[place] - before >= least and along[-1] - along[place] >= least:
             cuts.append(place)
     marks = [0, *cuts, len(line.points) - 1]
-    return [line.part(a, b) for a, b in zip(marks[:-1], marks[1:], strict=True)]
+    return [line.part(a, b) for a, b in pairwise(marks)]
 
 
 def _tangents(line: Line, width: float) -> FloatArray:
@@ -99,12 +100,13 @@ def _tangents(line: Line, width: float) -> FloatArray:
     return np.asarray(way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-12))
 
 
-def oriented(copy: Curves, reference: Curves) -> FloatArray:
-    """(n, m, SAMPLES, 2) points of copy line j as it runs beside reference line i, turned where need be."""
+def oriented(copy: Curves, reference: Curves) -> tuple[FloatArray, FloatArray]:
+    """(n, m, SAMPLES, 2) points and (n, m, SAMPLES) half-widths of copy line j as it runs beside line i of
+    the reference, turned where its ends are nearer so."""
     straight = _end_gaps(copy.points, reference.points)
-    reverse = _end_gaps(copy.points[:, ::-1], reference.points)
-    back = (reverse < straight)[..., None, None]
-    return np.asarray(np.where(back, copy.points[None, :, ::-1], copy.points[None]))
+    back = (_end_gaps(copy.points[:, ::-1], reference.points) < straight)[..., None]
+    points = np.where(back[..., None], copy.points[None, :, ::-1], copy.points[None])
+    return points, np.where(back, copy.radius[None, :, ::-1], copy.radius[None])
 
 
 def _end_gaps(copy: FloatArray, reference: FloatArray) -> FloatArray:

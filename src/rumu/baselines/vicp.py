@@ -11,9 +11,9 @@ Reconstructed by us: the fit (`disk_spline`), the descriptor of angles, the pair
 
 Decided where the reconstruction left it open: the seven starts lie within 45 degrees of upright, as a turn of
 90 makes another character of some; strokes are cut at corners; distances are in sides of the cell; the
-weights of the strokes run over the reference's and over those of the copy that have no partner, which count 0,
-so that both a missing and an extra stroke cost. Slant, size and place are removed by ICP, reported, and not
-charged: that is the idea of the method.
+weights of the strokes run over the reference's and over those of the copy that have no partner, which count
+0, so that both a missing and an extra stroke cost. Slant, size and place are removed by ICP, reported, and
+not charged: that is the idea of the method.
 """
 
 from __future__ import annotations
@@ -41,16 +41,17 @@ from rumu.values import BoolArray, FloatArray
 
 BINS = 12
 """Bins of the descriptor, 15 degrees each."""
+KEEP = 10
+"""Candidates retrieved."""
 
 
 @dataclass(frozen=True, slots=True)
 class VicpSettings:
-    """points: of the skeleton for ICP. keep: candidates retrieved. position, shape: the distances, in cells,
+    """points: of the skeleton for ICP. position, shape: the distances, in cells,
     at which these similarities fall to 1/e; askew: degrees at which that of direction reaches 0. whole: share
     of the global similarity in the composite."""
 
     points: int = 800
-    keep: int = 10
     position: float = 0.1
     shape: float = 0.05
     askew: float = 45.0
@@ -75,9 +76,7 @@ def vectorised(cell: Cell) -> Vectorised:
     width = skeleton_of(cell).width
     splines = tuple(fit_disk_spline(line, width=width) for line in lines_of(cell))
     lines = tuple(spline.line() for spline in splines)
-    return Vectorised(
-        splines, lines, _evenly(lines, VicpSettings().points), width, angular_relations(lines)
-    )
+    return Vectorised(splines, lines, _evenly(lines, VicpSettings().points), width, angular_relations(lines))
 
 
 def _evenly(lines: Sequence[Line], count: int) -> FloatArray:
@@ -109,14 +108,14 @@ def angular_relations(lines: Sequence[Line]) -> FloatArray:
     return np.asarray(bins / max(float(np.linalg.norm(bins)), 1e-12))
 
 
-def retrieve(probe: Cell, angles: FloatArray, *, keep: int = VicpSettings.keep) -> list[int]:
+def retrieve(probe: Cell, angles: FloatArray, *, keep: int = KEEP) -> list[int]:
     """Numbers of the `keep` most promising rows of (N, BINS) descriptors, best first, by the cosine."""
     scores = angles @ vectorised(probe).angles
     return [int(k) for k in np.argsort(-scores, kind="stable")[:keep]]
 
 
 def recognise(
-    probe: Cell, database: Sequence[Cell], *, angles: FloatArray | None = None, keep: int = VicpSettings.keep
+    probe: Cell, database: Sequence[Cell], *, angles: FloatArray | None = None, keep: int = KEEP
 ) -> tuple[int, Raw]:
     """Which character of the data base a copy is, and its grade against that one.
 
@@ -146,9 +145,7 @@ def raw(probe: Cell, reference: Cell) -> Raw:
     length; residual, of ICP, in cells; size, ln of the scale that was needed, and lean, degrees clockwise."""
     settings = VicpSettings()
     pose = laid_on(probe, reference)
-    moved = [
-        Line(pose(line.points), line.radius * pose.scale) for line in vectorised(probe).lines
-    ]
+    moved = [Line(pose(line.points), line.radius * pose.scale) for line in vectorised(probe).lines]
     whole = _overlap(swept(moved, side=SIDE), _area(reference))
     local, parts = _stroke_similarity(moved, vectorised(reference), settings)
     grade = settings.whole * whole + (1.0 - settings.whole) * local
@@ -171,7 +168,7 @@ def _area(reference: Cell) -> BoolArray:
 
 
 def _overlap(one: BoolArray, two: BoolArray) -> float:
-    return float(np.count_nonzero(one & two)) / max(1, np.count_nonzero(one | two))
+    return int(np.count_nonzero(one & two)) / max(1, int(np.count_nonzero(one | two)))
 
 
 PARTS = ("position", "length", "direction", "shape", "thickness")
@@ -192,10 +189,9 @@ def _stroke_similarity(
     alone = np.setdiff1d(np.arange(len(copy.length)), j)
     total = float(reference.length.sum() + copy.length[alone].sum())
     weight = reference.length[i]
-    means = {
-        name: float(weight @ part[i, j] / weight.sum()) for name, part in zip(PARTS, parts, strict=True)
-    }
-    return float(weight @ worth[i, j]) / total, means | {"paired": float(weight.sum()) / total}
+    held = float(weight.sum())
+    means = {name: float(weight @ part[i, j]) / held for name, part in zip(PARTS, parts, strict=True)}
+    return float(weight @ worth[i, j]) / total, means | {"paired": held / total}
 
 
 def local_similarities(copy: Curves, reference: Curves, *, settings: VicpSettings) -> FloatArray:
@@ -203,22 +199,17 @@ def local_similarities(copy: Curves, reference: Curves, *, settings: VicpSetting
 
     Shape is how far the curves lie apart when the copy's is sheared so that their ends meet.
     """
-    points = oriented(copy, reference)
+    points, radius = oriented(copy, reference)
     gaps = reference.points[:, None] - points
     share = np.linspace(0.0, 1.0, gaps.shape[2])[:, None]
     bent = gaps - (1.0 - share) * gaps[:, :, :1] - share * gaps[:, :, -1:]
-    lengths = reference.length[:, None], copy.length[None]
-    turned = np.where(
-        np.isclose(points[:, :, 0], copy.points[None, :, 0]).all(axis=-1)[..., None],
-        copy.radius[None],
-        copy.radius[None, :, ::-1],
-    )
-    thickness = np.abs(reference.radius[:, None] - turned).mean(axis=-1)
+    short, long = (pick(reference.length[:, None], copy.length[None]) for pick in (np.minimum, np.maximum))
+    thickness = np.abs(reference.radius[:, None] - radius).mean(axis=-1)
     thickness = thickness / np.maximum(reference.radius.mean(axis=1), 1e-9)[:, None]
     return np.stack(
         [
             np.exp(-middles_apart(reference, copy) / settings.position),
-            np.minimum(*lengths) / np.maximum(*lengths),
+            short / np.maximum(long, 1e-9),
             np.maximum(0.0, 1.0 - directions_apart(reference, copy) / settings.askew),
             np.exp(-np.linalg.norm(bent, axis=-1).mean(axis=-1) / settings.shape),
             np.maximum(0.0, 1.0 - thickness),
