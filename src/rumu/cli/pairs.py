@@ -5,17 +5,14 @@ from __future__ import annotations
 import csv
 import functools
 import os
-import signal
-from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rumu.cli.options import master_path
 from rumu.errors import ImageError, RumuError
 from rumu.outputs import whole_file
+from rumu.processes import cores, in_order
 
 if TYPE_CHECKING:
     from rumu.cli.progress import Advance
@@ -39,8 +36,6 @@ COLUMNS = (
     "scale",
     "refused",
 )
-
-_AHEAD = 8  # pairs handed to each process before its answers are awaited
 
 
 class Pair(NamedTuple):
@@ -66,8 +61,8 @@ def assess_pairs(
         writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
         writer.writeheader()
         work = functools.partial(mark_row, root=root, levels=levels)
-        processes = min(jobs or _cores(), total)
-        for done, row in enumerate(_in_order(work, read_pairs(pairs), processes=processes), start=1):
+        processes = min(jobs or cores(), total)
+        for done, row in enumerate(in_order(work, read_pairs(pairs), processes=processes), start=1):
             writer.writerow(row)
             marked += row["refused"] == ""
             advance(done, total)
@@ -143,48 +138,3 @@ def _cells(mark: Assessment) -> dict[str, Any]:
 
 def _number(value: float | None, digits: int) -> str:
     return "" if value is None else f"{value:.{digits}f}"
-
-
-def _in_order(work: Any, pairs: Iterable[Pair], *, processes: int) -> Iterator[dict[str, Any]]:
-    """`work` of each pair, in order, at most _AHEAD pairs in flight for each process."""
-    if processes == 1:
-        yield from map(work, pairs)
-        return
-    with _pool(processes) as pool:
-        waiting: deque[Future[dict[str, Any]]] = deque()
-        try:
-            for pair in pairs:
-                waiting.append(pool.submit(work, pair))
-                if len(waiting) >= _AHEAD * processes:
-                    yield waiting.popleft().result()
-            while waiting:
-                yield waiting.popleft().result()
-        except BrokenProcessPool as error:
-            raise RumuError("a process was ended from outside (out of memory?); try fewer --jobs") from error
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _pool(processes: int) -> ProcessPoolExecutor:
-    import multiprocessing
-
-    # One thread a process: the processes already fill the cores. Read when numpy is loaded over there.
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
-    # Not fork: the progress bar runs in a thread, and a fork would copy its locks.
-    method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
-    context = multiprocessing.get_context(method)
-    if method == "forkserver":
-        context.set_forkserver_preload(["rumu.pipeline"])
-    return ProcessPoolExecutor(processes, mp_context=context, initializer=_worker)
-
-
-def _worker() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is answered by the parent alone
-    import cv2
-
-    cv2.setNumThreads(1)
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -21,6 +21,7 @@ from rumu.assessment.calibration import LEVELS, Calibration, Scale, fit_scale, f
 from rumu.assessment.comparison import compare
 from rumu.assessment.features import RESIDUALS, Features, Residuals
 from rumu.errors import CalibrationError, RefusedImage
+from rumu.processes import in_order
 from rumu.values import FloatArray, Surface
 
 Progress = Callable[[int, int], None]
@@ -147,14 +148,11 @@ def read_copies(data: Path) -> list[Copy]:
 
 def measure_all(copies: list[Copy], *, progress: Progress | None = None) -> list[Measured]:
     """Every copy measured against its master, on all cores, in order."""
-    from concurrent.futures import ProcessPoolExecutor
-
     measured = []
-    with ProcessPoolExecutor() as pool:
-        for item in pool.map(measure_copy, copies, chunksize=8):
-            measured.append(item)
-            if progress:
-                progress(len(measured), len(copies))
+    for item in in_order(measure_copy, copies):
+        measured.append(item)
+        if progress:
+            progress(len(measured), len(copies))
     return measured
 
 

@@ -30,7 +30,6 @@ def integrate(
     *,
     mask: BoolArray | None = None,
     method: Integrator = "auto",
-    detrend: bool = False,
     weights: FloatArray | None = None,
 ) -> FloatArray:
     """Height from normals: (H, W) float32 in pixels, finite, mean 0 over the mask and 0 outside it.
@@ -43,7 +42,6 @@ def integrate(
         integrable slopes in the frequency domain, mirrored at the edges), "masked" (least squares on the mask
         alone: for an object on a background), "auto": "dct" without a mask, else "masked". With a mask "dct"
         and "frankot_chellappa" take what is outside for flat.
-    detrend: subtract the plane that fits the height best.
     weights: (H, W) in [0, 1], trust in each normal; heeded by "masked" alone.
     Raises SurfaceError for a wrong shape, an unknown method, an empty mask, NaN inside the mask.
     """
@@ -55,8 +53,6 @@ def integrate(
     else:
         height = (_frankot_chellappa if method == "frankot_chellappa" else _dct)(by_column, by_row)
         height = height - height[inside].mean()
-    if detrend:
-        height = height - _plane(height, inside)
     return np.where(inside, height, 0.0).astype(np.float32)
 
 
@@ -172,14 +168,6 @@ def _centred(height: FloatArray, inside: BoolArray) -> FloatArray:
     means = np.zeros(count + 1)
     means[1:] = ndimage.mean(height, parts, np.arange(1, count + 1))
     return np.where(inside, height - means[parts], 0.0)
-
-
-def _plane(height: FloatArray, inside: BoolArray) -> FloatArray:
-    rows, columns = np.nonzero(inside)
-    basis = np.stack([np.ones(len(rows)), rows, columns], axis=1)
-    fit = np.linalg.lstsq(basis, height[inside].astype(np.float64), rcond=None)[0]
-    r, c = np.ogrid[: height.shape[0], : height.shape[1]]
-    return np.asarray(fit[0] + fit[1] * r + fit[2] * c)
 
 
 def _checked(normals: FloatArray, mask: BoolArray | None, method: str) -> tuple[FloatArray, BoolArray]:

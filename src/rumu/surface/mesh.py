@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import SurfaceError
-from rumu.outputs import whole_file
 from rumu.values import Surface
 
 FloatArray = npt.NDArray[np.floating[Any]]
@@ -107,14 +105,6 @@ def mesh_bytes(surface: Surface, *, kind: Format = "glb", settings: MeshSettings
             mesh.visual.vertex_colors = _colours(surface, grid)
         data = mesh.export(file_type=kind)
     return data if isinstance(data, bytes) else str(data).encode()
-
-
-def write_mesh(surface: Surface, path: str | Path, *, settings: MeshSettings | None = None) -> None:
-    """Write a GLB, PLY or STL file, as the name of the path ends. Raises SurfaceError, OutputError."""
-    kind = Path(path).suffix.lower().lstrip(".")
-    data = mesh_bytes(surface, kind=kind, settings=settings)  # type: ignore[arg-type]
-    with whole_file(path) as part:
-        part.write_bytes(data)
 
 
 def albedo_srgb(albedo: FloatArray) -> npt.NDArray[np.uint8]:

@@ -1,0 +1,47 @@
+"""Work in processes: in order, in step with the reader, and one clear line when a process is killed."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+
+import pytest
+
+from rumu.errors import RumuError
+from rumu.processes import cores, in_order
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_answers_come_in_the_order_of_the_questions(processes):
+    assert list(in_order(math.sqrt, range(50), processes=processes)) == [math.sqrt(n) for n in range(50)]
+
+
+def test_questions_are_read_no_farther_ahead_than_needed():
+    """From an endless table: what waits is bounded, so memory stays flat."""
+    read = []
+    questions = (read.append(n) or n for n in itertools.count())
+    answers = in_order(math.sqrt, questions, processes=2)
+    assert list(itertools.islice(answers, 30)) == [math.sqrt(n) for n in range(30)]
+    assert len(read) < 60
+    answers.close()
+
+
+def test_one_process_does_the_work_here():
+    seen = []
+    assert list(in_order(seen.append, range(3), processes=1)) == [None] * 3  # no other process could fill it
+    assert seen == [0, 1, 2]
+
+
+def test_an_error_of_the_work_is_raised_here():
+    with pytest.raises(ValueError, match="math domain error"):
+        list(in_order(math.sqrt, [4, -1, 9], processes=2))
+
+
+def test_a_killed_process_is_one_clear_line():
+    with pytest.raises(RumuError, match="ended from outside"):
+        list(in_order(os._exit, [3], processes=2))
+
+
+def test_all_cores_that_may_be_used():
+    assert 1 <= cores() <= (os.cpu_count() or 1)
