@@ -12,15 +12,13 @@ The ground must be lighter than the ink. A slow bend of the whole sheet is shadi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.errors import CaptureError
+from rumu.values import BoolArray, FloatArray
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
 Law = Literal["point lamp", "smooth"]
 
 _SIDE = 256  # pixels of the longer side that are enough to fit six numbers

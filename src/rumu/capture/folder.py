@@ -15,19 +15,14 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.capture.image import ENCODINGS, Encoding, read_linear, read_mask
 from rumu.capture.light_files import Description, read_description, read_directions, read_lp
 from rumu.capture.lights import direction
 from rumu.errors import CaptureError, ImageError
-from rumu.values import Capture
-
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
+from rumu.values import BoolArray, Capture, FloatArray
 
 _SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".webp", ".bmp", ".gif", ".pgm", ".ppm")
 _PAPER_TILTS = {"a": 0.0, "b": 90.0, "c": 180.0, "d": 270.0}

@@ -22,18 +22,15 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.capture.flatfield import Flatfield, fit_flatfield
 from rumu.capture.lights import equalise, tilt_slant
 from rumu.errors import CaptureError
-from rumu.values import Capture
+from rumu.values import BoolArray, Capture, FloatArray
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
 Method = Literal["masked", "bands", "svd"]
 SplitKind = Literal["additive", "multiplicative"]
 METHODS: tuple[Method, ...] = get_args(Method)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from rumu.capture.formats import MAX_PIXELS, MIN_SIDE, Samples, Stored, check_size, decode
 from rumu.errors import ImageError
+from rumu.values import BoolArray
 
 __all__ = [
     "MAX_PIXELS",
@@ -24,7 +25,6 @@ __all__ = [
 ]
 
 Image = npt.NDArray[np.float32]
-BoolArray = npt.NDArray[np.bool_]
 Encoding = Literal["auto", "linear", "srgb"]
 ENCODINGS: tuple[Encoding, ...] = get_args(Encoding)
 

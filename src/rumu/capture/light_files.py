@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.errors import CaptureError
-
-FloatArray = npt.NDArray[np.floating[Any]]
+from rumu.values import FloatArray
 
 _UNIT_TOLERANCE = 0.02  # how far from length 1 a direction in a text file may be and still be taken for one
 

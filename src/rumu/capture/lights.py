@@ -8,15 +8,12 @@ from +x as the camera sees it (0 right, 90 top, 180 left, 270 bottom); slant is 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import CaptureError
-
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
+from rumu.values import BoolArray, FloatArray
 
 _PAPER_TILTS = (0.0, 90.0, 180.0, 270.0)
 _HIGHLIGHT_SHARE = 0.9  # of the brightest value: the core of a highlight, without its streaks

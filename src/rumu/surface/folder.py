@@ -25,9 +25,7 @@ import numpy.typing as npt
 from rumu.errors import OutputError, SurfaceError
 from rumu.outputs import whole_folder
 from rumu.surface.mesh import albedo_srgb, mesh_bytes
-from rumu.values import Surface
-
-FloatArray = npt.NDArray[np.floating[Any]]
+from rumu.values import FloatArray, Surface
 
 MARKER = "surface.json"
 _KIND = "rumu surface"

@@ -10,13 +10,11 @@ import os
 from typing import Any, Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.errors import SurfaceError
 from rumu.surface.stereo import gradients_from_normals
+from rumu.values import BoolArray, FloatArray
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
 Integrator = Literal["auto", "dct", "frankot_chellappa", "masked"]
 
 INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)

@@ -14,10 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import SurfaceError
-from rumu.values import Surface
+from rumu.values import BoolArray, FloatArray, Surface
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
 Format = Literal["glb", "ply", "stl"]
 
 FORMATS: tuple[Format, ...] = get_args(Format)

@@ -6,10 +6,9 @@ A page of flat paper and ink comes out flat here, however black the ink: see `ru
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.capture.lights import PaperLamps, paper_tilts
 from rumu.errors import SurfaceError
@@ -23,10 +22,7 @@ from rumu.surface.stereo import (
     three_lamps,
 )
 from rumu.surface.strengths import Photometry, calibrate, flat_sheet, sample
-from rumu.values import Capture, Surface
-
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
+from rumu.values import BoolArray, Capture, FloatArray, Surface
 
 # Nearer to the paper's places than any lamp list is exact: beyond it the given directions serve better.
 _PAPER_TOLERANCE = 0.25

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
 from rumu.errors import SurfaceError
-from rumu.values import Surface
-
-FloatArray = npt.NDArray[np.floating[Any]]
+from rumu.values import FloatArray, Surface
 
 
 def relight(surface: Surface, *, tilt: float, slant: float) -> FloatArray:

@@ -14,7 +14,7 @@ import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -29,9 +29,8 @@ from rumu.surface.stereo import (
     scaled_normals,
     split,
 )
+from rumu.values import BoolArray, FloatArray
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
 Solver = Literal["least_squares", "trimmed", "l1", "robust"]
 
 SOLVERS: tuple[Solver, ...] = get_args(Solver)

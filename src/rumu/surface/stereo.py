@@ -11,15 +11,11 @@ measured here is relief, never ink.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.errors import SurfaceError
-
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
+from rumu.values import BoolArray, FloatArray
 
 SHADOW_FLOOR = 0.004  # one step of 8 bits: what is darker is not told from black
 SHADOW_SHARE = 0.02  # of the brightest of the same pixel's values: a lamp that gives less does not reach it

@@ -9,16 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.surface.robust import RobustSettings, brightness_rows, l1, law, pixel_scale, relative_residuals
 from rumu.surface.stereo import SHADOW_FLOOR
-
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
+from rumu.values import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True)
