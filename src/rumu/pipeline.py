@@ -19,7 +19,7 @@ from rumu.assessment.similarity import sim_paper, similarity
 from rumu.capture.folder import read_capture
 from rumu.errors import RefusedImage
 from rumu.registration.icp import IcpSettings, register_points
-from rumu.registration.points import Sampling, sample_points
+from rumu.registration.points import sample_points
 from rumu.registration.quaternion import Rotation
 from rumu.surface.folder import MARKER, read_surface
 from rumu.surface.relief import relief
@@ -61,17 +61,13 @@ def surface_of(thing: SurfaceLike) -> Surface:
     return relief(thing)
 
 
-def register(
-    probe: SurfaceLike, reference: SurfaceLike, *, rotation: Rotation = "z", sampling: Sampling | None = None
-) -> Registration:
+def register(probe: SurfaceLike, reference: SurfaceLike, *, rotation: Rotation = "z") -> Registration:
     """Lay the ink of the probe on that of the reference.
 
     rotation: 'z' turns the sheet in its plane; 'full' also tilts it, for true 3-D scans.
     Raises RumuError when either has too little ink; not converging is a field of the result.
     """
-    probe_points, reference_points = (
-        sample_points(surface_of(x), settings=sampling) for x in (probe, reference)
-    )
+    probe_points, reference_points = (sample_points(surface_of(x)) for x in (probe, reference))
     return register_points(probe_points, reference_points, settings=IcpSettings(rotation=rotation))
 
 
