@@ -192,7 +192,15 @@ def candidates_of(graph: Graph, segments: Segments, *, settings: FollowSettings 
         order = [k for k in np.argsort(cost, kind="stable")[: settings.keep] if cost[k] < 1.0]
         choice.append(tuple(int(members[k]) for k in order))
         costs.append(tuple(float(cost[k]) for k in order))
-    return Candidates(ways, traits, tuple(choice), tuple(costs))
+    # Streaky ink has thousands of ways; what follows compares all of these with each other.
+    kept = tuple(dict.fromkeys(k for chosen in choice for k in chosen))
+    place = {k: at for at, k in enumerate(kept)}
+    return Candidates(
+        tuple(ways[k] for k in kept),
+        traits_of([segments.line(ways[k]) for k in kept]),
+        tuple(tuple(place[k] for k in chosen) for chosen in choice),
+        tuple(costs),
+    )
 
 
 def node_costs(graph: Graph, i: int, traits: Traits, members: IntArray) -> FloatArray:
