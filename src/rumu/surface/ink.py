@@ -18,6 +18,7 @@ from rumu.surface.paper import (
     Paper,
     Polarity,
     histogram,
+    ink_box,
     otsu,
     ratio,
     read_paper,
@@ -275,7 +276,7 @@ def _figures(split: _Split, mask: Bools) -> dict[str, float]:
     depth = split.paper - split.ink
     on_edge = step[outline > 0]
     half = cv2.inRange(x, split.ink + 0.3 * depth, split.ink + 0.7 * depth) > 0
-    share = float(ink.mean())
+    share = np.count_nonzero(ink) / ink.size
     blocks = cv2.resize(ink.astype(np.float32), None, fx=1 / 8, fy=1 / 8, interpolation=cv2.INTER_AREA)
     return {
         "noise": float(split.noise),
@@ -328,8 +329,8 @@ def _half_width(mask: Bools) -> tuple[float, float]:
     """Half-width of the thickest stroke, and the longer side of the box of all ink, in pixels."""
     import cv2
 
-    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
-    extent = max(rows[-1] - rows[0], columns[-1] - columns[0]) + 1
+    y0, y1, x0, x1 = ink_box(mask)
+    extent = max(y1 - y0, x1 - x0)
     small = reduced(mask.astype(np.uint8) * 255, side=2 * FIGURE_SIDE // 3) > 127
     depth = cv2.distanceTransform(np.pad(small, 1).astype(np.uint8), cv2.DIST_L2, 3)
     return float(depth.max()) * mask.shape[0] / small.shape[0], float(extent)

@@ -21,6 +21,7 @@ from rumu.capture.image import as_image, read_image, to_linear
 from rumu.errors import RefusedImage, SurfaceError
 from rumu.surface.inflation import InflationSettings, inflate
 from rumu.surface.ink import Ink, find_ink
+from rumu.surface.paper import ink_box
 from rumu.surface.stereo import normals_from_gradients
 from rumu.values import Source, Surface
 
@@ -73,7 +74,11 @@ def relief(
         spacing=1.0,
         unit="px",
         source=source,
-        quality={"ink_share": float(ink.mask.mean()), "contrast": ink.contrast, "half_width": typical}
+        quality={
+            "ink_share": np.count_nonzero(ink.mask) / ink.mask.size,
+            "contrast": ink.contrast,
+            "half_width": typical,
+        }
         | dict(ink.figures),
     )
 
@@ -132,7 +137,10 @@ def _inflated(ink: Ink, *, typical: float, mode: Mode, kappa: float) -> Floats:
 
 def half_width(mask: Bools) -> float:
     """Median half-width of the strokes over their medial axis, in pixels; 0 without ink."""
-    depth, ridge = _medial_axis(mask)
+    if not mask.any():
+        return 0.0
+    y0, y1, x0, x1 = ink_box(mask)
+    depth, ridge = _medial_axis(mask[y0:y1, x0:x1])
     return float(np.median(depth[ridge])) if ridge.any() else 0.0
 
 

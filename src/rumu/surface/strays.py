@@ -158,8 +158,13 @@ def drop_strays(mask: Bools, *, limits: StrayLimits) -> tuple[Bools, dict[str, i
     if not mask.any():
         return mask, left_out
     y0, y1, x0, x1 = ink_box(mask)
-    box = (slice(y0, y1), slice(x0, x1))  # labelling costs by the pixel
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(mask[box].astype(np.uint8), connectivity=8)
+    box = (
+        slice(y0, y1),
+        slice(x0, x1),
+    )  # labelling costs by the pixel; of OpenCV's ways this is the quickest
+    _, labels, stats, _ = cv2.connectedComponentsWithStatsWithAlgorithm(
+        mask[box].astype(np.uint8), 8, cv2.CV_32S, cv2.CCL_GRANA
+    )
     stats[:, :2] += (x0, y0)
     area = stats[1:, cv2.CC_STAT_AREA].astype(np.int64)
     scale = mask.size / 65536.0
