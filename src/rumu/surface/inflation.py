@@ -109,7 +109,7 @@ def _finest(ink: Floats, damping: float) -> _Grid:
     import cv2
 
     places = cv2.filter2D(ink.astype(np.uint8), -1, _PLACES, borderType=cv2.BORDER_CONSTANT)
-    diagonal, right, weight = (table.take(places) for table in _by_place(damping))
+    diagonal, right, weight = (cv2.LUT(places, table) for table in _by_place(damping))
     east, south = np.zeros_like(ink), np.zeros_like(ink)
     np.multiply(ink[:, :-1], ink[:, 1:], out=east[:, :-1])
     np.multiply(ink[:-1], ink[1:], out=south[:-1])
@@ -122,8 +122,8 @@ _PLACES = np.array([[0, 3, 0], [1, 9, 1], [0, 3, 0]], np.float32)
 
 @lru_cache(maxsize=4)
 def _by_place(damping: float) -> tuple[Floats, Floats, Floats]:
-    """Diagonal, right side and weight of a pixel, each (18,), by its `_PLACES`."""
-    place = np.arange(18)
+    """Diagonal, right side and weight of a pixel, each (256,), by its `_PLACES`."""
+    place = np.arange(256) % 18  # a table of OpenCV's has 256 entries
     on_ink = place >= 9
     across, down = (np.where(on_ink, 2 - k, 2) for k in (place % 3, (place - 9) // 3))
     missing = (across + down).astype(np.float32)
