@@ -20,11 +20,13 @@ from rumu.assessment.calibration import (
     read_calibration,
     write_calibration,
 )
-from rumu.assessment.features import RESIDUALS, Features, Residuals
+from rumu.assessment.edges import NUMBERS
+from rumu.assessment.features import EVIDENCE, FREE, RESIDUALS, Features, Residuals
 from rumu.assessment.regions import Region
 from rumu.errors import CalibrationError, OutputError, RumuError
 
-PERFECT = Features(Residuals(0.0, 0.0, 0.0, 0.0, 0.0), lean=0.0, offset=0.0, size=0.0, weight=0.0)
+PERFECT = Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0)
+COMMON = Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3)
 residual = st.floats(0, 3)
 all_residuals = st.builds(Residuals, *[residual] * len(RESIDUALS))
 
@@ -39,8 +41,9 @@ def plain() -> dict:
 def test_no_residual_can_raise_a_mark():
     calibration = panel()
     for scale in (calibration.scale, *calibration.parts.values()):
-        assert min(scale.weights) >= 0
-        assert max(scale.weights) > 0
+        bound = [w for name, w in zip(scale.names, scale.weights, strict=True) if name not in FREE]
+        assert max(bound) <= 0
+        assert min(bound) < 0
         assert min(scale.spread) > 0
 
 
@@ -51,9 +54,9 @@ def test_a_larger_residual_never_raises_the_score(r, name, more):
     assert score(replace(PERFECT, residuals=worse)) <= score(replace(PERFECT, residuals=r)) + 1e-9
 
 
-@given(all_residuals)
-def test_scores_and_parts_stay_within_0_and_100(r):
-    features = replace(PERFECT, residuals=r)
+@given(all_residuals, st.lists(st.floats(-9, 9), min_size=NUMBERS, max_size=NUMBERS))
+def test_scores_and_parts_stay_within_0_and_100(r, edges):
+    features = replace(PERFECT, residuals=r, edges=tuple(edges))
     parts = panel().part_scores(features)
     assert set(parts) == {"brushwork", "structure", "ink"}
     for value in (panel().score(features), *parts.values()):
@@ -87,7 +90,7 @@ def test_a_perfect_copy_has_perfect_parts():
 
 def test_full_writing_is_marked_up_within_reason():
     """People mark cramped writing down; a copy of twice the size earns no more than one a third larger."""
-    r = Residuals(0.2, 0.15, 0.2, 0.3, 0.3)
+    r = COMMON
     large, same, small = (panel().score(replace(PERFECT, residuals=r, size=s)) for s in (0.2, 0.0, -0.2))
     assert small < same < large
     assert large - same == pytest.approx(same - small)
@@ -120,7 +123,8 @@ def test_full_writing_is_marked_up_within_reason():
 def test_pose_is_charged_apart_beyond_a_tolerance_up_to_a_cap(pose, points):
     features = replace(PERFECT, **pose)
     assert sum(Charges().points(features).values()) == pytest.approx(points)
-    assert replace(panel(), fullness=0.0).score(features) == pytest.approx(100 - points)
+    score, uncharged = panel().score(features), panel().scale.read(features)
+    assert score == pytest.approx(max(uncharged - points, 0.0))
 
 
 @pytest.mark.parametrize("kind", ["missing", "extra"])
@@ -207,41 +211,57 @@ def test_other_levels_are_refused_by_name(cuts):
 # fitting
 
 
-def marked(n: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+def marked(n: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Made-up evidence and marks of copies of four masters, which differ in evidence but not in marks."""
     rng = np.random.default_rng(seed)
-    logs = rng.normal(-1.5, 0.3, (n, len(RESIDUALS)))
-    marks = 50 - 10 * (logs[:, 0] + 1.5) / 0.3 + 6 * (logs[:, 3] + 1.5) / 0.3 + rng.normal(0, 1, n)
-    return logs, marks
+    masters = [f"master {k % 4}" for k in range(n)]
+    evidence = rng.normal(0.0, 0.3, (n, len(EVIDENCE)))
+    marks = 50 - 30 * evidence[:, 0] + 20 * evidence[:, 3] - 24 * evidence[:, EVIDENCE.index("fullness")]
+    evidence[:, 1] = evidence[:, 0] + rng.normal(0, 2.0, 4)[np.arange(n) % 4]  # as good, but for the master
+    return evidence, marks + rng.normal(0, 1, n), masters
+
+
+def weights_of(scale) -> dict[str, float]:
+    """Points for one unit of evidence."""
+    return {name: w / s for name, w, s in zip(scale.names, scale.weights, scale.spread, strict=True)}
 
 
 def test_a_fit_finds_what_marks_follow_and_refuses_what_would_raise_them():
-    logs, marks = marked(2000)
-    scale = fit_scale(logs, marks, names=RESIDUALS, shrinkage=1.0)
-    assert scale.weights[0] == pytest.approx(10.0, rel=0.1)
-    assert scale.weights[3] == 0.0  # those marks rise with it; a fault must not earn points
-    assert max(scale.weights[1:3]) < 1.0
-    assert scale.mean == pytest.approx(marks.mean())
+    weights = weights_of(fit_scale(*marked(2000), names=(*RESIDUALS, "fullness"), shrinkage=1.0))
+    assert weights["position"] == pytest.approx(-30, rel=0.1)
+    assert weights["plane_missing"] == 0.0  # those marks rise with it; a fault must not earn points
+    assert weights["fullness"] == pytest.approx(-24, rel=0.1)  # may have either sign
+    assert min(weights[name] for name in RESIDUALS[4:]) > -2
+
+
+def test_evidence_that_tells_masters_apart_is_trusted_less():
+    weights = weights_of(fit_scale(*marked(2000), names=RESIDUALS, shrinkage=1.0))
+    assert weights["plane_mean"] > 0.1 * weights["position"]  # that is, nearer nought
 
 
 def test_shrinkage_draws_weights_to_nought():
-    logs, marks = marked(400)
-    loose, tight = (fit_scale(logs, marks, names=RESIDUALS, shrinkage=s).weights[0] for s in (1.0, 4000.0))
-    assert 0 < tight < 0.2 * loose
+    loose, tight = (fit_scale(*marked(400), names=RESIDUALS, shrinkage=s).weights[0] for s in (1.0, 4000.0))
+    assert 0.2 * loose < tight < 0
 
 
-def test_a_scale_of_some_residuals_reads_only_those():
-    logs, marks = marked(100)
-    scale = fit_scale(logs, marks, names=("position", "missing"))
+def test_a_scale_of_some_evidence_reads_only_that():
+    scale = fit_scale(*marked(100), names=("position", "missing"))
     assert scale.names == ("position", "missing")
-    r = Residuals(0.2, 0.1, 0.2, 0.3, 0.3)
-    assert scale.read(replace(r, height=2.0, direction=2.0, extra=2.0)) == scale.read(r)
-    assert scale.read(replace(r, position=0.4)) < scale.read(r)
+    copy = replace(PERFECT, residuals=COMMON)
+    assert scale.read(replace(copy, residuals=replace(COMMON, height=2.0, extra=2.0))) == scale.read(copy)
+    assert scale.read(replace(copy, residuals=replace(COMMON, position=0.4))) < scale.read(copy)
+
+
+def test_strange_edges_count_only_so_far():
+    """Beyond three standard deviations no mark has been seen."""
+    far, farther = (panel().scale.weigh(replace(PERFECT, edges=(e,) * NUMBERS)) for e in (50.0, 500.0))
+    assert far == pytest.approx(farther)
 
 
 def test_too_few_marks_are_no_calibration():
-    logs, marks = marked(19)
+    evidence, marks, masters = marked(19)
     with pytest.raises(CalibrationError, match="expected at least 20 marks to fit a scale, got 19"):
-        fit_scale(logs, marks, names=RESIDUALS)
+        fit_scale(evidence, marks, masters, names=RESIDUALS)
     fit_scale(*marked(20), names=RESIDUALS)
 
 
@@ -269,7 +289,7 @@ def test_a_calibration_that_is_not_whole_is_refused(lost):
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("interval", ["low", "high"]), ("parts", {"structure": {}}), ("scale", {}), ("fullness", "much")],
+    [("interval", ["low", "high"]), ("parts", {"structure": {}}), ("scale", {})],
 )
 def test_a_calibration_of_wrong_things_is_refused(key, value):
     with pytest.raises(RumuError, match="expected a calibration with"):

@@ -8,7 +8,7 @@ on characters held out.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -17,14 +17,16 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.features import RESIDUALS, Features, Residuals
+from rumu.assessment.features import EVIDENCE, FREE, RESIDUALS, Features
 from rumu.errors import CalibrationError
-from rumu.values import FloatArray, Level
+from rumu.values import BoolArray, FloatArray, Level
 
 Cuts = Mapping[Level, float]
 
-FULLNESS_RANGE = 0.3
-"""Natural logarithm of size, either way, up to which the human marks at hand speak."""
+FARTHEST = 3.0
+"""Standard deviations at which evidence that is no residual stops counting: marks say nothing beyond."""
+FEWEST = 8
+"""Copies of one master from which the mean of its evidence is trusted."""
 
 LEVELS: Mapping[str, Cuts] = {
     # of the panel's 652 marks about a tenth is excellent, 30 % good, 35 % medium and a quarter bad
@@ -73,10 +75,11 @@ class Charges:
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """A weighted sum of log residuals that reads as marks: mean + sum -weight_i * (log r_i - m_i) / s_i.
+    """A weighted sum of evidence that reads as marks: mean + sum weight_i * (e_i - centre_i) / spread_i.
 
-    names: the residuals that are weighed; centre, spread, weights: one a name. Weights are not negative, so
-    no residual can raise a mark. anchors: ((sum, mark), ...), rising: where another character, the human
+    names: the evidence that is weighed; centre, spread, weights: one a name. Weights are not positive but for
+    what may speak for a copy (`features.FREE`), so no residual can raise a mark. Evidence other than
+    residuals counts up to FARTHEST. anchors: ((sum, mark), ...), rising: where another character, the human
     range and a perfect copy lie; straight between, so the order of copies is untouched.
     """
 
@@ -87,26 +90,28 @@ class Scale:
     mean: float
     anchors: tuple[tuple[float, float], ...] = ((0.0, 0.0), (100.0, 100.0))
 
-    def weigh(self, residuals: Residuals) -> float:
+    def weigh(self, features: Features) -> float:
         """The sum before it is anchored; without bounds."""
-        chosen = [RESIDUALS.index(name) for name in self.names]
-        z = (residuals.logarithms()[chosen] - np.array(self.centre)) / np.array(self.spread)
-        return float(self.mean - z @ np.array(self.weights))
+        chosen = [_PLACE[name] for name in self.names]
+        z = (features.evidence()[chosen] - np.array(self.centre)) / np.array(self.spread)
+        far = np.where([name in RESIDUALS for name in self.names], np.inf, FARTHEST)
+        return float(self.mean + np.clip(z, -far, far) @ np.array(self.weights))
 
-    def read(self, residuals: Residuals) -> float:
+    def read(self, features: Features) -> float:
         """The mark, 0-100."""
         sums, marks = zip(*self.anchors, strict=True)
-        return float(np.interp(self.weigh(residuals), sums, marks))
+        return float(np.interp(self.weigh(features), sums, marks))
+
+
+_PLACE = {name: k for k, name in enumerate(EVIDENCE)}
 
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
     """How features become a mark.
 
-    scale: over all residuals; parts: the same for 'structure' and 'brushwork' on their own residuals,
+    scale: over all evidence; parts: the same for 'structure' and 'brushwork' on their own evidence,
         fitted to the same marks, since nobody marked the parts.
-    fullness: points per natural logarithm of the copy's size over the master's: people mark full writing
-        up and cramped writing down. Counted within FULLNESS_RANGE; far beyond, Charges takes over.
     interval: (low, high) offsets of the 80 % interval, from errors on characters held out.
     provenance: what was fitted on what, in words.
     """
@@ -115,13 +120,11 @@ class Calibration:
     parts: Mapping[str, Scale]
     interval: tuple[float, float]
     provenance: str
-    fullness: float = 0.0
 
     def score(self, features: Features) -> float:
         """0-100; 100 for a perfect copy in its place."""
         charges = Charges()
-        full = self.fullness * float(fullness(features.size))
-        whole = min(self.scale.read(features.residuals) + full, charges.highest(features))
+        whole = min(self.scale.read(features), charges.highest(features))
         return float(np.clip(whole - sum(charges.points(features).values()), 0.0, 100.0))
 
     def part_scores(self, features: Features) -> dict[str, float]:
@@ -130,18 +133,13 @@ class Calibration:
         ink is a declared convention: 100 for the master's weight of ink, halved for each
         quarter more or less.
         """
-        read = {name: scale.read(features.residuals) for name, scale in self.parts.items()}
+        read = {name: scale.read(features) for name, scale in self.parts.items()}
         return read | {"ink": float(100.0 * 0.5 ** (abs(features.weight) / np.log(1.25)))}
 
     def interval_of(self, score: float) -> tuple[float, float]:
         """The 80 % interval of the panel's mark around a score, within 0-100."""
         low, high = np.clip((score + self.interval[0], score + self.interval[1]), 0.0, 100.0)
         return float(low), float(high)
-
-
-def fullness(size: Any) -> Any:
-    """ln of size (a number or an array) as the calibration counts it."""
-    return np.clip(size, -FULLNESS_RANGE, FULLNESS_RANGE)
 
 
 def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
@@ -180,7 +178,6 @@ def read_calibration(plain: Mapping[str, Any]) -> Calibration:
             parts={name: _scale(scale) for name, scale in plain["parts"].items()},
             interval=(float(plain["interval"][0]), float(plain["interval"][1])),
             provenance=str(plain["provenance"]),
-            fullness=float(plain["fullness"]),
         )
     except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         raise CalibrationError(f"expected a calibration with scale, parts, interval; {error!r}") from error
@@ -195,28 +192,64 @@ def write_calibration(calibration: Calibration, path: str | Path) -> None:
 
 
 def fit_scale(
-    logs: FloatArray, marks: FloatArray, *, names: tuple[str, ...], shrinkage: float = 300.0
+    evidence: FloatArray,
+    marks: FloatArray,
+    groups: Sequence[str],
+    *,
+    names: tuple[str, ...],
+    shrinkage: float = 1000.0,
 ) -> Scale:
-    """Ridge with weights that are not negative.
+    """Weights from what differs within a master's copies, with what differs between masters as noise.
 
-    logs: (N, 5) of `Residuals.logarithms`; marks: (N,) 0-100; names: the residuals to use.
+    evidence: (N, len(EVIDENCE)); marks: (N,) 0-100; groups: (N,) the master of each; names: what to use.
+    Copies of one master differ in how well they are written; how they differ on the whole from another
+    master's copies says more of the master, so a weight pays for the scatter of the masters' means. Ridge,
+    with weights that are not positive except for FREE ones.
     shrinkage: in units of one standardised copy; strong, since characters are few.
     Raises CalibrationError for fewer than 20 marks.
     """
-    from scipy.optimize import nnls
-
     if len(marks) < 20:
         raise CalibrationError(f"expected at least 20 marks to fit a scale, got {len(marks)}")
-    chosen = logs[:, [RESIDUALS.index(name) for name in names]]
-    centre, spread = chosen.mean(axis=0), chosen.std(axis=0)
+    chosen = evidence[:, [_PLACE[name] for name in names]]
+    centre, spread = chosen.mean(axis=0), np.maximum(chosen.std(axis=0), 1e-9)
     z = (chosen - centre) / spread
-    k = len(names)
-    weights, _ = nnls(
-        np.vstack([-z, np.sqrt(shrinkage) * np.eye(k)]), np.concatenate([marks - marks.mean(), np.zeros(k)])
-    )
-    return Scale(
-        names, tuple(centre.tolist()), tuple(spread.tolist()), tuple(weights.tolist()), float(marks.mean())
-    )
+    within, left = _less_means(z, groups), _less_means(np.asarray(marks, float), groups)
+    n = len(marks)
+    normal = within.T @ within / n + _scatter(z, groups) + shrinkage / n * np.eye(len(names))
+    weights = _signed_least_squares(normal, within.T @ left / n, free=np.isin(names, FREE))
+    plain = (tuple(values.tolist()) for values in (centre, spread, weights))
+    return Scale(names, *plain, mean=float(np.mean(marks)))
+
+
+def _scatter(z: FloatArray, groups: Sequence[str]) -> FloatArray:
+    """(K, K) covariance of the groups' means, of the groups that are large enough to have one."""
+    own = [np.array([g == group for g in groups]) for group in sorted(set(groups))]
+    means = np.array([z[mine].mean(axis=0) for mine in own if np.count_nonzero(mine) >= FEWEST])
+    if len(means) < 2:
+        return np.zeros((z.shape[1], z.shape[1]))
+    return np.asarray(np.cov(means, rowvar=False))
+
+
+def _signed_least_squares(normal: FloatArray, right: FloatArray, *, free: BoolArray) -> FloatArray:
+    """Least w' N w / 2 - w' r with w <= 0 where not free, as nonnegative least squares on the root of N."""
+    from scipy.linalg import cholesky, solve_triangular
+    from scipy.optimize import nnls
+
+    root = cholesky(normal)  # upper: N = root' root
+    target = solve_triangular(root, right, trans="T")
+    parts, _ = nnls(np.hstack([-root, root[:, free]]), target, maxiter=100 * len(normal))
+    weights = -parts[: len(normal)]
+    weights[free] += parts[len(normal) :]
+    return np.asarray(weights)
+
+
+def _less_means(values: FloatArray, groups: Sequence[str]) -> FloatArray:
+    """(N, ...) less the mean of each group."""
+    left = values.copy()
+    for group in set(groups):
+        own = np.array([g == group for g in groups])
+        left[own] -= left[own].mean(axis=0)
+    return left
 
 
 def _scale(plain: Mapping[str, Any]) -> Scale:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+from rumu.assessment.edges import describe
 from rumu.assessment.features import Features, measure
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.registration.icp import register_points
-from rumu.registration.points import Sampling, sample_points
-from rumu.values import PointSet, Registration, Surface
+from rumu.registration.points import Sampling, canvas_ink, sample_points
+from rumu.values import FloatArray, PointSet, Registration, Surface
 
 
 def compare(copy: Surface, master: Surface, *, seed: int = 0) -> tuple[Registration, Features]:
@@ -18,7 +19,7 @@ def compare(copy: Surface, master: Surface, *, seed: int = 0) -> tuple[Registrat
     RegistrationError or SurfaceError for such a master.
     """
     try:
-        reference = _points(master)
+        reference, edge = _described(master)
     except RefusedImage as refusal:
         raise RegistrationError(f"the master cannot be compared with: {refusal}") from refusal
     try:
@@ -28,9 +29,11 @@ def compare(copy: Surface, master: Surface, *, seed: int = 0) -> tuple[Registrat
     except SurfaceError as error:
         raise RefusedImage(f"{error}; mark the ink of one image instead", reason="flat") from error
     registration = register_points(probe, reference)
-    return registration, measure(registration)
+    return registration, measure(
+        registration, edges=describe(canvas_ink(copy), lean=registration.angle) - edge
+    )
 
 
 @lru_cache(maxsize=2)  # many copies of one master come in a row
-def _points(master: Surface) -> PointSet:
-    return sample_points(master)
+def _described(master: Surface) -> tuple[PointSet, FloatArray]:
+    return sample_points(master), describe(canvas_ink(master))

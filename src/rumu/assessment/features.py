@@ -2,40 +2,74 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from rumu.assessment.edges import NUMBERS
 from rumu.assessment.regions import Region, find_regions
 from rumu.assessment.similarity import posed
 from rumu.values import FloatArray, Registration
 
-RESIDUALS = ("position", "height", "direction", "extra", "missing")
-"""The features that the calibration weighs, in this order; the rest are charged apart."""
+RESIDUALS = (
+    "position",
+    "plane_mean",
+    "plane_extra",
+    "plane_missing",
+    "height",
+    "direction",
+    "whole",
+    "whole_mean",
+    "extra",
+    "missing",
+)
+"""What registration leaves, in this order."""
+
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "plane": RESIDUALS[:4],
+    "height": ("height",),
+    "direction": ("direction",),
+    "whole": RESIDUALS[6:],
+    "edge_amount": tuple(f"edge_amount_{k}" for k in range(NUMBERS)),
+    "edge_sense": tuple(f"edge_sense_{k}" for k in range(NUMBERS)),
+    "fullness": ("fullness",),
+}
+"""All evidence that a calibration may weigh, in the order of `Features.evidence`, by what it rests on."""
+EVIDENCE: tuple[str, ...] = tuple(name for group in GROUPS.values() for name in group)
+FREE: tuple[str, ...] = (*GROUPS["edge_sense"], *GROUPS["fullness"])
+"""Evidence that may speak for a copy as well as against it; more of any other never raises a mark."""
 
 SOFTENING = 0.05
 """Residual, in rms radii, below which differences hardly count: a pixel and a half of the common canvas."""
+FULLNESS_RANGE = 0.3
+"""Natural logarithm of size, either way, up to which the human marks at hand speak."""
 
 
 @dataclass(frozen=True, slots=True)
 class Residuals:
-    """What registration leaves between copy and master, in rms radii of the ink unless said.
+    """What registration leaves between copy and master, both ways, in rms radii of the ink unless said.
 
-    position: rms distance in the plane, both ways (structure).
-    height: rms difference of normalised height, both ways: stroke width for an inflated height (brushwork).
-    direction: rms difference of the doubled stroke direction, both ways, from 0 to 2 (brushwork).
-    extra: upper quartile of the distance from the copy's points to the master, all five dimensions.
-    missing: upper quartile of the distance from the master's points to the copy.
+    position: rms distance in the plane; plane_mean: its mean; plane_extra, plane_missing: its upper quartile
+        from the copy's points to the master, and from the master's to the copy.
+    height: rms difference of normalised height: stroke width for an inflated height.
+    direction: rms difference of the doubled stroke direction, from 0 to 2.
+    whole: rms distance in all five dimensions; whole_mean, extra, missing: as in the plane.
     """
 
-    position: float
-    height: float
-    direction: float
-    extra: float
-    missing: float
+    position: float = 0.0
+    plane_mean: float = 0.0
+    plane_extra: float = 0.0
+    plane_missing: float = 0.0
+    height: float = 0.0
+    direction: float = 0.0
+    whole: float = 0.0
+    whole_mean: float = 0.0
+    extra: float = 0.0
+    missing: float = 0.0
 
     def logarithms(self) -> FloatArray:
-        """(5,) natural logarithms in the order of RESIDUALS, softened near zero."""
+        """(10,) natural logarithms in the order of RESIDUALS, softened near zero."""
         return np.log(np.array([getattr(self, name) for name in RESIDUALS]) + SOFTENING)
 
 
@@ -49,6 +83,7 @@ class Features:
     weight: natural logarithm of the copy's mean normalised height over the master's; for an inflated
         height above 0 means heavier strokes.
     regions: where copy and master part.
+    edges: the copy's description of its edge less the master's, as `edges.describe` orders it.
     """
 
     residuals: Residuals
@@ -57,6 +92,13 @@ class Features:
     size: float
     weight: float
     regions: tuple[Region, ...] = ()
+    edges: tuple[float, ...] = (0.0,) * NUMBERS
+
+    def evidence(self) -> FloatArray:
+        """(len(EVIDENCE),) float64: log residuals, how much the edge differs and which way, fullness."""
+        edges = np.array(self.edges)
+        full = np.clip(self.size, -FULLNESS_RANGE, FULLNESS_RANGE)
+        return np.concatenate([self.residuals.logarithms(), np.abs(edges), edges, [full]])
 
     @property
     def absent(self) -> float:
@@ -69,8 +111,8 @@ class Features:
         return sum(region.share for region in self.regions if region.kind == "extra")
 
 
-def measure(registration: Registration) -> Features:
-    """Features of one registration."""
+def measure(registration: Registration, *, edges: FloatArray | None = None) -> Features:
+    """Features of one registration. edges: (NUMBERS,) description of the copy's edge less the master's."""
     heights = registration.probe.xyz[:, 2].mean(), registration.reference.xyz[:, 2].mean()
     return Features(
         residuals=residuals(registration),
@@ -79,6 +121,7 @@ def measure(registration: Registration) -> Features:
         size=float(np.log(registration.scale)),
         weight=float(np.log(max(heights[0], 1e-6) / max(heights[1], 1e-6))),
         regions=find_regions(registration),
+        edges=(0.0,) * NUMBERS if edges is None else tuple(edges.tolist()),
     )
 
 
@@ -91,10 +134,17 @@ def residuals(registration: Registration) -> Residuals:
     i, j = registration.forward_index, registration.backward_index
     space = np.vstack([p - x[i], p[j] - x])
     turn = np.vstack([d - e[i], d[j] - e])
+    flat = np.hypot(space[:, 0], space[:, 1])
+    whole = np.concatenate([registration.forward, registration.backward])
     return Residuals(
         position=_rms(space[:, :2]),
+        plane_mean=float(flat.mean()),
+        plane_extra=float(np.percentile(flat[: len(p)], 75)),
+        plane_missing=float(np.percentile(flat[len(p) :], 75)),
         height=_rms(space[:, 2:]),
         direction=_rms(turn),
+        whole=float(np.sqrt(np.mean(whole * whole))),
+        whole_mean=float(whole.mean()),
         extra=float(np.percentile(registration.forward, 75)),
         missing=float(np.percentile(registration.backward, 75)),
     )

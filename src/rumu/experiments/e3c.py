@@ -17,17 +17,26 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.calibration import LEVELS, Calibration, Scale, fit_scale, fullness, level_of
+from rumu.assessment.calibration import LEVELS, Calibration, Scale, fit_scale, level_of
 from rumu.assessment.comparison import compare
-from rumu.assessment.features import RESIDUALS, Features, Residuals
+from rumu.assessment.features import GROUPS, Features, Residuals
 from rumu.errors import CalibrationError, RefusedImage
 from rumu.processes import in_order
 from rumu.values import FloatArray, Surface
 
 Progress = Callable[[int, int], None]
 
-PARTS: Mapping[str, tuple[str, ...]] = {"structure": ("position",), "brushwork": ("height", "direction")}
-"""The residuals that each part of the mark rests on."""
+WEIGHED: tuple[str, ...] = tuple(
+    name for group in ("plane", "whole", "edge_amount", "edge_sense", "fullness") for name in GROUPS[group]
+)
+"""The evidence that the mark rests on; height and direction are in the distances of the whole."""
+PARTS: Mapping[str, tuple[str, ...]] = {
+    "structure": GROUPS["plane"],
+    "brushwork": tuple(
+        name for group in ("height", "direction", "edge_amount", "edge_sense") for name in GROUPS[group]
+    ),
+}
+"""The evidence that each part of the mark rests on."""
 FEWEST = 5
 """A rank correlation within a character is taken where it has at least this many copies."""
 OTHER_CHARACTER = 10.0
@@ -168,51 +177,43 @@ def measure_copy(copy: Copy) -> Measured:
     return Measured(copy, features, sim_paper(registration), similarity(registration))
 
 
-def other_characters(copies: list[Copy]) -> list[Residuals]:
-    """Residuals of each master against the masters of three other characters: a wrong character."""
+def other_characters(copies: list[Copy]) -> list[Features]:
+    """Features of each master against the masters of three other characters: a wrong character."""
     masters = sorted({copy.template for copy in copies})
     chosen = ((a, masters[(i + step) % len(masters)]) for i, a in enumerate(masters) for step in (1, 4, 9))
-    return [compare(_master(b), _master(a))[1].residuals for a, b in chosen if a != b]
+    return [compare(_master(b), _master(a))[1] for a, b in chosen if a != b]
 
 
-def fit_panel(measured: list[Measured], others: list[Residuals]) -> Calibration:
+def fit_panel(measured: list[Measured], others: list[Features]) -> Calibration:
     """Scale and parts from marked copies, anchored; the interval is left at zero width."""
-    logs = np.array([m.features.residuals.logarithms() for m in measured if m.features])
-    marks = np.array([m.copy.mark for m in measured if m.features])
-    scale = anchored(fit_scale(logs, marks, names=RESIDUALS), others=others)
+    kept = [(m.features, m.copy) for m in measured if m.features]
+    evidence = np.array([features.evidence() for features, _ in kept])
+    marks, characters = np.array([c.mark for _, c in kept]), [c.character for _, c in kept]
+    scale = fit_scale(evidence, marks, characters, names=WEIGHED)
+    parts = {part: fit_scale(evidence, marks, characters, names=names) for part, names in PARTS.items()}
     return Calibration(
-        scale=scale,
-        parts={part: anchored(fit_scale(logs, marks, names=names)) for part, names in PARTS.items()},
+        scale=anchored(scale, others=others),
+        parts={part: anchored(scale) for part, scale in parts.items()},
         interval=(0.0, 0.0),
-        provenance=f"{len(marks)} brush copies of {len({m.copy.character for m in measured})} "
+        provenance=f"{len(marks)} brush copies of {len(set(characters))} "
         "regular-script characters, each marked 1-10 by about ten people (E3C, Sun et al. 2023); "
         "panel mark = mean times ten",
-        fullness=fit_fullness(measured, scale),
     )
 
 
-def fit_fullness(measured: list[Measured], scale: Scale, *, shrinkage: float = 300.0) -> float:
-    """Points per ln of size in what the scale leaves unexplained: ridge, shrunk like the scale."""
-    pairs = [(m.features, m.copy.mark) for m in measured if m.features]
-    size = np.array([float(fullness(features.size)) for features, _ in pairs])
-    left = np.array([mark - scale.read(features.residuals) for features, mark in pairs])
-    spread = float(size.std())
-    return float(size @ (left - left.mean()) / (len(size) * spread**2 + shrinkage * spread**2))
-
-
-def anchored(scale: Scale, *, others: list[Residuals] | None = None) -> Scale:
+def anchored(scale: Scale, *, others: list[Features] | None = None) -> Scale:
     """The panel's scale within the human range, stretched above it to reach 100 for a perfect copy.
 
-    others: residuals of other characters; with them it is stretched below the human range too, so that the
+    others: features of other characters; with them it is stretched below the human range too, so that the
         middle one reads OTHER_CHARACTER. A part alone cannot tell characters apart, so it goes without.
     Raises CalibrationError when the anchors would not rise.
     """
     low, high = HUMAN_RANGE
     nothing = 0.0
     if others:
-        wrong = float(np.median([scale.weigh(r) for r in others]))
+        wrong = float(np.median([scale.weigh(features) for features in others]))
         nothing = wrong - OTHER_CHARACTER * (low - wrong) / (low - OTHER_CHARACTER)
-    perfect = scale.weigh(Residuals(0.0, 0.0, 0.0, 0.0, 0.0))
+    perfect = scale.weigh(Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0))
     if not nothing < low < high < perfect:
         raise CalibrationError(f"expected anchors that rise, got {nothing}, {low}, {high}, {perfect}")
     return replace(scale, anchors=((nothing, 0.0), (low, low), (high, high), (perfect, 100.0)))

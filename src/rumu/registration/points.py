@@ -65,18 +65,13 @@ def sample_points(surface: Surface, *, settings: Sampling | None = None) -> Poin
     was measured and is flat, as ink on paper is.
     """
     mask = ink_mask(surface)
-    rows, columns = np.nonzero(mask)
-    if len(rows) < 20:
-        raise RegistrationError(f"expected a surface with at least 20 pixels of ink, got {len(rows)}")
-    centre, radius = np.array([columns.mean(), rows.mean()]), float(np.hypot(columns.std(), rows.std()))
-    if radius < 2.0:
-        raise RegistrationError(f"expected ink with an rms radius of 2 pixels or more, got {radius:.2f}")
+    centre, radius = _place(mask)
     height = surface.height / surface.spacing
     bounds, noise = (0.0, INFLATION_TOP * radius), 0.0
     if surface.source != "inflation":
         bounds, noise = _own_bounds(height, ink=mask, paper=surface.mask & ~mask)
     relief = normalise_height(height, mask=mask, bounds=bounds, noise=noise)
-    ink, relief = _canvas(mask, relief, centre=centre, radius=radius)
+    ink, relief = (_canvas(image, centre=centre, radius=radius) for image in (mask, relief))
     rows_in_all, columns_in_all = surface.height.shape
     longer = max(rows_in_all, columns_in_all)
     settings = settings or Sampling()
@@ -131,22 +126,38 @@ def stroke_direction(ink: FloatArray) -> FloatArray:
     return np.asarray(double / np.maximum(length, 1e-6), dtype=np.float32)
 
 
-def _canvas(
-    mask: BoolArray, relief: FloatArray, *, centre: FloatArray, radius: float
-) -> tuple[FloatArray, FloatArray]:
-    """Ink in [0, 1] and relief brought to the common canvas, both (CANVAS, CANVAS) float32."""
+def canvas_ink(surface: Surface) -> FloatArray:
+    """(CANVAS, CANVAS) float32 in [0, 1]: the ink of a surface on the common canvas, size and place taken out.
+
+    Raises RegistrationError when the surface holds too little ink.
+    """
+    mask = ink_mask(surface)
+    centre, radius = _place(mask)
+    return _canvas(mask, centre=centre, radius=radius)
+
+
+def _place(mask: BoolArray) -> tuple[FloatArray, float]:
+    """Centroid (column, row) and rms radius of the ink, in pixels."""
+    rows, columns = np.nonzero(mask)
+    if len(rows) < 20:
+        raise RegistrationError(f"expected a surface with at least 20 pixels of ink, got {len(rows)}")
+    radius = float(np.hypot(columns.std(), rows.std()))
+    if radius < 2.0:
+        raise RegistrationError(f"expected ink with an rms radius of 2 pixels or more, got {radius:.2f}")
+    return np.array([columns.mean(), rows.mean()]), radius
+
+
+def _canvas(image: BoolArray | FloatArray, *, centre: FloatArray, radius: float) -> FloatArray:
+    """Ink in [0, 1] or relief brought to the common canvas, (CANVAS, CANVAS) float32."""
     import cv2
 
     scale = RADIUS / radius
     half = (CANVAS - 1) / 2
     M = np.array([[scale, 0.0, half - scale * centre[0]], [0.0, scale, half - scale * centre[1]]])
-
-    def bring(image: FloatArray) -> FloatArray:
-        if scale < 1:  # smooth before shrinking, or edges alias
-            image = cv2.GaussianBlur(image, (0, 0), 0.4 / scale)
-        return np.asarray(cv2.warpAffine(image, M, (CANVAS, CANVAS), flags=cv2.INTER_LINEAR), np.float32)
-
-    return bring(mask.astype(np.float32)), bring(relief)
+    image = image.astype(np.float32)
+    if scale < 1:  # smooth before shrinking, or edges alias
+        image = cv2.GaussianBlur(image, (0, 0), 0.4 / scale)
+    return np.asarray(cv2.warpAffine(image, M, (CANVAS, CANVAS), flags=cv2.INTER_LINEAR), np.float32)
 
 
 def _one_per_square(ink: FloatArray, *, settings: Sampling) -> tuple[IntArray, IntArray]:

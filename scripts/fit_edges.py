@@ -1,0 +1,52 @@
+"""Make the basis in which edges of ink are described: `python scripts/fit_edges.py [DATA]`.
+
+Writes src/rumu/assessment/edges.npz from 250 characters of the stele works in DATA/masters/regular. No copy
+and no mark is read, so whatever is judged on marks has not been seen here.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import rumu
+from rumu.assessment.edges import COMPONENTS, KINDS, edge_patches
+from rumu.registration.points import canvas_ink
+
+HOME = Path(__file__).parents[1]
+CHARACTERS, EACH = 250, 40
+
+
+def basis(patches: np.ndarray) -> dict[str, np.ndarray]:
+    """Mean, principal components and their spreads of (N, D) patches."""
+    mean = patches.mean(axis=0)
+    values, vectors = np.linalg.eigh(np.cov(patches - mean, rowvar=False))
+    components = vectors[:, ::-1][:, :COMPONENTS]
+    components *= np.sign(components.sum(axis=0))  # a sign of its own, the same on every machine
+    return {"mean": mean, "components": components, "spread": np.sqrt(values[::-1][:COMPONENTS])}
+
+
+def bases(data: Path) -> dict[str, np.ndarray]:
+    """The bases of all kinds, as they are stored."""
+    folder = data / "masters" / "regular"
+    with (folder / "labels.csv").open(encoding="utf-8", newline="") as stream:
+        names = sorted(row["file"] for row in csv.DictReader(stream))
+    rng = np.random.default_rng(0)
+    taken: list[list[np.ndarray]] = [[] for _ in KINDS]
+    for name in rng.choice(names, CHARACTERS, replace=False):
+        for pile, found in zip(taken, edge_patches(canvas_ink(rumu.relief(folder / name))), strict=True):
+            pile.append(found[rng.choice(len(found), EACH)])
+    return {
+        f"{kind.frame}_{name}": array.astype(np.float32)
+        for kind, pile in zip(KINDS, taken, strict=True)
+        for name, array in basis(np.concatenate(pile)).items()
+    }
+
+
+if __name__ == "__main__":
+    data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("RUMU_DATA", HOME / "../shared/data"))
+    np.savez(HOME / "src/rumu/assessment/edges.npz", **bases(data))
