@@ -17,7 +17,7 @@ from rumu.gallery.works import find_work
 MASTER = find_work("regular-ren").path
 
 
-def numbered(task: Task) -> Measured:
+def numbered(task: Task, *, pictures=None) -> Measured:
     """Work that tells how often it was done."""
     asked.append(task.key)
     return Measured(task.key, task.cluster, {OURS: float(task.key) / 10})
@@ -35,13 +35,15 @@ def here(monkeypatch):
     """In this process, so that the work can be watched."""
     asked.clear()
     monkeypatch.setattr(measuring, "_in_parallel", map)
+    monkeypatch.setattr(measuring, "BEHIND", {**measuring.BEHIND, "numbered": ("values.py",)})
 
 
 def test_a_pair_is_measured_by_every_method():
-    work = Faulty(MASTER, "angle", 5, 11)
-    good, bad = (measuring.measure(Task("k", "c", MASTER, copy)) for copy in (Written(MASTER), work))
+    bad = Faulty(MASTER, "angle", 5, 11)
+    pair = [Task("good", "c", MASTER, Written(MASTER)), Task("bad", "c", MASTER, bad)]
+    good, worse = measuring.measure_all(pair)
     assert set(good.raw) == {*OWN, *METHODS}
-    assert good.mark == pytest.approx(100, abs=1) and bad.mark < good.mark
+    assert good.mark == pytest.approx(100, abs=1) and worse.mark < good.mark
     assert good.refused is None and good.failed == ()
 
 
@@ -49,54 +51,66 @@ def test_a_refused_copy_says_why(tmp_path):
     from PIL import Image
 
     Image.new("L", (200, 200), 255).save(tmp_path / "blank.png")
-    measured = measuring.measure(Task("k", "c", MASTER, Written(tmp_path / "blank.png")))
+    (measured,) = measuring.measure_all([Task("k", "c", MASTER, Written(tmp_path / "blank.png"))])
     assert measured.refused and measured.raw == {} and np.isnan(measured.mark)
 
 
+def test_a_picture_is_made_once(tmp_path, monkeypatch):
+    recipe = Faulty(MASTER, "lean", 3, 11)
+    made = measuring.drawn(recipe, tmp_path)
+    np.testing.assert_array_equal(made, recipe.picture())
+    monkeypatch.setattr(Faulty, "picture", lambda self: pytest.fail("made again"))
+    np.testing.assert_array_equal(measuring.drawn(recipe, tmp_path), made)
+
+
 def test_what_was_measured_is_found_again(tmp_path):
-    first = measuring.measure_all(tasks(3), work=numbered, store=tmp_path)
-    again = measuring.measure_all(tasks(5), work=numbered, store=tmp_path)
+    first = measuring.measure_by(numbered, tasks(3), store=tmp_path)
+    again = measuring.measure_by(numbered, tasks(5), store=tmp_path)
     assert asked == ["0", "1", "2", "3", "4"]
     assert again[:3] == first and [m.key for m in again] == ["0", "1", "2", "3", "4"]
 
 
 def test_a_line_that_was_cut_short_is_measured_again(tmp_path):
-    measuring.measure_all(tasks(3), work=numbered, store=tmp_path)
+    measuring.measure_by(numbered, tasks(3), store=tmp_path)
     (file,) = tmp_path.iterdir()
     file.write_text(file.read_text()[:-15])
-    measuring.measure_all(tasks(4), work=numbered, store=tmp_path)
+    measuring.measure_by(numbered, tasks(4), store=tmp_path)
     assert asked == ["0", "1", "2", "2", "3"]
     assert [json.loads(line)["key"] for line in file.read_text().splitlines()] == ["0", "1", "2", "3"]
 
 
 def test_other_code_measures_anew(tmp_path, monkeypatch):
-    measuring.measure_all(tasks(1), work=numbered, store=tmp_path)
-    monkeypatch.setattr(measuring, "code_hash", lambda: "f" * 64)
-    measuring.measure_all(tasks(1), work=numbered, store=tmp_path)
+    measuring.measure_by(numbered, tasks(1), store=tmp_path)
+    monkeypatch.setattr(measuring, "code_hash", lambda parts: "f" * 64)
+    measuring.measure_by(numbered, tasks(1), store=tmp_path)
     assert asked == ["0", "0"]
 
 
 def test_progress_counts_what_was_there(tmp_path):
-    measuring.measure_all(tasks(2), work=numbered, store=tmp_path)
+    measuring.measure_by(numbered, tasks(2), store=tmp_path)
     seen = []
-    measuring.measure_all(tasks(3), work=numbered, store=tmp_path, progress=lambda k, n: seen.append((k, n)))
+    measuring.measure_by(numbered, tasks(3), store=tmp_path, progress=lambda k, n: seen.append((k, n)))
     assert seen == [(3, 3)]
 
 
-def test_the_hash_follows_what_judges_and_not_what_prints(tmp_path, monkeypatch):
+def test_the_hash_follows_what_a_work_rests_on(tmp_path, monkeypatch):
     import rumu
 
     root = tmp_path / "rumu"
-    for name in ("surface/ink.py", "cli/words.py", "experiments/made.py", "experiments/page.py"):
+    for name in ("surface/ink.py", "assessment/mark.py", "baselines/hog.py", "cli/words.py", "pipeline.py"):
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text("one")
     monkeypatch.setattr(rumu, "__file__", str(root / "__init__.py"))
 
-    def changed(name: str, *, whole: bool = False) -> bool:
-        before = measuring.code_hash(whole=whole)
+    def who_starts_anew(name: str) -> set[str]:
+        before = {work: measuring.code_hash(parts) for work, parts in measuring.BEHIND.items()}
         Path(root / name).write_text(Path(root / name).read_text() + "more")
-        return measuring.code_hash(whole=whole) != before
+        return {
+            work for work, parts in measuring.BEHIND.items() if measuring.code_hash(parts) != before[work]
+        }
 
-    assert changed("surface/ink.py") and changed("experiments/made.py")
-    assert not changed("cli/words.py") and not changed("experiments/page.py")
-    assert changed("experiments/page.py", whole=True)
+    ours = {"measure_ours", "measure_variants"}
+    assert who_starts_anew("surface/ink.py") == {*ours, "measure_others"}
+    assert who_starts_anew("assessment/mark.py") == who_starts_anew("pipeline.py") == ours
+    assert who_starts_anew("baselines/hog.py") == {"measure_others"}
+    assert who_starts_anew("cli/words.py") == set()

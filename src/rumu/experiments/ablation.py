@@ -8,6 +8,7 @@ characters.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from rumu.experiments.agreement import Graded, held_out, side_by_side
 from rumu.experiments.findings import Cell, Column, Findings, Setting, Table
 from rumu.experiments.human import chosen_copies
 from rumu.experiments.made import Written
-from rumu.experiments.measuring import Measured, Task, measure_all, residual_grade
+from rumu.experiments.measuring import Measured, Task, drawn, measure_by, residual_grade
 from rumu.experiments.protocol import declared
 from rumu.experiments.statistics import cluster_interval, spearman, within
 from rumu.report.wording import Text
@@ -36,7 +37,7 @@ def run(setting: Setting) -> Findings:
     """Every variant on the marked copies. Raises CalibrationError when they are not there."""
     copies = chosen_copies(setting)
     tasks = [Task(f"ablation/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies]
-    measured = measure_all(tasks, work=measure_variants, store=setting.store, progress=setting.progress)
+    measured = measure_by(measure_variants, tasks, store=setting.store, progress=setting.progress)
     kept = [(c, m) for c, m in zip(copies, measured, strict=True) if m.refused is None]
     marks = np.array([c.mark for c, _ in kept])
     characters = [c.character for c, _ in kept]
@@ -76,13 +77,13 @@ def weights() -> list[tuple[float, float]]:
     return list(dict.fromkeys([*pairs, base_weights(), (0.0, base_weights()[1])]))
 
 
-def measure_variants(task: Task) -> Measured:
+def measure_variants(task: Task, *, pictures: Path | None = None) -> Measured:
     """One copy by every variant; density is NaN (kept as None) where the picture has but one tone of ink."""
     from rumu import pipeline
     from rumu.errors import RumuError
 
     try:
-        copy, master = (pipeline.surface_of(p) for p in (task.copy.picture(), task.master))
+        copy, master = (pipeline.surface_of(p) for p in (drawn(task.copy, pictures), task.master))
         found = {pair: _registered(copy, master, *pair) for pair in weights()}
     except RumuError as error:
         return Measured(task.key, task.cluster, refused=str(error))

@@ -12,11 +12,21 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from rumu.experiments.measuring import code_hash
+from rumu.experiments.measuring import BEHIND, code_hash
 from rumu.experiments.protocol import Protocol, declared
 from rumu.report.wording import Text
 
 Cell = str | float | int | None
+
+_RULES = (
+    *("statistics", "agreement", "e3c", "human", "levels", "severities", "nuisance", "runtime", "ablation"),
+    *("remarks", "gaming", "identity", "locked", "pictures", "findings"),
+)
+RESULTS = (
+    *dict.fromkeys(part for parts in BEHIND.values() for part in parts),
+    *(f"experiments/{rule}.py" for rule in _RULES),
+)
+"""What a kept result rests on: all that is measured with, and what the experiments make of it."""
 Progress = Callable[[int, int], None]
 
 
@@ -127,7 +137,7 @@ def origin(setting: Setting) -> dict[str, Any]:
     """What a result rests on: protocol, code, commit, time, and whether it is the quick subset."""
     return {
         "protocol_sha256": setting.protocol.sha256,
-        "code_sha256": code_hash(whole=True),
+        "code_sha256": code_hash(RESULTS),
         "commit": commit(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "quick": setting.quick,
@@ -165,7 +175,7 @@ def still_holds(plain: Mapping[str, Any], *, setting: Setting) -> bool:
     """Whether a kept result was measured by this very code under this very protocol."""
     now = {
         "protocol_sha256": setting.protocol.sha256,
-        "code_sha256": code_hash(whole=True),
+        "code_sha256": code_hash(RESULTS),
         "quick": setting.quick,
     }
     return all(plain.get(key) == value for key, value in now.items())

@@ -22,7 +22,7 @@ from rumu.experiments.agreement import (
 from rumu.experiments.e3c import Copy, read_copies
 from rumu.experiments.findings import Cell, Findings, Setting, Table
 from rumu.experiments.made import Written
-from rumu.experiments.measuring import OURS, OWN, Measured, Task, code_hash, measure_all
+from rumu.experiments.measuring import BEHIND, OURS, OWN, Measured, Task, code_hash, measure_all
 from rumu.report.wording import Text
 from rumu.values import FloatArray
 
@@ -91,7 +91,12 @@ def own_marks(copies: list[Copy], measured: list[Measured], setting: Setting) ->
 
 def held_out_scores(setting: Setting) -> dict[str, float]:
     """Picture's name -> our held-out mark, as `experiments run e3c` finds it; kept like what is measured."""
-    file = None if setting.store is None else setting.store / f"held-out-{code_hash(whole=True)[:16]}.json"
+    file = (
+        None
+        if setting.store is None
+        else setting.store
+        / f"held-out-{code_hash((*BEHIND['measure_ours'], 'experiments/e3c.py'))[:16]}.json"
+    )
     if file is not None and file.is_file():
         return dict(json.loads(file.read_text("utf-8")))
     from rumu.experiments import e3c

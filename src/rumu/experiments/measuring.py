@@ -10,11 +10,11 @@ import functools
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rumu.experiments.made import Recipe
+from rumu.experiments.made import Picture, Recipe, Written
 
 if TYPE_CHECKING:
     from rumu.baselines.cell import Cell
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 
 _NEIGHBOURS = 7
+
+Work = Callable[..., "Measured"]
+"""work(task, pictures=folder) of one of the names in BEHIND."""
 
 OURS = "rumu"
 RESIDUAL = "5-D residual"
@@ -63,17 +66,11 @@ class Measured:
         return 100.0 * self.raw[OURS] if self.raw else float("nan")
 
 
-def measure(task: Task) -> Measured:
-    """One copy by every method."""
+def measure_ours(task: Task, *, pictures: Path | None = None) -> Measured:
+    """One copy by our mark, and the grades that come with our registration."""
     from rumu import pipeline
-    from rumu.errors import RefusedImage
 
-    master = _surface(task.master)
-    try:
-        copy = pipeline.surface_of(task.copy.picture())
-    except RefusedImage as refusal:
-        return Measured(task.key, task.cluster, refused=str(refusal))
-    mark = pipeline.assess(copy, master)
+    mark = pipeline.assess(drawn(task.copy, pictures), _surface(task.master))
     if mark.score is None or mark.registration is None:
         return Measured(task.key, task.cluster, refused=str(mark.refused))
     own = {
@@ -82,8 +79,37 @@ def measure(task: Task) -> Measured:
         SIMILARITY: float(mark.similarity or 0.0),
         SIM_PAPER: float(mark.sim_paper or 0.0),
     }
-    grades, failed = _by_the_others(copy, task.master)
-    return Measured(task.key, task.cluster, own | grades, failed)
+    return Measured(task.key, task.cluster, own)
+
+
+def measure_others(task: Task, *, pictures: Path | None = None) -> Measured:
+    """One copy by every other method."""
+    from rumu import pipeline
+    from rumu.baselines.cell import cell_of
+    from rumu.errors import RumuError
+
+    try:
+        cell = cell_of(pipeline.surface_of(drawn(task.copy, pictures)))
+    except RumuError as refusal:
+        return Measured(task.key, task.cluster, refused=str(refusal))
+    grades, failed = _by_the_others(cell, _cell(task.master))
+    return Measured(task.key, task.cluster, grades, failed)
+
+
+def drawn(recipe: Recipe, pictures: Path | None) -> Path | Picture:
+    """The picture of a recipe, from the folder of pictures where it was made before."""
+    if pictures is None or isinstance(recipe, Written):
+        return recipe.picture()
+    import numpy as np
+    from PIL import Image
+
+    from rumu.outputs import whole_file
+
+    file = pictures / f"{hashlib.sha256(repr(recipe).encode()).hexdigest()[:32]}.png"
+    if not file.is_file():
+        with whole_file(file) as part:
+            Image.fromarray(np.asarray(recipe.picture())).save(part, "PNG")
+    return np.asarray(Image.open(file))
 
 
 def residual_grade(registration: Registration) -> float:
@@ -94,12 +120,10 @@ def residual_grade(registration: Registration) -> float:
     return 1.0 - float(np.mean([np.percentile(way, 75) for way in ways]))
 
 
-def _by_the_others(copy: Surface, master: Path) -> tuple[dict[str, float], tuple[str, ...]]:
-    from rumu.baselines.cell import cell_of
+def _by_the_others(cell: Cell, reference: Cell) -> tuple[dict[str, float], tuple[str, ...]]:
     from rumu.baselines.methods import METHODS
     from rumu.errors import RumuError
 
-    cell, reference = cell_of(copy), _cell(master)
     grades, failed = {}, []
     for name, method in METHODS.items():
         try:
@@ -125,23 +149,46 @@ def _cell(master: Path) -> Cell:
 
 
 def measure_all(
-    tasks: Sequence[Task],
-    *,
-    work: Callable[[Task], Measured] = measure,
-    store: Path | None = None,
-    progress: Progress | None = None,
+    tasks: Sequence[Task], *, store: Path | None = None, progress: Progress | None = None
 ) -> list[Measured]:
-    """All tasks, in order, on all cores.
+    """All tasks by our mark and by every other method, in order. A copy that either refuses is refused."""
+    total = 2 * len(tasks)
 
-    work: what is done with each; a function of a module. store: a folder where what is measured is kept and
-    found again, in a file for each kind of work.
+    def second(done: int, of: int) -> None:
+        if progress:
+            progress(len(tasks) + done, total)
+
+    def first(done: int, of: int) -> None:
+        if progress:
+            progress(done, total)
+
+    ours = measure_by(measure_ours, tasks, store=store, progress=first)
+    others = measure_by(measure_others, tasks, store=store, progress=second)
+    return [_together(a, b) for a, b in zip(ours, others, strict=True)]
+
+
+def _together(ours: Measured, others: Measured) -> Measured:
+    refused = ours.refused or others.refused
+    raw = {} if refused else {**ours.raw, **others.raw}
+    return replace(ours, raw=raw, failed=others.failed, refused=refused)
+
+
+def measure_by(
+    work: Work, tasks: Sequence[Task], *, store: Path | None = None, progress: Progress | None = None
+) -> list[Measured]:
+    """work(task) of all tasks, in order, on all cores.
+
+    work: one of `BEHIND`. store: a folder where what is measured is kept, and found again as long as the code
+    behind the work is the same.
     """
-    kind = f"{work.__module__.rpartition('.')[2]}-{work.__name__}"
-    file = None if store is None else store / f"{kind}-{code_hash()[:16]}.jsonl"
+    file = pictures = None
+    if store is not None:
+        file = store / f"{work.__name__}-{code_hash(BEHIND[work.__name__])[:16]}.jsonl"
+        pictures = store / f"pictures-{code_hash(_PICTURES)[:16]}"
     known = {} if file is None else _read(file)
     missing = [task for task in tasks if task.key not in known]
     done = len(tasks) - len(missing)
-    for measured in _in_parallel(work, missing):
+    for measured in _in_parallel(functools.partial(work, pictures=pictures), missing):
         known[measured.key] = measured
         done += 1
         if file is not None:
@@ -164,22 +211,29 @@ def _each(work: Callable[[Task], Measured], tasks: Sequence[Task]) -> list[Measu
     return [work(task) for task in tasks]
 
 
-def code_hash(*, whole: bool = False) -> str:
-    """SHA-256 of all that a measurement rests on: the code and data of the rooms that make and judge copies.
+_PICTURES = (
+    *("capture", "surface", "simulation", "gallery/starter", "gallery/works.py", "values.py"),
+    *("experiments/made.py", "experiments/protocol.json"),
+)
+_COMPARED = (*_PICTURES, "registration/points.py", "experiments/measuring.py")
+_MARKED = (*_COMPARED, "registration", "assessment", "pipeline.py")
+BEHIND: Mapping[str, tuple[str, ...]] = {
+    "measure_ours": _MARKED,
+    "measure_others": (*_COMPARED, "baselines"),
+    "measure_variants": (*_MARKED, "experiments/ablation.py"),
+}
+"""What each kind of work rests on, in files and folders of the package: when one changes, it is done anew."""
 
-    whole: with the code of the experiments themselves, on which a result rests too.
-    """
+
+def code_hash(parts: Sequence[str] = ("",)) -> str:
+    """SHA-256 of the code and data of the package, or of some files and folders of it."""
     import rumu
 
     root = Path(rumu.__file__).parent
-    found = [p for p in sorted(root.rglob("*")) if p.suffix in (".py", ".json", ".npz")]
-    rooms = {p: p.relative_to(root).parts[0] for p in found}
-    own = {"made.py", "measuring.py", "protocol.json"}
+    found = {p for part in parts for p in (root / part, *(root / part).rglob("*")) if p.is_file()}
     total = hashlib.sha256()
-    for path in found:
-        mine = rooms[path] == "experiments" and (whole or path.name in own)
-        if mine or rooms[path] not in ("cli", "report", "experiments"):
-            total.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    for path in sorted(p for p in found if p.suffix in (".py", ".json", ".npz", ".npy", ".png")):
+        total.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
     return total.hexdigest()
 
 
