@@ -106,9 +106,9 @@ def test_full_writing_is_marked_up_within_reason():
 @pytest.mark.parametrize(
     ("pose", "points"),
     [
-        ({"lean": 8.0}, 0),
-        ({"lean": 10.0}, 4),
-        ({"lean": -10.0}, 4),
+        ({"lean": 10.0}, 0),
+        ({"lean": 12.0}, 4),
+        ({"lean": -12.0}, 4),
         ({"lean": 170.0}, 40),
         ({"offset": 0.12}, 0),
         ({"offset": 0.22}, 10),
@@ -117,7 +117,7 @@ def test_full_writing_is_marked_up_within_reason():
         ({"size": 0.5}, 8),
         ({"size": -0.5}, 8),
         ({"size": np.log(0.2)}, 40),
-        ({"lean": 10.0, "offset": 0.22, "size": -0.5}, 22),
+        ({"lean": 12.0, "offset": 0.22, "size": -0.5}, 22),
     ],
 )
 def test_pose_is_charged_apart_beyond_a_tolerance_up_to_a_cap(pose, points):

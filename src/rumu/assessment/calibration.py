@@ -47,7 +47,7 @@ class Charges:
     counterpart set a ceiling of `ceiling` less `ceiling_rate` times their share, below 'excellent'.
     """
 
-    lean_free: float = 8.0  # degrees
+    lean_free: float = 10.0  # degrees
     lean_rate: float = 2.0  # points per degree
     offset_free: float = 0.12  # fraction of the cell
     offset_rate: float = 100.0  # points per cell
@@ -197,7 +197,7 @@ def fit_scale(
     groups: Sequence[str],
     *,
     names: tuple[str, ...],
-    shrinkage: float = 1000.0,
+    shrinkage: float = 500.0,
 ) -> Scale:
     """Weights from what differs within a master's copies, with what differs between masters as noise.
 

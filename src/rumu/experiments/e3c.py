@@ -41,8 +41,12 @@ FEWEST = 5
 """A rank correlation within a character is taken where it has at least this many copies."""
 OTHER_CHARACTER = 10.0
 """Score at which the middle one of other characters' copies is anchored."""
-HUMAN_RANGE = (35.0, 75.0)
+HUMAN_RANGE = (30.0, 80.0)
 """Between these the scale is the panel's own; beyond, it is stretched to reach the anchors."""
+
+
+TAILS = (9, 91)
+"""Percentiles of held-out errors at which the 80 % interval ends: a little wide, since characters are few."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,13 +239,13 @@ def held_out(measured: list[Measured], refused: list[Measured], others: list[Res
     low, high = np.empty(len(measured)), np.empty(len(measured))
     for character in np.unique(characters):
         own = characters == character
-        offsets = np.percentile((marks - scores)[~own], (10, 90))
+        offsets = np.percentile((marks - scores)[~own], TAILS)
         low[own], high[own] = (
             np.clip(scores[own] + offsets[0], 0, 100),
             np.clip(scores[own] + offsets[1], 0, 100),
         )
     whole = fit_panel(measured, others)
-    offsets = np.percentile(marks - scores, (10, 90))
+    offsets = np.percentile(marks - scores, TAILS)
     final = replace(whole, interval=(float(offsets[0]), float(offsets[1])))
     result = Result(tuple(measured), tuple(refused), scores, low, high, final)
     return replace(result, figures=_figures(result))
