@@ -58,7 +58,11 @@ def test_the_experiment_gets_its_data_and_its_place(rumu, asked, data, tmp_path,
     assert rumu("experiments", "run", "e3c", "--data", data, "-o", tmp_path / "o").out == "652 pairs\n"
     monkeypatch.setenv("RUMU_DATA", str(data))
     rumu("experiments", "run", "e3c")
-    assert asked == [("e3c", data, None), ("e3c", data, tmp_path / "o" / "tables"), ("e3c", data, None)]
+    assert asked == [
+        ("people", data, None),
+        ("people", data, tmp_path / "o" / "tables"),
+        ("people", data, None),
+    ]
     kept = json.loads((tmp_path / "o" / "results" / "e3c.json").read_text())
     assert kept["facts"] == {"pairs": 652} and kept["words"] == "652 pairs"
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rumu.experiments.findings import method_name
 from rumu.report.pictures import PAPER
 
 INK, SOFT, ACCENT, CALM = "#26231f", "#8a8175", "#a5321f", "#3d6470"
@@ -65,10 +66,12 @@ def sheet(
     from rumu.outputs import whole_file
 
     plt = _pyplot()
+    heights = [max(picture.shape[0] / picture.shape[1] for picture in row) for row in rows]
     figure, axes = plt.subplots(
         len(rows),
         len(above),
-        figsize=(2.1 * len(above), 2.1 * len(rows)),
+        figsize=(2.1 * len(above), 2.1 * sum(heights) + 0.25),
+        height_ratios=heights,
         squeeze=False,
         layout="constrained",
     )
@@ -102,7 +105,7 @@ def error_bars(
         ax.plot([max(row["mae"] - row["sd"], 0), row["mae"] + row["sd"]], [y, y], color=SOFT, lw=0.8)
         ax.plot([row["mae_low"], row["mae_high"]], [y, y], color=INK, lw=2.2)
         ax.text(0.3, y, f"{row['mae']:.1f} ± {row['sd']:.1f}", va="center", fontsize=7.5, color="white")
-    _named(ax, [row["method"] for row in rows])
+    _named(ax, [method_name(row["method"]) for row in rows])
     ax.set_xlabel(label)
     return _saved(figure, path)
 
@@ -129,7 +132,7 @@ def dots(
         if row.get(low) is not None:
             ax.plot([row[low], row[high]], [y, y], color=colour, lw=1.6)
         ax.plot([row[value]], [y], "o", color=colour, ms=5)
-    _named(ax, [row[name] for row in shown])
+    _named(ax, [method_name(row[name]) for row in shown])
     ax.set_xlabel(label)
     return _saved(figure, path)
 
@@ -180,7 +183,7 @@ def bars(
         ax.axvline(limit, color=INK, lw=1.0, ls="--")
     if logarithmic:
         ax.set_xscale("log")
-    _named(ax, [row[name] for row in shown])
+    _named(ax, [method_name(row[name]) for row in shown])
     ax.set_xlabel(label)
     return _saved(figure, path)
 

@@ -19,7 +19,19 @@ from rumu.report.wording import Text
 Cell = str | float | int | None
 
 _RULES = (
-    *("statistics", "agreement", "e3c", "human", "levels", "severities", "nuisance", "runtime", "ablation"),
+    *(
+        "statistics",
+        "agreement",
+        "e3c",
+        "people",
+        "groups",
+        "human",
+        "levels",
+        "severities",
+        "nuisance",
+        "runtime",
+        "ablation",
+    ),
     *("remarks", "gaming", "identity", "locked", "pictures", "findings"),
 )
 RESULTS = (
@@ -78,7 +90,7 @@ class Table:
 
     def shown(self) -> list[list[str]]:
         """Rows as a reader sees them."""
-        return [[_shown(row.get(column.key), column.digits) for column in self.columns] for row in self.rows]
+        return [[_shown(row.get(column.key), column) for column in self.columns] for row in self.rows]
 
     def text(self) -> str:
         """The table for a terminal."""
@@ -194,6 +206,13 @@ def write_csv(table: Table, path: Path, *, setting: Setting) -> None:
             writer.writerow([*cells, setting.protocol.sha256, int(setting.quick)])
 
 
+def method_name(name: str) -> str:
+    """The name to print: what we reconstructed from an abstract is not its authors' method."""
+    from rumu.baselines.methods import RECONSTRUCTED
+
+    return f"{name}-based (reconstructed)" if name in RECONSTRUCTED else name
+
+
 def commit() -> str | None:
     """The checkout's commit, with '+' where files differ from it; None outside of a checkout."""
     root = Path(__file__).resolve().parents[3]
@@ -207,10 +226,12 @@ def commit() -> str | None:
     return answer.stdout.strip()
 
 
-def _shown(cell: Cell, digits: int) -> str:
+def _shown(cell: Cell, column: Column) -> str:
     if cell is None or (isinstance(cell, float) and not math.isfinite(cell)):
         return "–"
-    return f"{cell:.{digits}f}" if isinstance(cell, float) else str(cell)
+    if column.key == "method":
+        return method_name(str(cell))
+    return f"{cell:.{column.digits}f}" if isinstance(cell, float) else str(cell)
 
 
 def _plain(value: Any) -> Any:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +20,8 @@ from rumu.experiments.agreement import (
 from rumu.experiments.e3c import Copy, read_copies
 from rumu.experiments.findings import Cell, Findings, Setting, Table
 from rumu.experiments.made import Written
-from rumu.experiments.measuring import BEHIND, OURS, OWN, Measured, Task, code_hash, measure_all
+from rumu.experiments.measuring import OURS, OWN, Measured, Task, measure_all
+from rumu.experiments.people import marked_copies
 from rumu.report.wording import Text
 from rumu.values import FloatArray
 
@@ -85,28 +84,9 @@ def own_marks(copies: list[Copy], measured: list[Measured], setting: Setting) ->
     """
     if setting.quick:
         return np.array([m.mark for m in measured])
-    scores = held_out_scores(setting)
+    marked = marked_copies(setting)
+    scores = dict(zip(marked.images, marked.scores, strict=True))
     return np.array([scores[c.image.name] for c in copies])
-
-
-def held_out_scores(setting: Setting) -> dict[str, float]:
-    """Picture's name -> our held-out mark, as `experiments run e3c` finds it; kept like what is measured."""
-    file = (
-        None
-        if setting.store is None
-        else setting.store
-        / f"held-out-{code_hash((*BEHIND['measure_ours'], 'experiments/e3c.py'))[:16]}.json"
-    )
-    if file is not None and file.is_file():
-        return dict(json.loads(file.read_text("utf-8")))
-    from rumu.experiments import e3c
-
-    result = e3c.run(setting.data, progress=setting.progress)
-    pairs = zip(result.measured, result.scores, strict=True)
-    scores = {m.copy.image.name: float(score) for m, score in pairs}
-    if file is not None:
-        _write(scores, file)
-    return scores
 
 
 def one_rater(copies: list[Copy]) -> dict[str, float]:
@@ -133,13 +113,6 @@ def _graded(
 def _failures(measured: list[Measured]) -> dict[str, int]:
     failed = [name for m in measured for name in m.failed]
     return {name: failed.count(name) for name in dict.fromkeys(failed)}
-
-
-def _write(scores: dict[str, float], file: Path) -> None:
-    from rumu.outputs import whole_file
-
-    with whole_file(file) as part:
-        part.write_text(json.dumps(scores), "utf-8")
 
 
 def _table(rows: list[dict[str, Cell]], facts: Mapping[str, Any]) -> Table:

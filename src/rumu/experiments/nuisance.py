@@ -146,7 +146,7 @@ def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
 
 
 def _sentence(facts: Mapping[str, Any]) -> Text:
-    ratio, losers = facts["ours"]["ratio"], ", ".join(facts["losers"]) or "none"
+    ratio, losers = facts["ours"]["ratio"], ", ".join(facts["losers"])
     if ratio is None:
         return Text(
             "我们的分数不随程度下降，无从比较。", "Our mark does not fall with severity: no comparison."
@@ -154,8 +154,8 @@ def _sentence(facts: Mapping[str, Any]) -> Text:
     fine = ratio < facts["wanted"]
     return Text(
         f"我们的漂移是一级毛病的 {ratio:.2f} 倍，{'低于' if fine else '未低于'}三分之一；"
-        f"单项超过三分之一的干扰：{losers}。",
+        f"单项超过三分之一的干扰：{losers or '无'}。",
         f"Our drift is {ratio:.2f} of one step of severity, "
         f"{'below' if fine else 'NOT below'} the third that was wanted; "
-        f"nuisances that by themselves exceed it: {losers}.",
+        f"nuisances that by themselves exceed it: {losers or 'none'}.",
     )
