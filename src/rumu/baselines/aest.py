@@ -9,11 +9,12 @@ later authors report it.
 Reconstructed by us: every formula, and the weights (`sensitivity` shows what they do).
 
 Decided where the reconstruction left it open: a robot knows its strokes, a picture does not, so lines of
-copy and reference are paired after both are brought to one centre and size (`stroke_pairs`). A relation of two
-strokes weighs the product of their lengths, as the direction of a spur or a dot is chance, and coordination is
-multiplied by the share of all length that has a partner, so that missing and extra strokes cost. The mesh is
-elastic in that each character has its own: inner lines that leave a third of the ink on either side. Gaps are
-taken at one size, since balance charges size; two strokes that no longer face each other differ by one unit.
+copy and reference are paired after both are brought to one centre and size (`stroke_pairs`). A relation of
+two strokes weighs the product of their lengths, as the direction of a spur or a dot is chance, and
+coordination is multiplied by the share of all length that has a partner, so that missing and extra strokes
+cost. The mesh is elastic in that each character has its own: inner lines that leave a third of the ink on
+either side. Gaps are taken at one size, since balance charges size; two strokes that no longer face each
+other differ by one unit.
 """
 
 from __future__ import annotations

@@ -100,7 +100,8 @@ def swept(lines: Iterable[Line], *, side: int) -> BoolArray:
 
     canvas = np.zeros((side, side), np.uint8)
     for line in lines:
-        disks = np.column_stack([line.points, np.maximum(line.radius, 0.5)])
+        # OpenCV's disk reaches half a pixel beyond its radius.
+        disks = np.column_stack([line.points, np.maximum(line.radius - 0.5, 0.25)])
         for x, y, r in np.round(16.0 * disks).astype(int).tolist():
             cv2.circle(canvas, (x, y), r, 1, -1, cv2.LINE_8, 4)
     return np.asarray(canvas > 0)

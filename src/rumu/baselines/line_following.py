@@ -8,6 +8,7 @@ Lengths are in sides of the character's box, y up.
 
 from __future__ import annotations
 
+import heapq
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -31,7 +32,8 @@ class FollowSettings:
     reference's. turn: most degrees at a fork, or at a bend over chords of `arm` stroke widths, as strokes
     of the reference are cut; blind_turn: the same from or into a piece shorter than `blind` stroke widths,
     whose direction is a fork's or a tip's more than the stroke's. gap: widest break in the ink that is
-    jumped. shortest, longest: length over the reference's. keep: candidates for each stroke."""
+    jumped. shortest, longest: length over the reference's. most: ways looked at for each stroke. keep:
+    candidates for each stroke."""
 
     deviation: float = 0.02
     reach: float = 0.25
@@ -43,6 +45,7 @@ class FollowSettings:
     gap: float = 0.06
     shortest: float = 0.4
     longest: float = 2.0
+    most: int = 400
     keep: int = 8
 
 
@@ -227,13 +230,23 @@ def _followed(i: int, graph: Graph, segments: Segments, settings: FollowSettings
         ahead = np.array([np.interp(travelled, along, v) for v in model.points.T]) - model.points[0]
         return bool(angles_between(stops[stop] - starts[start], ahead) <= tolerance)
 
+    def astray(stop: int, travelled: float) -> float:
+        """How far the last piece stops from where the reference is after the same length."""
+        place = np.array([np.interp(travelled, along, v) for v in model.points.T])
+        return float(np.hypot(*(stops[stop] - place)))
+
     found: list[Way] = []
-    stack: list[tuple[Way, float]] = [
-        ((int(d),), float(segments.traits.length[d])) for d in np.flatnonzero(near)
+    lengths, m = segments.traits.length, len(segments.pieces)
+    # The nearest to the reference first, so that in streaky ink, with thousands of ways, the best are seen.
+    open_ways: list[tuple[float, int, Way, float]] = [
+        (astray(d, float(lengths[d])), d, (d,), float(lengths[d])) for d in np.flatnonzero(near).tolist()
     ]
-    m = len(segments.pieces)
-    while stack:
-        way, travelled = stack.pop()
+    heapq.heapify(open_ways)
+    ticket = 2 * m
+    for _ in range(settings.most):
+        if not open_ways:
+            break
+        _, _, way, travelled = heapq.heappop(open_ways)
         if travelled > settings.longest * length or not runs_alike(way[0], way[-1], travelled):
             continue
         if travelled >= settings.shortest * length:
@@ -242,5 +255,7 @@ def _followed(i: int, graph: Graph, segments: Segments, settings: FollowSettings
         for onward in segments.follows[way[-1]]:
             if onward % m not in walked:
                 jump = float(np.hypot(*(starts[onward] - stops[way[-1]])))
-                stack.append(((*way, onward), travelled + jump + float(segments.traits.length[onward])))
+                farther = travelled + jump + float(lengths[onward])
+                ticket += 1
+                heapq.heappush(open_ways, (astray(onward, farther), ticket, (*way, onward), farther))
     return found

@@ -11,10 +11,11 @@ Reconstructed by us: every number, cost and angle (see `relational_graph`, `line
 
 Decided where the reconstruction left it open: the strokes of the reference come from its own skeleton, as
 fonts and steles have no stroke data; an arc to a stroke that is not found costs what a differing relation
-does; in the grade nodes and arcs count where strokes were found, as what is missing is charged by a factor
-of its own; and an arc weighs the mean length of its two strokes, else characters of many short strokes would cost
-more for the same deviation. Width of strokes, place, and size in the cell are not seen: the frame is the
-character's own box.
+does; in the grade nodes and arcs count where strokes were found, as what is missing is charged by a factor of
+its own; and an arc weighs the mean length of its two strokes, else characters of many short strokes would
+cost more for the same deviation. Ends are extended over what is left of the line up to the next feature
+point, and trimmed by a stub beyond a fork. Width of strokes, place, and size in the cell are not seen: the
+frame is the character's own box.
 """
 
 from __future__ import annotations

@@ -19,8 +19,9 @@ Gaps = Mapping[tuple[int, int], float]
 def white_gaps(ink: BoolArray, lines: Sequence[Line], *, least: float) -> Gaps:
     """The gaps between lines that face each other across white, along rows or along columns.
 
-    ink: (S, S) bool. lines: in its pixels; a pixel belongs to the line nearest to it. least: pixels over which
-    two must face each other to be neighbours. Of rows and columns those count in which they face longer.
+    ink: (S, S) bool. lines: in its pixels; a pixel belongs to the line nearest to it. least: pixels over
+    which two must face each other to be neighbours. Of rows and columns those count in which they face
+    longer.
     """
     side, n = ink.shape[0], len(lines)
     found: dict[tuple[int, int], tuple[int, float]] = {}

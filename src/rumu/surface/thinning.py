@@ -67,7 +67,8 @@ def _smooth(ink: Bytes, deep: FloatArray) -> BoolArray:
     import cv2
 
     quarter = float(deep[ink > 0].mean())  # of a bar's width: half-widths run evenly from 0 to a half
-    soft = cv2.GaussianBlur(255 * ink, (0, 0), max(0.35 * quarter, 0.3))
+    spread = max(0.35 * quarter, 0.3)
+    soft = cv2.GaussianBlur(255 * ink, (0, 0), spread, borderType=cv2.BORDER_CONSTANT)  # the rim stays bare
     return np.asarray((soft > 127) | (ink.astype(bool) & _lost(soft > 127, ink)))
 
 
