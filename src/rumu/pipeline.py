@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from rumu.assessment.calibration import checked_cuts, level_of, panel
 from rumu.assessment.comparison import compare
+from rumu.assessment.refusal import Refusal, reason, refusal
 from rumu.assessment.remarks import remarks
 from rumu.assessment.similarity import sim_paper, similarity
 from rumu.capture.folder import read_capture
@@ -77,7 +79,8 @@ def assess(
     """The mark of a copy against its master.
 
     levels: a teacher's own cut-offs, {'excellent': .., 'good': .., 'medium': ..}. seed: of the sampling.
-    A copy that holds nothing to mark is refused in the result; a master that is no use raises.
+    A copy that holds nothing to mark, or is none of the master, is refused in the result; a master that is no
+    use raises.
     """
     cuts = None if levels is None else checked_cuts(levels, name="levels")
     with ThreadPoolExecutor(1) as beside:  # two pictures, two cores
@@ -86,9 +89,12 @@ def assess(
             copy = surface_of(probe)
             master = coming.result()
             registration, features = compare(copy, master, seed=seed)
-        except RefusedImage as refusal:
+        except RefusedImage as error:
             coming.result()  # a master that is no use is an error, whatever the copy is
-            return _refused(refusal)
+            return _refused(replace(reason(error.reason), en=str(error)))
+    no_copy = refusal(copy, master, registration=registration)
+    if no_copy is not None:
+        return _refused(no_copy)
     calibration = panel()
     score = calibration.score(features)
     return Assessment(
@@ -104,8 +110,8 @@ def assess(
     )
 
 
-def _refused(refusal: RefusedImage) -> Assessment:
+def _refused(why: Refusal) -> Assessment:
     fields: dict[str, Any] = dict.fromkeys(
         ("score", "level", "interval", "sim_paper", "similarity", "registration", "source")
     )
-    return Assessment(**fields, parts={}, remarks=(), refused=f"{refusal.reason}: {refusal}")
+    return Assessment(**fields, parts={}, remarks=(), refused=f"{why.code}: {why.en}", refused_zh=why.zh)

@@ -296,7 +296,8 @@ class Assessment:
     similarity: two-sided similarity, 1 is identical, below about 0.7 unrelated.
     parts: 'brushwork', 'structure', 'ink', each 0-100.
     source: where the heights of copy and master come from.
-    refused: the reason when the copy cannot be marked, else None.
+    refused: the reason when the copy cannot be marked, 'code: sentence', else None; refused_zh: the same in
+        Chinese, the sentence alone.
     """
 
     score: float | None
@@ -309,3 +310,4 @@ class Assessment:
     registration: Registration | None
     source: tuple[Source, Source] | None
     refused: str | None = None
+    refused_zh: str | None = None

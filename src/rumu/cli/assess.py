@@ -166,6 +166,7 @@ def mark_facts(mark: Assessment) -> dict[str, Any]:
         },
         "source": mark.source,
         "refused": mark.refused,
+        "refused_zh": mark.refused_zh,
     }
 
 

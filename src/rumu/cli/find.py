@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -34,9 +33,10 @@ def find(
     """The masters that a copy is most like, best first."""
     from rumu.gallery.search import find as find_match
     from rumu.gallery.search import index_masters
+    from rumu.processes import cores
 
     with bar("Describing masters") as advance:
-        index = index_masters(masters, jobs=os.cpu_count() or 1, progress=advance)
+        index = index_masters(masters, jobs=cores(), progress=advance)
     started = time.perf_counter()
     matches = find_match(copy, index, top=top)
     seconds = time.perf_counter() - started

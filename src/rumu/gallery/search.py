@@ -10,7 +10,7 @@ import hashlib
 import os
 import warnings
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,9 +20,9 @@ import numpy as np
 from rumu.errors import GalleryError, OutputError, RumuError
 from rumu.gallery.home import user_home
 from rumu.gallery.masters import Master, Places, read_masters
-from rumu.registration.descriptor import VERSION, DescriptorSettings, describe
+from rumu.processes import in_order
+from rumu.registration.descriptor import VERSION, DescriptorSettings, describe, likeness
 from rumu.registration.points import sample_points
-from rumu.values import FloatArray
 
 if TYPE_CHECKING:
     from rumu.pipeline import SurfaceLike
@@ -31,6 +31,7 @@ Progress = Callable[[int, int], None]
 
 _STEPS = 1000.0  # a number of a vector is kept as a byte: value times this; hardly any is above .255
 _LENGTH = DescriptorSettings().length
+_FEW = 50  # described before another process would have started
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +80,9 @@ def find(
 
     vector = describe(sample_points(surface_of(copy)))
     index = masters if isinstance(masters, MasterIndex) else index_masters(masters, progress=progress)
-    likeness = _likeness(vector, index.vectors)
-    best = np.argsort(-likeness, kind="stable")[:top]
-    return tuple(Match(index.masters[k], float(likeness[k])) for k in best)
+    alike = likeness(vector, index.vectors.astype(np.float32) / np.float32(_STEPS))
+    best = np.argsort(-alike, kind="stable")[:top]
+    return tuple(Match(index.masters[k], float(alike[k])) for k in best)
 
 
 def index_masters(places: Places, *, jobs: int = 1, progress: Progress | None = None) -> MasterIndex:
@@ -115,16 +116,6 @@ def _index(masters: Sequence[Master], table: _Table) -> MasterIndex:
         vectors=table.vectors[fine],
         left_out=tuple((master, str(reason)) for master, reason in pairs if reason != ""),
     )
-
-
-def _likeness(vector: FloatArray, vectors: np.ndarray) -> FloatArray:
-    """(N,) cosines after the mean of the masters is taken away: what all writing shares tells nothing."""
-    every = vectors.astype(np.float32) / np.float32(_STEPS)
-    mean = every.mean(axis=0) if len(every) > 2 else np.zeros(_LENGTH, np.float32)
-    every -= mean
-    own = vector - mean
-    lengths = np.sqrt(np.einsum("ij,ij->i", every, every))
-    return np.asarray(every @ own / np.maximum(lengths * np.linalg.norm(own), 1e-6))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -186,8 +177,11 @@ def _described(
             str(d): (v, str(r)) for d, v, r in zip(kept.digests, kept.vectors, kept.reasons, strict=True)
         }
     new = [k for k, digest in enumerate(digests) if digest not in known or not digest]
+    processes = jobs if len(new) > _FEW else 1
     rows = [known.get(digest, (np.zeros(_LENGTH, np.uint8), "")) for digest in digests]
-    for done, (k, row) in enumerate(zip(new, _in_order([paths[k] for k in new], jobs=jobs), strict=True)):
+    for done, (k, row) in enumerate(
+        zip(new, in_order(_row, (paths[k] for k in new), processes=processes), strict=True)
+    ):
         rows[k] = row
         if progress is not None:
             progress(done + 1, len(new))
@@ -206,21 +200,6 @@ def _digest(path: str) -> str:
         return hashlib.sha256(Path(path).read_bytes()).hexdigest()
     except OSError:
         return ""
-
-
-def _in_order(paths: list[str], *, jobs: int) -> Iterable[tuple[np.ndarray, str]]:
-    return map(_row, paths) if jobs == 1 or len(paths) < 50 else _in_processes(paths, jobs=jobs)
-
-
-def _in_processes(paths: list[str], *, jobs: int) -> Iterator[tuple[np.ndarray, str]]:
-    import multiprocessing
-    from concurrent.futures import ProcessPoolExecutor
-
-    # not fork: a progress bar runs in a thread, and a fork would copy its locks
-    method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
-    context = multiprocessing.get_context(method)
-    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-        yield from pool.map(_row, paths, chunksize=16)
 
 
 def _row(path: str) -> tuple[np.ndarray, str]:

@@ -9,7 +9,9 @@ Tanaka 1988); weights and sizes are ours.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from importlib.resources import files
 
 import numpy as np
 
@@ -46,13 +48,40 @@ class DescriptorSettings:
 def describe(points: PointSet, *, settings: DescriptorSettings | None = None) -> FloatArray:
     """The vector of one character: (settings.length,) float32, of unit length, all 0 or more.
 
-    The dot product of two is their likeness: 1 for the same outline, about 0.6 for unrelated characters.
+    How alike two are is told by `likeness`.
     """
     settings = settings or DescriptorSettings()
     ink = _canvas(points)
     views = (_as_it_stands(ink, settings), _evened(ink, settings))
     vector = np.concatenate([_directions_on_grid(view, settings) for view in views])
     return np.asarray(vector / np.linalg.norm(vector), dtype=np.float32)
+
+
+def likeness(vector: FloatArray, vectors: FloatArray) -> FloatArray:
+    """How alike one vector is to others, (L,) and (N, L) -> (N,); (L,) and (L,) -> a number.
+
+    The cosine after the mean of 6,590 characters in regular script is taken away, since what all writing
+    shares tells nothing: 1 for the same outline, about 0 for any two characters.
+    """
+    own, others = vector - _mean(), vectors - _mean()
+    lengths = np.sqrt(np.einsum("...j,...j->...", others, others))
+    return np.asarray(others @ own / np.maximum(lengths * np.linalg.norm(own), 1e-6))
+
+
+def mirrored(points: PointSet) -> PointSet:
+    """The same ink seen from behind the paper."""
+    return replace(points, xyz=points.xyz * (-1.0, 1.0, 1.0), direction=points.direction * (1.0, -1.0))
+
+
+def turned(points: PointSet) -> PointSet:
+    """The same ink upside down; a direction is the same after half a turn."""
+    return replace(points, xyz=points.xyz * (-1.0, -1.0, 1.0))
+
+
+@lru_cache(maxsize=1)
+def _mean() -> FloatArray:
+    with (files("rumu.registration") / "mean_description.npy").open("rb") as stream:
+        return np.asarray(np.load(stream), dtype=np.float32)
 
 
 def _canvas(points: PointSet) -> FloatArray:

@@ -1,0 +1,307 @@
+"""What is refused, and why; above all, what is not. `benchmarks/refusal.py` asks the same of all the data."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from functools import lru_cache
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+import rumu
+from rumu.assessment.comparison import compare
+from rumu.assessment.evidence import Evidence, filled, parts_of
+from rumu.assessment.refusal import RefusalLimits, reason, refusal
+from rumu.gallery.works import find_work, starter_works
+from rumu.simulation import faults
+from rumu.simulation.impostors import impostor, picture_of
+from rumu.values import Surface
+
+WORKS = ("regular-shu", "regular-shui", "clerical-tian", "seal-yue", "running-ri", "cursive-shu")
+
+
+@lru_cache(maxsize=64)
+def mask(work: str) -> np.ndarray:
+    return np.asarray(Image.open(find_work(work).path)) < 128
+
+
+@lru_cache(maxsize=64)
+def master(work: str) -> Surface:
+    return rumu.relief(picture_of(mask(work)))
+
+
+def code(page: np.ndarray, work: str, **options) -> str | None:
+    copy = rumu.relief(page)
+    registration, _ = compare(copy, master(work))
+    found = refusal(copy, master(work), registration=registration, **options)
+    return found.code if found else None
+
+
+def box(ink: np.ndarray) -> np.ndarray:
+    return ink[np.ix_(ink.any(axis=1), ink.any(axis=0))]
+
+
+def placed(*works: str, rows: int, columns: int, side: int = 512) -> np.ndarray:
+    """Works side by side and one above the other, each in a cell of its own."""
+    page = np.zeros((side, side), np.float32)
+    height, width = side // rows, side // columns
+    for k, work in enumerate(works):
+        ink = box(mask(work)).astype(np.float32)
+        scale = 0.75 * min(height / ink.shape[0], width / ink.shape[1])
+        ink = cv2.resize(ink, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+        y = (k // columns) * height + (height - ink.shape[0]) // 2
+        x = (k % columns) * width + (width - ink.shape[1]) // 2
+        page[y : y + ink.shape[0], x : x + ink.shape[1]] = ink
+    return picture_of(page)
+
+
+# what must not be refused
+
+
+@pytest.mark.parametrize("work", [w.id for w in starter_works()])
+def test_a_master_is_a_copy_of_itself(work):
+    assert code(picture_of(mask(work)), work) is None
+
+
+@pytest.mark.parametrize("fault", faults.FAULTS)
+@pytest.mark.parametrize("work", ["regular-shui", "cursive-ren"])
+def test_no_gross_fault_is_refused(fault, work):
+    if fault == "horizontal" and work == "cursive-ren":
+        pytest.skip("there is no horizontal stroke in it")
+    assert code(picture_of(faults.apply(mask(work), fault, severity=5, seed=2).ink), work) is None
+
+
+def strokes(*ends: tuple[tuple[int, int], tuple[int, int]]) -> np.ndarray:
+    page = np.zeros((400, 400), np.uint8)
+    for a, b in ends:
+        cv2.line(page, a, b, 1, 22)
+    return page > 0
+
+
+APART = {
+    "八": strokes(((170, 110), (80, 300)), ((230, 110), (330, 300))),
+    "小": strokes(((200, 70), (200, 330)), ((120, 160), (70, 260)), ((280, 160), (330, 260))),
+    "川": strokes(((90, 80), (70, 320)), ((200, 90), (200, 310)), ((310, 70), (310, 330))),
+    "三": strokes(((100, 90), (300, 90)), ((120, 200), (280, 200)), ((70, 320), (330, 320))),
+}
+
+
+@pytest.mark.parametrize("name", APART)
+def test_one_character_of_several_parts_is_one(name):
+    own = rumu.relief(picture_of(APART[name]))
+    rng = np.random.default_rng(3)
+    for lean in rng.uniform(-9, 9, 3):
+        M = cv2.getRotationMatrix2D((200, 200), lean, 0.85)
+        M[:, 2] += rng.uniform(-15, 15, 2)
+        copy = rumu.relief(picture_of(cv2.warpAffine(APART[name].astype(np.float32), M, (400, 400))))
+        registration, _ = compare(copy, own)
+        assert refusal(copy, own, registration=registration) is None
+
+
+def test_learners_copies_are_not_refused(data):
+    with (data / "e3c" / "scores.csv").open(encoding="utf-8-sig") as stream:
+        rows = list(csv.DictReader(stream))
+    worst = sorted(rows, key=lambda row: float(row["mean_score"]))[:30]
+    refused = {}
+    for row in [*worst, *rows[::25]]:
+        mark = rumu.assess(data / "e3c" / row["image"], template(data / "e3c" / row["template"]))
+        if mark.refused:
+            refused[row["image"]] = mark.refused
+    assert refused == {}
+
+
+@lru_cache(maxsize=32)
+def template(path) -> Surface:
+    return rumu.relief(path)
+
+
+# what must be
+
+
+@pytest.mark.parametrize("work", WORKS)
+@pytest.mark.parametrize(("kind", "why"), [("mirrored", "mirrored"), ("upside_down", "upside down")])
+def test_a_reversed_character_is_told(work, kind, why):
+    """But for characters that are much the same reversed."""
+    if work in {"clerical-tian", "regular-shui"} and kind == "mirrored":
+        assert code(impostor(mask(work), kind), work) in (None, why)
+        return
+    if work == "running-ri" and kind == "upside_down":
+        assert code(impostor(mask(work), kind), work) in (None, why)
+        return
+    assert code(impostor(mask(work), kind), work) == why
+
+
+@pytest.mark.parametrize("work", ["regular-shu", "clerical-tian", "running-ri", "cursive-shu"])
+def test_an_outline_is_told_and_a_thin_pen_is_not_one(work):
+    assert code(impostor(mask(work), "outline", seed=2), work) == "outline only"
+    assert code(picture_of(faults.apply(mask(work), "thin", severity=5, seed=1).ink), work) is None
+
+
+@pytest.mark.parametrize("kind", ["blobs", "scribble", "filled_square"])
+@pytest.mark.parametrize("work", WORKS)
+def test_what_is_no_character_is_refused_or_worth_little(kind, work):
+    found = code(impostor(mask(work), kind, seed=5), work)
+    assert found in ("another character", "several characters", "mirrored", "upside down", None)
+    mark = rumu.assess(impostor(mask(work), kind, seed=5), master(work))
+    assert mark.refused or mark.score < 40
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "others"),
+    [
+        (1, 2, ("regular-ri",)),
+        (2, 1, ("regular-ri",)),
+        (1, 3, ("regular-ri", "regular-ren")),
+        (2, 2, ("regular-ri", "regular-ren", "regular-yue")),
+        (1, 2, ("regular-shu",)),
+    ],
+)
+def test_several_characters_are_told(rows, columns, others):
+    page = placed("regular-shu", *others, rows=rows, columns=columns)
+    assert code(page, "regular-shu") == "several characters"
+
+
+@pytest.mark.parametrize(
+    ("work", "quarters"), [*(("regular-shu", k) for k in range(4)), *(("regular-tian", k) for k in range(3))]
+)
+def test_a_character_cut_by_the_edge_is_told(work, quarters):
+    own = np.rot90(mask(work), quarters).copy()
+    lost = np.cumsum(own.sum(axis=0)) / own.sum()
+    cut = own[:, int(np.searchsorted(lost, 0.2)) :]
+    copy, whole = rumu.relief(picture_of(cut)), rumu.relief(picture_of(own))
+    registration, _ = compare(copy, whole)
+    assert refusal(copy, whole, registration=registration).code == "cut off"
+
+
+def test_an_outline_of_a_learners_own_writing_is_told():
+    """It lies not where the master's edges are: what tells is that filled it is a character."""
+    written = faults.apply(
+        faults.apply(mask("regular-shu"), "uneven", severity=5, seed=1).mask, "shift", severity=5
+    )
+    assert code(impostor(written.mask, "outline", seed=2), "regular-shu") == "outline only"
+
+
+def test_a_square_drawn_with_a_pen_is_no_outline():
+    square = np.zeros((400, 400), np.uint8)
+    cv2.rectangle(square, (90, 90), (310, 310), 1, 40)
+    pen = np.zeros((400, 400), np.uint8)
+    cv2.rectangle(pen, (90, 90), (310, 310), 1, 10)
+    copy, own = rumu.relief(picture_of(pen > 0)), rumu.relief(picture_of(square > 0))
+    registration, _ = compare(copy, own)
+    assert Evidence(copy, own, registration).lightness < RefusalLimits().light
+    assert refusal(copy, own, registration=registration) is None
+
+
+def test_what_is_within_closed_lines_is_filled():
+    page = np.zeros((120, 120), np.uint8)
+    cv2.rectangle(page, (10, 10), (110, 110), 1, 3)
+    cv2.rectangle(page, (40, 40), (80, 80), 1, 3)
+    full = filled(page > 0)
+    assert full[20, 20] and full[100, 60] and full[10, 10]
+    assert not full[60, 60] and not full[3, 3]
+
+
+def test_strays_of_a_neighbour_at_the_border_are_no_cut():
+    ink = mask("regular-shu").copy()
+    ink[200:330, :9] = True
+    ink[:14, 300:380] = True
+    assert code(picture_of(ink), "regular-shu") is None
+
+
+def test_tiny_writing_is_too_small():
+    ink = mask("regular-shu").astype(np.float32)
+    M = np.array([[0.15, 0, 220.0], [0, 0.15, 220.0]])
+    tiny = cv2.warpAffine(cv2.GaussianBlur(ink, (0, 0), 2.5), M, (512, 512))
+    assert code(picture_of(tiny), "regular-shu") == "too small"
+
+
+def test_a_single_stroke_in_its_place_is_marked_and_low():
+    page = impostor(mask("regular-shu"), "one_stroke", seed=1)
+    mark = rumu.assess(page, master("regular-shu"))
+    assert mark.refused is None
+    assert mark.score < 40
+
+
+def test_another_character_is_refused_mostly():
+    """Of the pairs of starter works of one script; what is let through is worth little."""
+    works = starter_works()
+    pairs = [(a, b) for a in works for b in works if a.script == b.script and a.character != b.character]
+    refused = 0
+    for copy, own in pairs[::5]:
+        mark = rumu.assess(master(copy.id), master(own.id))
+        refused += mark.refused is not None
+        assert mark.refused or mark.score < 40, (copy.id, own.id, mark.score)
+    assert refused / len(pairs[::5]) > 0.7
+
+
+def test_where_the_ink_is_not_clean_another_character_is_not_refused():
+    copy = rumu.relief(picture_of(mask("regular-ri")))
+    registration, _ = compare(copy, master("regular-shu"))
+    silk = replace(copy, quality={**copy.quality, "noise": 9.0})
+    assert refusal(copy, master("regular-shu"), registration=registration).code == "another character"
+    assert refusal(silk, master("regular-shu"), registration=registration) is None
+
+
+# the evidence
+
+
+def test_the_limits_are_what_decides():
+    page = impostor(mask("regular-shu"), "mirrored")
+    assert code(page, "regular-shu") == "mirrored"
+    assert code(page, "regular-shu", limits=RefusalLimits(reversal=9.0)) is None
+    strict = RefusalLimits(reversal=9.0, strange=-1.2)
+    assert code(page, "regular-shu", limits=strict) == "another character"
+
+
+def test_evidence_of_a_copy_and_itself():
+    own = master("regular-shu")
+    registration, _ = compare(own, own)
+    evidence = Evidence(own, own, registration)
+    assert evidence.position == pytest.approx(0.0, abs=1e-6)
+    assert evidence.likeness == pytest.approx(1.0, abs=1e-5)
+    assert evidence.mirrored < -0.3 and evidence.turned < -0.3
+    assert evidence.in_place == 1.0
+    assert evidence.lightness == pytest.approx(1.0)
+    assert evidence.hollowness == pytest.approx(0.0)
+    assert evidence.beyond == 0.0
+    assert evidence.strangeness < -1.5
+
+
+def test_parts_stand_clear_of_each_other():
+    ink = np.zeros((100, 100), bool)
+    ink[10:40, 10:40] = ink[10:40, 60:90] = ink[60:90, 10:40] = ink[60:90, 60:90] = True
+    sizes = sorted(int(part.sum()) for part in parts_of(ink))
+    assert sizes == [900] * 4 + [1800] * 4  # two columns, two rows, four cells
+    ink[:, 45:55] = True
+    assert [int(p.sum()) for p in parts_of(ink) if p[:, 45:55].any()] == [1000]
+    assert parts_of(ink[:, 56:]) != []
+    assert parts_of(np.ones((20, 20), bool)) == []
+
+
+# the words
+
+
+@pytest.mark.parametrize(
+    "known",
+    [
+        *("blank", "black", "noise", "flat", "too small", "cut off", "several characters", "mirrored"),
+        *("upside down", "outline only", "another character"),
+    ],
+)
+def test_every_reason_has_a_sentence_in_both_languages(known):
+    found = reason(known)
+    assert found.code == known
+    assert any("\u4e00" <= letter <= "\u9fff" for letter in found.zh) and found.zh.endswith("。")
+    assert found.en and found.en[0].islower() and found.en.isascii()
+
+
+def test_both_sentences_reach_the_assessment():
+    mark = rumu.assess(impostor(mask("regular-shu"), "mirrored"), master("regular-shu"))
+    assert mark.refused == f"mirrored: {reason('mirrored').en}"
+    assert mark.refused_zh == reason("mirrored").zh
+    blank = rumu.assess(impostor(mask("regular-shu"), "blank"), master("regular-shu"))
+    assert blank.refused.startswith("blank: ") and blank.refused_zh == reason("blank").zh
+    assert rumu.assess(master("regular-shu"), master("regular-shu")).refused_zh is None
