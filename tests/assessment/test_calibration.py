@@ -14,14 +14,13 @@ from rumu.assessment.calibration import (
     LEVELS,
     Charges,
     checked_cuts,
-    fit_scale,
     level_of,
     panel,
     read_calibration,
     write_calibration,
 )
 from rumu.assessment.edges import NUMBERS
-from rumu.assessment.features import EVIDENCE, FREE, RESIDUALS, Features, Residuals
+from rumu.assessment.features import FREE, RESIDUALS, Features, Residuals
 from rumu.assessment.regions import Region
 from rumu.errors import CalibrationError, OutputError, RumuError
 
@@ -79,7 +78,7 @@ def test_anchors_rise():
 
 def test_the_human_range_is_the_panels_own():
     """In the middle of the range a point of the scale is a point of the panel's mark."""
-    from rumu.experiments.e3c import HUMAN_RANGE
+    from rumu.assessment.fitting import HUMAN_RANGE
 
     assert [pair for pair in panel().scale.anchors if pair[0] == pair[1]] == [(v, v) for v in HUMAN_RANGE]
 
@@ -98,6 +97,12 @@ def test_full_writing_is_marked_up_within_reason():
     assert panel().score(replace(PERFECT, residuals=r, size=0.7)) <= panel().score(
         replace(PERFECT, residuals=r, size=0.3)
     )
+
+
+def test_strange_edges_count_only_so_far():
+    """Beyond three standard deviations no mark has been seen."""
+    far, farther = (panel().scale.weigh(replace(PERFECT, edges=(e,) * NUMBERS)) for e in (50.0, 500.0))
+    assert far == pytest.approx(farther)
 
 
 # what registration repaired
@@ -206,63 +211,6 @@ def test_other_levels_are_refused_by_name(cuts):
         CalibrationError, match=r"^mine: expected cut-offs 100 >= excellent > good > medium >= 0, got "
     ):
         checked_cuts(cuts, name="mine")
-
-
-# fitting
-
-
-def marked(n: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Made-up evidence and marks of copies of four masters, which differ in evidence but not in marks."""
-    rng = np.random.default_rng(seed)
-    masters = [f"master {k % 4}" for k in range(n)]
-    evidence = rng.normal(0.0, 0.3, (n, len(EVIDENCE)))
-    marks = 50 - 30 * evidence[:, 0] + 20 * evidence[:, 3] - 24 * evidence[:, EVIDENCE.index("fullness")]
-    evidence[:, 1] = evidence[:, 0] + rng.normal(0, 2.0, 4)[np.arange(n) % 4]  # as good, but for the master
-    return evidence, marks + rng.normal(0, 1, n), masters
-
-
-def weights_of(scale) -> dict[str, float]:
-    """Points for one unit of evidence."""
-    return {name: w / s for name, w, s in zip(scale.names, scale.weights, scale.spread, strict=True)}
-
-
-def test_a_fit_finds_what_marks_follow_and_refuses_what_would_raise_them():
-    weights = weights_of(fit_scale(*marked(2000), names=(*RESIDUALS, "fullness"), shrinkage=1.0))
-    assert weights["position"] == pytest.approx(-30, rel=0.1)
-    assert weights["plane_missing"] == 0.0  # those marks rise with it; a fault must not earn points
-    assert weights["fullness"] == pytest.approx(-24, rel=0.1)  # may have either sign
-    assert min(weights[name] for name in RESIDUALS[4:]) > -2
-
-
-def test_evidence_that_tells_masters_apart_is_trusted_less():
-    weights = weights_of(fit_scale(*marked(2000), names=RESIDUALS, shrinkage=1.0))
-    assert weights["plane_mean"] > 0.1 * weights["position"]  # that is, nearer nought
-
-
-def test_shrinkage_draws_weights_to_nought():
-    loose, tight = (fit_scale(*marked(400), names=RESIDUALS, shrinkage=s).weights[0] for s in (1.0, 4000.0))
-    assert 0.2 * loose < tight < 0
-
-
-def test_a_scale_of_some_evidence_reads_only_that():
-    scale = fit_scale(*marked(100), names=("position", "missing"))
-    assert scale.names == ("position", "missing")
-    copy = replace(PERFECT, residuals=COMMON)
-    assert scale.read(replace(copy, residuals=replace(COMMON, height=2.0, extra=2.0))) == scale.read(copy)
-    assert scale.read(replace(copy, residuals=replace(COMMON, position=0.4))) < scale.read(copy)
-
-
-def test_strange_edges_count_only_so_far():
-    """Beyond three standard deviations no mark has been seen."""
-    far, farther = (panel().scale.weigh(replace(PERFECT, edges=(e,) * NUMBERS)) for e in (50.0, 500.0))
-    assert far == pytest.approx(farther)
-
-
-def test_too_few_marks_are_no_calibration():
-    evidence, marks, masters = marked(19)
-    with pytest.raises(CalibrationError, match="expected at least 20 marks to fit a scale, got 19"):
-        fit_scale(evidence, marks, masters, names=RESIDUALS)
-    fit_scale(*marked(20), names=RESIDUALS)
 
 
 # reading and writing

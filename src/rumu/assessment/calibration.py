@@ -8,7 +8,7 @@ on characters held out.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -17,16 +17,14 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.features import EVIDENCE, FREE, RESIDUALS, Features
+from rumu.assessment.features import EVIDENCE, RESIDUALS, Features
 from rumu.errors import CalibrationError
-from rumu.values import BoolArray, FloatArray, Level
+from rumu.values import Level
 
 Cuts = Mapping[Level, float]
 
 FARTHEST = 3.0
 """Standard deviations at which evidence that is no residual stops counting: marks say nothing beyond."""
-FEWEST = 8
-"""Copies of one master from which the mean of its evidence is trusted."""
 
 LEVELS: Mapping[str, Cuts] = {
     # of the panel's 652 marks about a tenth is excellent, 30 % good, 35 % medium and a quarter bad
@@ -189,67 +187,6 @@ def write_calibration(calibration: Calibration, path: str | Path) -> None:
 
     with whole_file(path) as part:
         part.write_text(json.dumps(asdict(calibration), ensure_ascii=False, indent=2) + "\n", "utf-8")
-
-
-def fit_scale(
-    evidence: FloatArray,
-    marks: FloatArray,
-    groups: Sequence[str],
-    *,
-    names: tuple[str, ...],
-    shrinkage: float = 500.0,
-) -> Scale:
-    """Weights from what differs within a master's copies, with what differs between masters as noise.
-
-    evidence: (N, len(EVIDENCE)); marks: (N,) 0-100; groups: (N,) the master of each; names: what to use.
-    Copies of one master differ in how well they are written; how they differ on the whole from another
-    master's copies says more of the master, so a weight pays for the scatter of the masters' means. Ridge,
-    with weights that are not positive except for FREE ones.
-    shrinkage: in units of one standardised copy; strong, since characters are few.
-    Raises CalibrationError for fewer than 20 marks.
-    """
-    if len(marks) < 20:
-        raise CalibrationError(f"expected at least 20 marks to fit a scale, got {len(marks)}")
-    chosen = evidence[:, [_PLACE[name] for name in names]]
-    centre, spread = chosen.mean(axis=0), np.maximum(chosen.std(axis=0), 1e-9)
-    z = (chosen - centre) / spread
-    within, left = _less_means(z, groups), _less_means(np.asarray(marks, float), groups)
-    n = len(marks)
-    normal = within.T @ within / n + _scatter(z, groups) + shrinkage / n * np.eye(len(names))
-    weights = _signed_least_squares(normal, within.T @ left / n, free=np.isin(names, FREE))
-    plain = (tuple(values.tolist()) for values in (centre, spread, weights))
-    return Scale(names, *plain, mean=float(np.mean(marks)))
-
-
-def _scatter(z: FloatArray, groups: Sequence[str]) -> FloatArray:
-    """(K, K) covariance of the groups' means, of the groups that are large enough to have one."""
-    own = [np.array([g == group for g in groups]) for group in sorted(set(groups))]
-    means = np.array([z[mine].mean(axis=0) for mine in own if np.count_nonzero(mine) >= FEWEST])
-    if len(means) < 2:
-        return np.zeros((z.shape[1], z.shape[1]))
-    return np.asarray(np.cov(means, rowvar=False))
-
-
-def _signed_least_squares(normal: FloatArray, right: FloatArray, *, free: BoolArray) -> FloatArray:
-    """Least w' N w / 2 - w' r with w <= 0 where not free, as nonnegative least squares on the root of N."""
-    from scipy.linalg import cholesky, solve_triangular
-    from scipy.optimize import nnls
-
-    root = cholesky(normal)  # upper: N = root' root
-    target = solve_triangular(root, right, trans="T")
-    parts, _ = nnls(np.hstack([-root, root[:, free]]), target, maxiter=100 * len(normal))
-    weights = -parts[: len(normal)]
-    weights[free] += parts[len(normal) :]
-    return np.asarray(weights)
-
-
-def _less_means(values: FloatArray, groups: Sequence[str]) -> FloatArray:
-    """(N, ...) less the mean of each group."""
-    left = values.copy()
-    for group in set(groups):
-        own = np.array([g == group for g in groups])
-        left[own] -= left[own].mean(axis=0)
-    return left
 
 
 def _scale(plain: Mapping[str, Any]) -> Scale:

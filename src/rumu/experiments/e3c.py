@@ -17,34 +17,18 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.calibration import LEVELS, Calibration, Scale, fit_scale, level_of
+from rumu.assessment.calibration import LEVELS, Calibration, level_of
 from rumu.assessment.comparison import compare
-from rumu.assessment.features import GROUPS, Features, Residuals
+from rumu.assessment.features import Features
+from rumu.assessment.fitting import PARTS, WEIGHED, anchored, fit_scale
 from rumu.errors import CalibrationError, RefusedImage
 from rumu.processes import in_order
 from rumu.values import FloatArray, Surface
 
 Progress = Callable[[int, int], None]
 
-WEIGHED: tuple[str, ...] = tuple(
-    name for group in ("plane", "whole", "edge_amount", "edge_sense", "fullness") for name in GROUPS[group]
-)
-"""The evidence that the mark rests on; height and direction are in the distances of the whole."""
-PARTS: Mapping[str, tuple[str, ...]] = {
-    "structure": GROUPS["plane"],
-    "brushwork": tuple(
-        name for group in ("height", "direction", "edge_amount", "edge_sense") for name in GROUPS[group]
-    ),
-}
-"""The evidence that each part of the mark rests on."""
 FEWEST = 5
 """A rank correlation within a character is taken where it has at least this many copies."""
-OTHER_CHARACTER = 10.0
-"""Score at which the middle one of other characters' copies is anchored."""
-HUMAN_RANGE = (30.0, 80.0)
-"""Between these the scale is the panel's own; beyond, it is stretched to reach the anchors."""
-
-
 TAILS = (9, 91)
 """Percentiles of held-out errors at which the 80 % interval ends: a little wide, since characters are few."""
 
@@ -205,25 +189,7 @@ def fit_panel(measured: list[Measured], others: list[Features]) -> Calibration:
     )
 
 
-def anchored(scale: Scale, *, others: list[Features] | None = None) -> Scale:
-    """The panel's scale within the human range, stretched above it to reach 100 for a perfect copy.
-
-    others: features of other characters; with them it is stretched below the human range too, so that the
-        middle one reads OTHER_CHARACTER. A part alone cannot tell characters apart, so it goes without.
-    Raises CalibrationError when the anchors would not rise.
-    """
-    low, high = HUMAN_RANGE
-    nothing = 0.0
-    if others:
-        wrong = float(np.median([scale.weigh(features) for features in others]))
-        nothing = wrong - OTHER_CHARACTER * (low - wrong) / (low - OTHER_CHARACTER)
-    perfect = scale.weigh(Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0))
-    if not nothing < low < high < perfect:
-        raise CalibrationError(f"expected anchors that rise, got {nothing}, {low}, {high}, {perfect}")
-    return replace(scale, anchors=((nothing, 0.0), (low, low), (high, high), (perfect, 100.0)))
-
-
-def held_out(measured: list[Measured], refused: list[Measured], others: list[Residuals]) -> Result:
+def held_out(measured: list[Measured], refused: list[Measured], others: list[Features]) -> Result:
     """Scores of each character from the others; the interval's offsets likewise, from errors held out."""
     characters = np.array([m.copy.character for m in measured])
     marks = np.array([m.copy.mark for m in measured])

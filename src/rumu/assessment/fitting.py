@@ -1,0 +1,116 @@
+"""Marks -> a calibration: weights from a panel's marks, anchored on the scale from 0 to 100."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rumu.assessment.calibration import Scale
+from rumu.assessment.features import EVIDENCE, FREE, GROUPS, Features, Residuals
+from rumu.errors import CalibrationError
+from rumu.values import BoolArray, FloatArray
+
+WEIGHED: tuple[str, ...] = tuple(
+    name for group in ("plane", "whole", "edge_amount", "edge_sense", "fullness") for name in GROUPS[group]
+)
+"""The evidence that the mark rests on; height and direction are in the distances of the whole."""
+PARTS: Mapping[str, tuple[str, ...]] = {
+    "structure": GROUPS["plane"],
+    "brushwork": tuple(
+        name for group in ("height", "direction", "edge_amount", "edge_sense") for name in GROUPS[group]
+    ),
+}
+"""The evidence that each part of the mark rests on."""
+FEWEST = 8
+"""Copies of one master from which the mean of its evidence is trusted."""
+OTHER_CHARACTER = 10.0
+"""Score at which the middle one of other characters' copies is anchored."""
+HUMAN_RANGE = (30.0, 80.0)
+"""Between these the scale is the panel's own; beyond, it is stretched to reach the anchors."""
+
+
+def fit_scale(
+    evidence: FloatArray,
+    marks: FloatArray,
+    groups: Sequence[str],
+    *,
+    names: tuple[str, ...],
+    shrinkage: float = 500.0,
+) -> Scale:
+    """Weights from what differs within a master's copies, with what differs between masters as noise.
+
+    evidence: (N, len(EVIDENCE)); marks: (N,) 0-100; groups: (N,) the master of each; names: what to use.
+    Copies of one master differ in how well they are written; how they differ on the whole from another
+    master's copies says more of the master, so a weight pays for the scatter of the masters' means. Ridge,
+    with weights that are not positive except for FREE ones.
+    shrinkage: in units of one standardised copy; strong, since characters are few.
+    Raises CalibrationError for fewer than 20 marks.
+    """
+    if len(marks) < 20:
+        raise CalibrationError(f"expected at least 20 marks to fit a scale, got {len(marks)}")
+    chosen = evidence[:, [EVIDENCE.index(name) for name in names]]
+    centre, spread = chosen.mean(axis=0), np.maximum(chosen.std(axis=0), 1e-9)
+    z = (chosen - centre) / spread
+    within, left = _less_means(z, groups), _less_means(np.asarray(marks, float), groups)
+    n = len(marks)
+    normal = within.T @ within / n + _scatter(z, groups) + shrinkage / n * np.eye(len(names))
+    weights = _signed_least_squares(normal, within.T @ left / n, free=np.isin(names, FREE))
+    numbers = [tuple(map(float, values)) for values in (centre, spread, weights)]
+    return Scale(names, numbers[0], numbers[1], numbers[2], mean=float(np.mean(marks)))
+
+
+def _scatter(z: FloatArray, groups: Sequence[str]) -> FloatArray:
+    """(K, K) covariance of the groups' means, of the groups that are large enough to have one."""
+    own = [np.array([g == group for g in groups]) for group in sorted(set(groups))]
+    means = np.array([z[mine].mean(axis=0) for mine in own if np.count_nonzero(mine) >= FEWEST])
+    if len(means) < 2:
+        return np.zeros((z.shape[1], z.shape[1]))
+    return np.asarray(np.cov(means, rowvar=False))
+
+
+def _signed_least_squares(normal: FloatArray, right: FloatArray, *, free: BoolArray) -> FloatArray:
+    """Least w' N w / 2 - w' r with w <= 0 where not free, as nonnegative least squares on the root of N."""
+    from scipy.linalg import cholesky, solve_triangular
+    from scipy.optimize import nnls
+
+    root = cholesky(normal)  # upper: N = root' root
+    target = solve_triangular(root, right, trans="T")
+    parts, _ = nnls(np.hstack([-root, root[:, free]]), target, maxiter=100 * len(normal))
+    weights = -parts[: len(normal)]
+    weights[free] += parts[len(normal) :]
+    return np.asarray(weights)
+
+
+def _less_means(values: FloatArray, groups: Sequence[str]) -> FloatArray:
+    """(N, ...) less the mean of each group."""
+    left = values.copy()
+    for group in set(groups):
+        own = np.array([g == group for g in groups])
+        left[own] -= left[own].mean(axis=0)
+    return left
+
+
+def anchored(
+    scale: Scale,
+    *,
+    others: Sequence[Features] | None = None,
+    reach: tuple[float, float] = HUMAN_RANGE,
+) -> Scale:
+    """A scale that is the marks' own within `reach`, stretched above it to reach 100 for a perfect copy.
+
+    reach: the marks that are common enough to trust. others: features of other characters; with them the
+        scale is stretched below `reach` too, so that the middle one reads OTHER_CHARACTER. A part alone
+        cannot tell characters apart, so it goes without.
+    Raises CalibrationError when the anchors would not rise.
+    """
+    low, high = reach
+    nothing = 0.0
+    if others:
+        wrong = float(np.median([scale.weigh(features) for features in others]))
+        nothing = wrong - OTHER_CHARACTER * (low - wrong) / (low - OTHER_CHARACTER)
+    perfect = scale.weigh(Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0))
+    if not nothing < low < high < perfect:
+        raise CalibrationError(f"expected anchors that rise, got {nothing}, {low}, {high}, {perfect}")
+    return replace(scale, anchors=((nothing, 0.0), (low, low), (high, high), (perfect, 100.0)))
