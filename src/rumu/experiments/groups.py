@@ -46,7 +46,7 @@ def alone(group: str) -> str:
 
 def predictions(marked: Marked) -> dict[str, FloatArray]:
     """Variant -> (N,) marks of copies whose character took no part in the fit; not anchored, no charges."""
-    from rumu.assessment.calibration import fit_scale
+    from rumu.assessment.fitting import fit_scale
 
     evidence, marks = np.array(marked.evidence), np.array(marked.panel)
     characters = np.array(marked.characters)
