@@ -28,8 +28,9 @@ class RefusalLimits:
     beyond: share of the master that falls outside the picture, over ink on the border.
     part, part_gain: likeness of a part of the picture alone, and how much more than that of the whole.
     reversed_at, reversal: likeness to the master mirrored or turned, and how much more than as it is.
-    clear, strange: clearness from which ink is clean (silk and rubbings lie below it, and are never refused
-        for that reason), and strangeness from which it is another character.
+    clear: clearness from which ink is clean. Old silk and rubbings lie below it: their crops hold stains and
+        parts of neighbours, so they are never refused as several characters or as another.
+    strange: strangeness from which it is another character.
     """
 
     half_dark: float = 20.0
@@ -99,6 +100,8 @@ def _cut_off(e: Evidence, limits: RefusalLimits) -> bool:
 
 
 def _several(e: Evidence, limits: RefusalLimits) -> bool:
+    if e.clearness < limits.clear:
+        return False
     likeness, gain = e.part_gain
     return gain > limits.part_gain and likeness > limits.part
 
