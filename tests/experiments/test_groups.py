@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rumu.assessment.features import EVIDENCE, GROUPS
+from rumu.assessment.fitting import WEIGHED
 from rumu.experiments import groups
-from rumu.experiments.e3c import WEIGHED
 from rumu.experiments.people import Marked
 
 

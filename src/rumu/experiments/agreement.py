@@ -79,8 +79,8 @@ def side_by_side(
 
     all, within: Spearman of the raw grade with the marks, over all copies and as mean over clusters of at
     least `fewest` copies; order: share of pairs of a cluster in the right order; mae, sd: of the absolute
-    error; difference: mean error less ours; p: Wilcoxon on cluster means against ours, Holm's; *_low,
-    *_high: 95 %.
+    error; difference: mean error less ours; p, p_copies: Wilcoxon against ours on the means of clusters, and
+    on copies, Holm's; *_low, *_high: 95 %.
     """
     draw = {"resamples": protocol.resamples, "seed": protocol.resampling_seed}
     errors = {m.name: np.abs(m.given - marks) for m in methods}
@@ -126,8 +126,9 @@ def _test(
     means = {name: cluster_means(error, clusters) for name, error in errors.items()}
     others = [row for row in rows if row["method"] != ours]
     p = [paired_p(means[str(row["method"])], means[ours]) for row in others]
-    for row, corrected in zip(others, holm(p), strict=True):
-        row["p"] = corrected
+    each = [paired_p(errors[str(row["method"])], errors[ours]) for row in others]
+    for row, corrected, over_copies in zip(others, holm(p), holm(each), strict=True):
+        row |= {"p": corrected, "p_copies": over_copies}
 
 
 def _ends(name: str, interval: tuple[float, float]) -> dict[str, Cell]:
@@ -149,7 +150,16 @@ COLUMNS: tuple[Column, ...] = (
     Column("difference", Text("比我们多", "more than ours")),
     Column("difference_low", Text("下限", "low")),
     Column("difference_high", Text("上限", "high")),
-    Column("p", Text("p（Holm）", "p (Holm)"), 4),
+    Column("p", Text("p（按字）", "p, clusters"), 4),
+    Column("p_copies", Text("p（按件）", "p, copies"), 4),
+)
+
+
+FEW_CLUSTERS = Text(
+    "p 为 Wilcoxon 符号秩检验（Holm 校正）：按字（或作品）的均值，成对数少，不易分出高下；"
+    "按件则把同一字的各件当作独立，其实不然。",
+    "p: Wilcoxon signed rank, Holm's. On means of clusters there are few pairs, so it tells little apart; on "
+    "copies it takes those of one character as independent, which they are not.",
 )
 
 

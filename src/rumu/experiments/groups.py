@@ -22,7 +22,7 @@ WHOLE = "all groups"
 def variants() -> dict[str, tuple[str, ...]]:
     """Name -> the evidence it weighs: everything the mark weighs, less each group, and each group alone."""
     from rumu.assessment.features import GROUPS
-    from rumu.experiments.e3c import WEIGHED
+    from rumu.assessment.fitting import WEIGHED
 
     found = {WHOLE: tuple(WEIGHED)}
     used = {g: [n for n in names if n in WEIGHED] for g, names in GROUPS.items()}

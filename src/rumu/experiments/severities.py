@@ -15,6 +15,7 @@ import numpy as np
 from rumu.errors import CalibrationError
 from rumu.experiments.agreement import (
     COLUMNS,
+    FEW_CLUSTERS,
     Graded,
     constant,
     held_out,
@@ -265,7 +266,7 @@ def _tables(name: str, facts: Mapping[str, Any]) -> tuple[Table, ...]:
             Text("表二（模拟毛病）：与声明程度的差距", "Table 2 on simulated severities"),
             COLUMNS,
             tuple(facts["methods"]),
-            about,
+            (*about, FEW_CLUSTERS),
         ),
         Table(
             f"ranks-{name}",
