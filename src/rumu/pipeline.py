@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.calibration import checked_cuts, level_of, panel
+from rumu.assessment.calibration import Calibration
 from rumu.assessment.comparison import compare
+from rumu.assessment.marking import checked_terms, marked
 from rumu.assessment.refusal import Refusal, reason, refusal
 from rumu.assessment.remarks import remarks
 from rumu.assessment.similarity import sim_paper, similarity
@@ -74,15 +75,23 @@ def register(probe: SurfaceLike, reference: SurfaceLike, *, rotation: Rotation =
 
 
 def assess(
-    probe: SurfaceLike, reference: SurfaceLike, *, levels: Mapping[str, float] | None = None, seed: int = 0
+    probe: SurfaceLike,
+    reference: SurfaceLike,
+    *,
+    levels: Mapping[str, float] | None = None,
+    calibration: Calibration | str | Path | None = None,
+    weights: Mapping[str, float] | None = None,
+    script: str | None = None,
+    seed: int = 0,
 ) -> Assessment:
     """The mark of a copy against its master.
 
-    levels: a teacher's own cut-offs, {'excellent': .., 'good': .., 'medium': ..}. seed: of the sampling.
-    A copy that holds nothing to mark, or is none of the master, is refused in the result; a master that is no
-    use raises.
+    levels: own cut-offs, {'excellent': .., 'good': .., 'medium': ..}. calibration: another than the panel's,
+    or its file. weights: own, {'brushwork': .., 'structure': .., 'ink': ..}. script: of the master; people's
+    marks cover 'regular' alone. seed: of the sampling. A copy that holds nothing to mark, or is none of the
+    master, is refused in the result; a master that is no use raises, and so do wrong terms (CalibrationError).
     """
-    cuts = None if levels is None else checked_cuts(levels, name="levels")
+    terms = checked_terms(calibration=calibration, weights=weights, levels=levels, script=script)
     with ThreadPoolExecutor(1) as beside:  # two pictures, two cores
         coming = beside.submit(surface_of, reference)
         try:
@@ -95,15 +104,10 @@ def assess(
     no_copy = refusal(copy, master, registration=registration)
     if no_copy is not None:
         return _refused(no_copy)
-    calibration = panel()
-    score = calibration.score(features)
     return Assessment(
-        score=score,
-        level=level_of(score, cuts=cuts),
-        interval=calibration.interval_of(score),
+        **marked(features, terms=terms),
         sim_paper=sim_paper(registration),
         similarity=similarity(registration),
-        parts=calibration.part_scores(features),
         remarks=remarks(registration, copy=copy, master=master),
         registration=registration,
         source=(copy.source, master.source),

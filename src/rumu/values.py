@@ -298,6 +298,10 @@ class Assessment:
     source: where the heights of copy and master come from.
     refused: the reason when the copy cannot be marked, 'code: sentence', else None; refused_zh: the same in
         Chinese, the sentence alone.
+    weights: a teacher's own, of the parts, that the score rests on; None for those fitted to people's marks.
+    calibration: what another calibration was fitted on, in words; None for the panel that ships with rumu.
+    script: 'seal', 'clerical', 'regular', 'running' or 'cursive' where it was told.
+    interval_note, interval_note_zh: what must be said of the interval; None where people's marks cover it.
     """
 
     score: float | None
@@ -311,3 +315,8 @@ class Assessment:
     source: tuple[Source, Source] | None
     refused: str | None = None
     refused_zh: str | None = None
+    weights: Mapping[str, float] | None = None
+    calibration: str | None = None
+    script: str | None = None
+    interval_note: str | None = None
+    interval_note_zh: str | None = None

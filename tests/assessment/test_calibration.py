@@ -14,7 +14,9 @@ from rumu.assessment.calibration import (
     LEVELS,
     Charges,
     checked_cuts,
+    checked_weights,
     level_of,
+    load_calibration,
     panel,
     read_calibration,
     write_calibration,
@@ -150,6 +152,47 @@ def test_ink_is_100_at_the_masters_weight_and_halves_by_quarters():
     assert ink == pytest.approx([100, 50, 50, 0], abs=0.01)
 
 
+# a teacher's own weights
+
+
+EQUAL = {"brushwork": 1.0, "structure": 1.0, "ink": 1.0}
+
+
+def test_own_weights_make_the_mean_of_the_parts():
+    copy = replace(PERFECT, residuals=COMMON, weight=np.log(1.25))
+    parts = panel().part_scores(copy)
+    assert panel().score(copy, weights=EQUAL) == pytest.approx(np.mean(list(parts.values())))
+    for name, part in parts.items():
+        alone = dict.fromkeys(EQUAL, 0.0) | {name: 3.0}
+        assert panel().score(copy, weights=alone) == pytest.approx(part)
+
+
+def test_own_weights_stand_under_the_same_charges_and_ceiling():
+    leaning = replace(PERFECT, lean=Charges().lean_free + 3.0)
+    lacking = replace(PERFECT, regions=(Region("missing", np.zeros((3, 2)), 0.14),))
+    assert panel().score(leaning, weights=EQUAL) == pytest.approx(94.0)
+    assert panel().score(lacking, weights=EQUAL) == pytest.approx(58.0)
+    assert panel().score(PERFECT, weights=EQUAL) == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize(
+    "weights",
+    [
+        {},
+        {"brushwork": 1, "structure": 1},
+        EQUAL | {"taste": 1},
+        EQUAL | {"ink": -1},
+        dict.fromkeys(EQUAL, 0),
+        EQUAL | {"ink": "much"},
+        EQUAL | {"ink": float("nan")},
+        EQUAL | {"structure": float("inf")},
+    ],
+)
+def test_other_weights_are_refused_by_name(weights):
+    with pytest.raises(CalibrationError, match=r"^mine: expected weights of brushwork, structure, ink, none"):
+        checked_weights(weights, name="mine")
+
+
 # interval and levels
 
 
@@ -158,6 +201,12 @@ def test_the_interval_holds_the_score_and_stays_on_the_scale(score):
     low, high = panel().interval_of(score)
     assert 0 <= low <= score <= high <= 100
     assert high - low > 10
+
+
+def test_an_interval_is_widened_about_the_score():
+    low, high = panel().interval
+    assert panel().interval_of(50.0, widened=1.5) == pytest.approx((50 + 1.5 * low, 50 + 1.5 * high))
+    assert panel().interval_of(98.0, widened=1.5)[1] == 100.0
 
 
 def test_levels_by_name():
@@ -242,6 +291,41 @@ def test_a_calibration_that_is_not_whole_is_refused(lost):
 def test_a_calibration_of_wrong_things_is_refused(key, value):
     with pytest.raises(RumuError, match="expected a calibration with"):
         read_calibration(plain() | {key: value})
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"names": ["position", "taste"]}, "taste"),
+        ({"weights": [-1.0]}, "inhomogeneous|one finite"),
+        ({"spread": [1.0, 0.0]}, "spreads above 0"),
+        ({"mean": float("nan")}, "one finite"),
+        ({"anchors": [[0, 0], [50, 60], [40, 100]]}, "anchors that rise"),
+        ({"anchors": [[0, 0]]}, "anchors that rise"),
+    ],
+)
+def test_a_scale_that_cannot_be_read_off_is_refused(change, words):
+    scale = {
+        "names": ["position", "whole"],
+        "centre": [-1.5, -1.2],
+        "spread": [0.3, 0.3],
+        "weights": [-2.0, -3.0],
+        "mean": 50.0,
+        "anchors": [[0, 0], [100, 100]],
+    }
+    read_calibration(plain() | {"scale": scale})
+    with pytest.raises(CalibrationError, match=words):
+        read_calibration(plain() | {"scale": scale | change})
+    with pytest.raises(CalibrationError, match="interval from below to above"):
+        read_calibration(plain() | {"interval": [5, 9]})
+
+
+def test_a_calibration_is_loaded_by_name_or_refused_by_name(tmp_path):
+    write_calibration(panel(), tmp_path / "mine.json")
+    assert load_calibration(tmp_path / "mine.json") == panel()
+    (tmp_path / "mine.json").write_text("[]", "utf-8")
+    with pytest.raises(CalibrationError, match=r"mine\.json: expected a calibration"):
+        load_calibration(tmp_path / "mine.json")
 
 
 def test_a_calibration_needs_a_place(tmp_path):

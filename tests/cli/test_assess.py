@@ -12,7 +12,13 @@ KEYS = {"copy", "reference", "score", "level", "interval", "sim_paper", "similar
     "pose",
     "source",
     "refused",
+    "refused_zh",
     "report",
+    "interval_note",
+    "interval_note_zh",
+    "script",
+    "weights",
+    "calibration",
 }
 
 
@@ -152,11 +158,99 @@ def test_an_unknown_set_of_levels_names_the_known_ones(rumu, desk):
     rumu(*pair, "--levels", desk / "gone.json").failed_with("gone.json", "no such file")
 
 
+# weights, script, calibration
+
+
+def told(rumu, desk, *options: object) -> dict:
+    pair = ("assess", desk / "copy.png", "--reference", desk / "master.png", "--json")
+    return rumu(*pair, *options).facts
+
+
+@pytest.mark.parametrize("by", ["words", "file"])
+def test_a_teacher_weighs_the_parts(rumu, desk, by):
+    (desk / "mine.json").write_text('{"ink": 1, "brushwork": 0, "structure": 3}')
+    weights = desk / "mine.json" if by == "file" else " structure=3, ink=1,brushwork=0"
+    facts = told(rumu, desk, "--weights", weights)
+    parts = facts["parts"]
+    assert facts["weights"] == {"brushwork": 0, "structure": 3, "ink": 1}
+    assert facts["score"] == pytest.approx((3 * parts["structure"] + parts["ink"]) / 4)
+    assert facts["score"] != pytest.approx(told(rumu, desk)["score"], abs=0.1)
+    assert "only a guide" in facts["interval_note"] and "僅供參考" in facts["interval_note_zh"]
+
+
+@pytest.mark.parametrize(
+    "weights",
+    [
+        "brushwork=50",
+        "brushwork=50,structure=50,ink=0,taste=3",
+        "brushwork=50,structure=50,ink=-1",
+        "brushwork=0,structure=0,ink=0",
+        "brushwork=much,structure=50,ink=0",
+        "brushwork=nan,structure=50,ink=0",
+        "brushwork=inf,structure=50,ink=0",
+        "brushwork=1,structure=50,ink=0,ink=5",
+        "equal",
+        "",
+    ],
+)
+def test_weights_that_are_none(rumu, desk, weights):
+    pair = ("assess", desk / "copy.png", "--reference", desk / "master.png")
+    rumu(*pair, "--weights", weights).failed_with("weights", "brushwork", "structure", "ink")
+
+
+def test_the_interval_by_script(rumu, desk):
+    (low, high), note = told(rumu, desk, "--script", "regular")["interval"], None
+    seal, unknown = told(rumu, desk, "--script", "seal"), told(rumu, desk)
+    assert told(rumu, desk, "--script", "regular")["interval_note"] is note
+    assert unknown["interval"] == [low, high] and "regular script" in unknown["interval_note"]
+    wide_low, wide_high = seal["interval"]
+    assert wide_low < low < high <= wide_high
+    assert (seal["script"], seal["score"]) == ("seal", unknown["score"])
+    assert "1.5 times" in seal["interval_note"] and "1.5 倍" in seal["interval_note_zh"]
+    ended = rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--script", "seal")
+    assert seal["interval_note"] in ended.out and seal["interval_note_zh"] in ended.out
+
+
+def test_a_starter_work_knows_its_script(rumu, tmp_path):
+    rumu("gallery", "show", "clerical-ren", "-o", tmp_path / "ren.png")
+    pair = ("assess", tmp_path / "ren.png", "--reference", "clerical-ren", "--json")
+    assert "clerical script" in rumu(*pair).facts["interval_note"]
+    assert rumu(*pair, "--script", "regular").facts["interval_note"] is None
+
+
+def test_another_calibration_is_used_and_named(rumu, desk):
+    from dataclasses import replace
+
+    from rumu.assessment.calibration import panel, write_calibration
+
+    scale = replace(panel().scale, anchors=((0.0, 0.0), (1e-6, 99.0), (200.0, 100.0)))
+    kind = replace(panel(), scale=scale, interval=(-5.0, 5.0), provenance="marks of a kind teacher")
+    write_calibration(kind, desk / "kind.json")
+    facts = told(rumu, desk, "--calibration", desk / "kind.json", "--script", "seal")
+    low, high = facts["interval"]
+    assert facts["score"] > told(rumu, desk)["score"] + 5
+    assert facts["score"] - low == pytest.approx(5) and high <= facts["score"] + 5
+    assert facts["calibration"] == "marks of a kind teacher"
+    page = desk / "mark.html"
+    pair = ("assess", desk / "copy.png", "--reference", desk / "master.png", "--report", page)
+    ended = rumu(*pair, "--calibration", desk / "kind.json")
+    assert "marks of a kind teacher" in ended.out and "marks of a kind teacher" in page.read_text("utf-8")
+
+
+@pytest.mark.parametrize(("content", "words"), [("{", "cannot read"), ("[]", "scale"), ("{}", "interval")])
+def test_a_calibration_that_is_none(rumu, desk, content, words):
+    (desk / "mine.json").write_text(content)
+    pair = ("assess", desk / "copy.png", "--reference", desk / "master.png")
+    rumu(*pair, "--calibration", desk / "mine.json").failed_with("mine.json", "expected a calibration", words)
+    rumu(*pair, "--calibration", desk / "gone.json").failed_with("gone.json", "no such file")
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
         (),
         ("copy.png",),
+        ("copy.png", "--reference", "master.png", "--script", "printed"),
         ("copy.png", "--reference", "master.png", "-o", "x.csv"),
         ("copy.png", "--reference", "master.png", "--jobs", "2"),
         ("--pairs", "pairs.csv"),

@@ -146,11 +146,34 @@ def test_a_row_survives_a_fault_of_ours(monkeypatch, desk):
 
     monkeypatch.setattr("rumu.pipeline.assess", stumble)
     pair = next(read_pairs(table(desk, "copy.png,master.png")))
-    row = mark_row(pair, root=desk, levels={})
+    row = mark_row(pair, root=desk, terms={})
     assert row["refused"] == "unexpected ZeroDivisionError: division by zero"
+
+
+def test_each_row_may_have_its_script(rumu, desk):
+    """The row's own, else that of the command, else that of a starter work."""
+    rumu("gallery", "show", "clerical-ren", "-o", desk / "ren.png")
+    pairs = table(
+        desk,
+        "copy.png,master.png,seal",
+        "copy.png,master.png, ",
+        "copy.png,master.png,printed",
+        "ren.png,clerical-ren,",
+        header="copy,reference,script",
+    )
+    weights = ("--weights", "brushwork=1,structure=1,ink=1")
+    rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1, *weights)
+    seal, unknown, printed, ren = rows_of(desk / "out.csv")
+    assert [row["script"] for row in (seal, unknown, printed, ren)] == ["seal", "", "", "clerical"]
+    assert seal["score"] == unknown["score"] and float(seal["low"]) < float(unknown["low"])
+    parts = [float(seal[name]) for name in ("brushwork", "structure", "ink")]
+    assert float(seal["score"]) == pytest.approx(sum(parts) / 3, abs=0.02)
+    assert "expected one of seal, clerical" in printed["refused"]
+    rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1, "--script", "regular")
+    assert [row["script"] for row in rows_of(desk / "out.csv")] == ["seal", "regular", "", "regular"]
 
 
 def test_rows_are_read_one_by_one(desk):
     pairs = read_pairs(table(desk, *(f"{n}.png,master.png" for n in range(3))))
-    assert next(pairs) == ("0.png", "master.png")
+    assert next(pairs) == ("0.png", "master.png", None)
     assert [pair.copy for pair in pairs] == ["1.png", "2.png"]

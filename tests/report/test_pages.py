@@ -100,6 +100,20 @@ def test_parts_come_with_their_meaning(html):
         assert name.en in text and name.zh in text and meaning.en in text and meaning.zh in text
 
 
+def test_a_mark_on_a_teacher_s_terms_says_so(assessment, copy_surface, master_surface, html):
+    own = replace(
+        assessment,
+        weights={"brushwork": 50.0, "structure": 25.5, "ink": 0.0},
+        calibration="30 marks <by> a teacher",
+        interval_note="Widened 1.5 times.",
+        interval_note_zh="放寬為 1.5 倍。",
+    )
+    text = Outline(page(own, copy_surface, master_surface)).text
+    for words in ("Brushwork 50, Structure 25.5, Ink 0", "30 marks <by> a teacher", "Widened 1.5 times."):
+        assert words in text and words not in Outline(html).text
+    assert "放寬為 1.5 倍。" in text and "自定權重" in text
+
+
 def test_remarks_worst_first_and_drawn_where_they_are(html):
     text = Outline(html).text
     assert text.index("The lying stroke is missing.") < text.index("Leans 3° to the left.")

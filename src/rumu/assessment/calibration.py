@@ -22,6 +22,10 @@ from rumu.errors import CalibrationError
 from rumu.values import Level
 
 Cuts = Mapping[Level, float]
+Weights = Mapping[str, float]
+
+PART_NAMES = ("brushwork", "structure", "ink")
+"""What a mark is told in, and what a teacher may weigh."""
 
 FARTHEST = 3.0
 """Standard deviations at which evidence that is no residual stops counting: marks say nothing beyond."""
@@ -119,10 +123,17 @@ class Calibration:
     interval: tuple[float, float]
     provenance: str
 
-    def score(self, features: Features) -> float:
-        """0-100; 100 for a perfect copy in its place."""
+    def score(self, features: Features, *, weights: Weights | None = None) -> float:
+        """0-100; 100 for a perfect copy in its place.
+
+        weights: a teacher's own, of the parts; without them those count that were fitted to the marks.
+            Charges and ceiling are the same.
+        """
         charges = Charges()
-        whole = min(self.scale.read(features), charges.highest(features))
+        whole = (
+            self.scale.read(features) if weights is None else weighted(self.part_scores(features), weights)
+        )
+        whole = min(whole, charges.highest(features))
         return float(np.clip(whole - sum(charges.points(features).values()), 0.0, 100.0))
 
     def part_scores(self, features: Features) -> dict[str, float]:
@@ -134,10 +145,16 @@ class Calibration:
         read = {name: scale.read(features) for name, scale in self.parts.items()}
         return read | {"ink": float(100.0 * 0.5 ** (abs(features.weight) / np.log(1.25)))}
 
-    def interval_of(self, score: float) -> tuple[float, float]:
-        """The 80 % interval of the panel's mark around a score, within 0-100."""
-        low, high = np.clip((score + self.interval[0], score + self.interval[1]), 0.0, 100.0)
+    def interval_of(self, score: float, *, widened: float = 1.0) -> tuple[float, float]:
+        """The 80 % interval of the panel's mark around a score, within 0-100; `widened` so many times."""
+        offsets = np.array(self.interval) * widened
+        low, high = np.clip(score + offsets, 0.0, 100.0)
         return float(low), float(high)
+
+
+def weighted(parts: Mapping[str, float], weights: Weights) -> float:
+    """The weighted mean of parts, 0-100."""
+    return sum(parts[name] * weight for name, weight in weights.items()) / sum(weights.values())
 
 
 def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
@@ -162,23 +179,54 @@ def checked_cuts(cuts: Mapping[str, Any], *, name: str) -> Cuts:
     return dict(zip(expected, values, strict=True))  # type: ignore[arg-type]
 
 
+def checked_weights(weights: Mapping[str, Any], *, name: str) -> Weights:
+    """A teacher's own weights of the parts, checked. Raises CalibrationError naming what was expected."""
+    try:
+        values = [float(weights[part]) for part in PART_NAMES]
+    except (KeyError, TypeError, ValueError):
+        values = []
+    if len(weights) != len(PART_NAMES) or not values or not min(values) >= 0 or not 0 < sum(values) < np.inf:
+        raise CalibrationError(
+            f"{name}: expected weights of {', '.join(PART_NAMES)}, none below 0 and one above, "
+            f"got {dict(weights)}"
+        )
+    return dict(zip(PART_NAMES, values, strict=True))
+
+
 @lru_cache(maxsize=1)
 def panel() -> Calibration:
     """The calibration that ships with rumu."""
     return read_calibration(json.loads((files("rumu.assessment") / "panel.json").read_text("utf-8")))
 
 
+def load_calibration(path: str | Path) -> Calibration:
+    """The Calibration that a file holds. Raises CalibrationError with the file and what is wrong with it."""
+    try:
+        plain = json.loads(Path(path).read_text(encoding="utf-8-sig"))
+        return read_calibration(plain)
+    except FileNotFoundError as error:
+        raise CalibrationError(f"{path}: there is no such file") from error
+    except (OSError, ValueError) as error:
+        raise CalibrationError(f"{path}: expected a calibration in JSON, cannot read it ({error})") from error
+    except CalibrationError as error:
+        raise CalibrationError(f"{path}: {error}") from error
+
+
 def read_calibration(plain: Mapping[str, Any]) -> Calibration:
     """A Calibration from its plain form (what json.loads gives)."""
     try:
-        return Calibration(
+        low, high = map(float, plain["interval"])
+        calibration = Calibration(
             scale=_scale(plain["scale"]),
-            parts={name: _scale(scale) for name, scale in plain["parts"].items()},
-            interval=(float(plain["interval"][0]), float(plain["interval"][1])),
+            parts={name: _scale(plain["parts"][name]) for name in ("structure", "brushwork")},
+            interval=(low, high),
             provenance=str(plain["provenance"]),
         )
+        if not -np.inf < low <= 0 <= high < np.inf:
+            raise ValueError(f"an interval from below to above the score, got {low}, {high}")
     except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         raise CalibrationError(f"expected a calibration with scale, parts, interval; {error!r}") from error
+    return calibration
 
 
 def write_calibration(calibration: Calibration, path: str | Path) -> None:
@@ -190,7 +238,8 @@ def write_calibration(calibration: Calibration, path: str | Path) -> None:
 
 
 def _scale(plain: Mapping[str, Any]) -> Scale:
-    return Scale(
+    """A Scale from its plain form; raises what `read_calibration` turns into words."""
+    scale = Scale(
         names=tuple(plain["names"]),
         centre=tuple(map(float, plain["centre"])),
         spread=tuple(map(float, plain["spread"])),
@@ -198,3 +247,13 @@ def _scale(plain: Mapping[str, Any]) -> Scale:
         mean=float(plain["mean"]),
         anchors=tuple((float(total), float(mark)) for total, mark in plain["anchors"]),
     )
+    unknown = set(scale.names) - set(EVIDENCE)
+    if unknown:
+        raise ValueError(f"evidence that rumu knows, got {', '.join(sorted(map(str, unknown)))}")
+    numbers = np.array([scale.centre, scale.spread, scale.weights])  # raises when they are not alike
+    if numbers.shape != (3, len(scale.names)) or not np.isfinite([*numbers.ravel(), scale.mean]).all():
+        raise ValueError("one finite centre, spread and weight for each name")
+    rising = np.diff(np.array(scale.anchors), axis=0)
+    if not (numbers[1] > 0).all() or len(scale.anchors) < 2 or not (rising > 0).all():
+        raise ValueError(f"spreads above 0 and anchors that rise, got {scale.anchors}")
+    return scale

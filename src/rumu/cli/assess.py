@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rumu.cli.options import AsJson, level_cuts, master_path, not_an_input
+from rumu.assessment.scripts import Script
+from rumu.cli.options import (
+    AsJson,
+    level_cuts,
+    master_path,
+    master_script,
+    not_an_input,
+    part_weights,
+)
 from rumu.cli.outcome import Outcome, ends_well
 from rumu.cli.progress import bar, working
 
@@ -45,6 +53,16 @@ def assess(
     levels: Annotated[
         str, typer.Option(help="Cut-offs of the levels: panel, rubric, or a JSON file.")
     ] = "panel",
+    calibration: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A calibration that `rumu calibrate` wrote.")
+    ] = None,
+    weights: Annotated[
+        str | None,
+        typer.Option(help="Your own weights of the parts: brushwork=50,structure=50,ink=0, or a JSON file."),
+    ] = None,
+    script: Annotated[
+        Script | None, typer.Option(help="The script of the master (a starter work knows its own).")
+    ] = None,
     as_json: AsJson = False,
 ) -> Outcome:
     """The mark of a copy against its master: score, interval, level, parts, remarks."""
@@ -52,12 +70,27 @@ def assess(
         _only_with(one={"COPY": copy, "--reference": reference, "--report": report}, mode="--pairs")
         if out is None:
             raise typer.BadParameter("--pairs needs -o OUT.csv")
-        return _assess_table(pairs, out, root=root, jobs=jobs, levels=levels)
+        not_an_input(out, pairs, calibration)
+        terms = _terms(levels, calibration, weights, script)
+        return _assess_table(pairs, out, root=root, jobs=jobs, terms=terms)
     _only_with(one={"-o": out, "--root": root, "--jobs": jobs}, mode="one COPY")
     if copy is None or reference is None:
         raise typer.BadParameter("expected COPY --reference MASTER, or --pairs PAIRS.csv -o OUT.csv")
-    not_an_input(report, copy, reference)
-    return _assess_one(copy, reference, report=report, levels=levels)
+    not_an_input(report, copy, reference, calibration)
+    terms = _terms(levels, calibration, weights, script or master_script(reference))
+    return _assess_one(copy, reference, report=report, terms=terms)
+
+
+def _terms(levels: str, calibration: Path | None, weights: str | None, script: str | None) -> dict[str, Any]:
+    """What `pipeline.assess` is to be told beside copy and master; files are read once, here."""
+    from rumu.assessment.calibration import load_calibration
+
+    return {
+        "levels": level_cuts(levels),
+        "calibration": calibration and load_calibration(calibration),
+        "weights": weights and part_weights(weights),
+        "script": script,
+    }
 
 
 def _only_with(*, one: Mapping[str, object], mode: str) -> None:
@@ -66,10 +99,10 @@ def _only_with(*, one: Mapping[str, object], mode: str) -> None:
         raise typer.BadParameter(f"{', '.join(given)} cannot go with {mode}")
 
 
-def _assess_one(copy: Path, reference: str, *, report: Path | None, levels: str) -> Outcome:
-    cuts = level_cuts(levels)
+def _assess_one(copy: Path, reference: str, *, report: Path | None, terms: dict[str, Any]) -> Outcome:
+    cuts = terms["levels"]
     with working("Comparing"):
-        surface, master, mark = marked(copy, master_path(reference), levels=cuts)
+        surface, master, mark = marked(copy, master_path(reference), **terms)
         if report is not None:
             page(mark, copy=surface, master=master, names=(str(copy), reference), levels=cuts, target=report)
     facts = {"copy": copy, "reference": reference, **mark_facts(mark), "report": report}
@@ -80,14 +113,15 @@ def _assess_one(copy: Path, reference: str, *, report: Path | None, levels: str)
     return Outcome(facts, _described(mark, report))
 
 
-def _assess_table(pairs: Path, out: Path, *, root: Path | None, jobs: int | None, levels: str) -> Outcome:
+def _assess_table(
+    pairs: Path, out: Path, *, root: Path | None, jobs: int | None, terms: dict[str, Any]
+) -> Outcome:
     from rumu.cli.pairs import assess_pairs
 
-    not_an_input(out, pairs)
     started = time.perf_counter()
     with bar("Marking") as advance:
         marked_rows, refused_rows = assess_pairs(
-            pairs, out, root=root or pairs.parent, jobs=jobs, levels=level_cuts(levels), advance=advance
+            pairs, out, root=root or pairs.parent, jobs=jobs, terms=terms, advance=advance
         )
     seconds = time.perf_counter() - started
     facts = {"out": out, "pairs": marked_rows + refused_rows, "marked": marked_rows, "refused": refused_rows}
@@ -100,8 +134,11 @@ def _assess_table(pairs: Path, out: Path, *, root: Path | None, jobs: int | None
     return Outcome({**facts, "seconds": round(seconds, 3)}, text, refused=none)
 
 
-def marked(copy: Path, master: Path, *, levels: Any = None) -> tuple[Surface | None, Surface, Assessment]:
-    """(surface of the copy or None when it was refused, surface of the master, the mark)."""
+def marked(copy: Path, master: Path, **terms: Any) -> tuple[Surface | None, Surface, Assessment]:
+    """(surface of the copy or None when it was refused, surface of the master, the mark).
+
+    terms: levels, calibration, weights, script, as `pipeline.assess` takes them.
+    """
     from rumu import pipeline
     from rumu.errors import RefusedImage
 
@@ -109,8 +146,8 @@ def marked(copy: Path, master: Path, *, levels: Any = None) -> tuple[Surface | N
     try:
         probe = pipeline.surface_of(copy)
     except RefusedImage:
-        return None, reference, pipeline.assess(copy, reference, levels=levels)
-    return probe, reference, pipeline.assess(probe, reference, levels=levels)
+        return None, reference, pipeline.assess(copy, reference, **terms)
+    return probe, reference, pipeline.assess(probe, reference, **terms)
 
 
 def page(
@@ -149,6 +186,11 @@ def mark_facts(mark: Assessment) -> dict[str, Any]:
         "score": mark.score,
         "level": mark.level,
         "interval": mark.interval,
+        "interval_note": mark.interval_note,
+        "interval_note_zh": mark.interval_note_zh,
+        "script": mark.script,
+        "weights": mark.weights,
+        "calibration": mark.calibration,
         "sim_paper": mark.sim_paper,
         "similarity": mark.similarity,
         "parts": mark.parts,
@@ -180,9 +222,17 @@ def _described(mark: Assessment, report: Path | None) -> str:
         if level
         else f"{mark.score:.0f} of 100 ({low:.0f} to {high:.0f})",
         "  " + ", ".join(f"{name} {value:.0f}" for name, value in mark.parts.items()),
+        *_basis(mark),
         *(f"  - {remark.en} {remark.zh}" for remark in sorted(mark.remarks, key=lambda r: -r.severity)),
         *(f"  {SOURCES[source].en}" for source in dict.fromkeys(mark.source or ())),
     ]
     if report is not None:
         lines.append(f"  report: {report}")
     return "\n".join(line for line in lines if line.strip())
+
+
+def _basis(mark: Assessment) -> list[str]:
+    """What the mark rests on, a line each, where a person has to know it."""
+    from rumu.report.wording import basis
+
+    return [f"  {text.en} {text.zh}" for text in basis(mark)]

@@ -66,7 +66,7 @@ def _sample_pages(
     rows = []
     for done, sample in enumerate(samples, start=1):
         work = find_work(sample.work)
-        copy, master, mark = marked(sample.path, work.path, levels=cuts)
+        copy, master, mark = marked(sample.path, work.path, levels=cuts, script=work.script)
         href = f"{sample.id}.html"
         names = (sample.id, f"{work.title.zh} {work.title.en}")
         page(mark, copy=copy, master=master, names=names, levels=cuts, target=folder / href, note=SIMULATED)

@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -67,6 +67,36 @@ def master_path(master: str, *, root: Path | None = None) -> Path:
         raise ImageError(f"{path}: there is no such file, and {error}") from error
 
 
+def master_script(master: str, *, root: Path | None = None) -> str | None:
+    """The script of a master named by the id of a starter work; None for one named by its path."""
+    path = Path(master) if root is None else root / master
+    if path.exists():
+        return None
+    from rumu.gallery.works import find_work
+
+    try:
+        return find_work(master).script
+    except GalleryError:
+        return None
+
+
+def part_weights(text: str) -> Mapping[str, float]:
+    """Weights of the parts: 'brushwork=50,structure=50,ink=0', or a JSON file of the same.
+
+    Raises CalibrationError that says what was expected.
+    """
+    from rumu.assessment.calibration import checked_weights
+
+    if Path(text).suffix.lower() == ".json":
+        return checked_weights(_json_object(Path(text), of="weights"), name=text)
+    pairs = [part.partition("=") for part in text.split(",")]
+    if not all(sign for _, sign, _ in pairs) or len({name.strip() for name, _, _ in pairs}) < len(pairs):
+        raise CalibrationError(
+            f"weights {text!r}: expected brushwork=50,structure=50,ink=0 or the like, or a .json file"
+        )
+    return checked_weights({name.strip(): value for name, _, value in pairs}, name="weights")
+
+
 def level_cuts(name: str) -> Mapping[str, float]:
     """Cut-offs by the name of a set, or from a JSON file: {"excellent": 80, "good": 65, "medium": 50}.
 
@@ -79,17 +109,19 @@ def level_cuts(name: str) -> Mapping[str, float]:
     path = Path(name)
     if path.suffix.lower() != ".json":
         raise CalibrationError(f"levels {name!r}: expected one of {', '.join(LEVELS)}, or a .json file")
+    return _plain(checked_cuts(_json_object(path, of="levels"), name=str(path)))
+
+
+def _json_object(path: Path, *, of: str) -> Mapping[str, Any]:
     try:
-        cuts = json.loads(path.read_text(encoding="utf-8-sig"))
+        held = json.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError as error:
         raise CalibrationError(f"{path}: there is no such file") from error
     except (OSError, ValueError) as error:
-        raise CalibrationError(
-            f"{path}: expected a JSON object of levels, cannot read it ({error})"
-        ) from error
-    if not isinstance(cuts, dict):
-        raise CalibrationError(f"{path}: expected a JSON object of levels, got {type(cuts).__name__}")
-    return _plain(checked_cuts(cuts, name=str(path)))
+        raise CalibrationError(f"{path}: expected a JSON object of {of}, cannot read it ({error})") from error
+    if not isinstance(held, dict):
+        raise CalibrationError(f"{path}: expected a JSON object of {of}, got {type(held).__name__}")
+    return held
 
 
 def _plain(cuts: Mapping[Level, float]) -> dict[str, float]:

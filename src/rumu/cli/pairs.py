@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rumu.cli.options import master_path
+from rumu.cli.options import master_path, master_script
 from rumu.errors import ImageError, RumuError
 from rumu.outputs import whole_file
 from rumu.processes import cores, in_order
@@ -35,21 +35,24 @@ COLUMNS = (
     "shift_y",
     "scale",
     "refused",
+    "script",
 )
 
 
 class Pair(NamedTuple):
-    """One row as it stands in the table; None where the row ends too early."""
+    """One row as it stands in the table; None where the row ends too early or the column is not there."""
 
     copy: str | None
     reference: str | None
+    script: str | None = None
 
 
 def assess_pairs(
-    pairs: Path, out: Path, *, root: Path, jobs: int | None, levels: Mapping[str, float], advance: Advance
+    pairs: Path, out: Path, *, root: Path, jobs: int | None, terms: Mapping[str, Any], advance: Advance
 ) -> tuple[int, int]:
     """Mark every row of `pairs` and write `out` in the same order; returns (marked, refused) rows.
 
+    terms: levels, calibration, weights, script, as `pipeline.assess` takes them; a row's own script wins.
     A row that cannot be marked carries its reason in `refused` and stops nothing. Raises RumuError when the
     table itself cannot be read, OutputError when `out` cannot be written; then nothing is written.
     """
@@ -60,7 +63,7 @@ def assess_pairs(
     with whole_file(out) as part, part.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
         writer.writeheader()
-        work = functools.partial(mark_row, root=root, levels=levels)
+        work = functools.partial(mark_row, root=root, terms=terms)
         processes = min(jobs or cores(), total)
         for done, row in enumerate(in_order(work, read_pairs(pairs), processes=processes), start=1):
             writer.writerow(row)
@@ -70,7 +73,7 @@ def assess_pairs(
 
 
 def read_pairs(path: Path) -> Iterator[Pair]:
-    """The rows of a CSV with the columns copy and reference (others are ignored), UTF-8 with or without BOM.
+    """The rows of a CSV with the columns copy, reference and perhaps script, UTF-8 with or without BOM.
 
     Raises ImageError naming the file when it is missing, no UTF-8 text, or lacks a column.
     """
@@ -86,14 +89,16 @@ def read_pairs(path: Path) -> Iterator[Pair]:
                 )
             rows.fieldnames = names
             for row in rows:
-                yield Pair(row["copy"] or None, row["reference"] or None)
+                yield Pair(
+                    row["copy"] or None, row["reference"] or None, (row.get("script") or "").strip() or None
+                )
     except OSError as error:
         raise ImageError(f"{path}: cannot be read ({os.strerror(error.errno or 0)})") from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise ImageError(f"{path}: expected a CSV in UTF-8, cannot read it ({error})") from error
 
 
-def mark_row(pair: Pair, *, root: Path, levels: Mapping[str, float]) -> dict[str, Any]:
+def mark_row(pair: Pair, *, root: Path, terms: Mapping[str, Any]) -> dict[str, Any]:
     """One row of the result; whatever goes wrong is told in its column `refused`."""
     row: dict[str, Any] = dict.fromkeys(COLUMNS, "") | {"copy": pair.copy, "reference": pair.reference}
     if pair.copy is None or pair.reference is None:
@@ -102,7 +107,8 @@ def mark_row(pair: Pair, *, root: Path, levels: Mapping[str, float]) -> dict[str
 
     try:
         master = _master(master_path(pair.reference, root=root))
-        return row | _cells(pipeline.assess(root / pair.copy, master, levels=levels))
+        script = pair.script or terms.get("script") or master_script(pair.reference, root=root)
+        return row | _cells(pipeline.assess(root / pair.copy, master, **{**terms, "script": script}))
     except RumuError as error:
         return row | {"refused": " ".join(str(error).split())}
     except Exception as error:  # one row must never cost the others
@@ -123,6 +129,7 @@ def _cells(mark: Assessment) -> dict[str, Any]:
     cells: dict[str, Any] = {
         "score": _number(mark.score, 2),
         "level": mark.level or "",
+        "script": mark.script or "",
         "low": _number(low, 2),
         "high": _number(high, 2),
         "sim_paper": _number(mark.sim_paper, 6),

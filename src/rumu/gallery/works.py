@@ -12,13 +12,11 @@ import json
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any
 
+from rumu.assessment.scripts import SCRIPTS, Script
 from rumu.errors import GalleryError
 from rumu.values import Level
-
-Script = Literal["seal", "clerical", "regular", "running", "cursive"]
-SCRIPTS: tuple[Script, ...] = get_args(Script)
 
 
 @dataclass(frozen=True, slots=True)

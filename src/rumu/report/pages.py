@@ -99,6 +99,7 @@ def assessment_page(
         **context,
         level=wording.LEVELS[assessment.level] if assessment.level else None,
         zones=level_zones(levels or {}),
+        basis=wording.basis(assessment),
         parts=_parts(assessment.parts),
         pose=_pose(assessment.registration),
         remarks=_remarks(assessment.remarks),

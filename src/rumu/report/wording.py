@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rumu.values import Level, Source
+from rumu.values import Assessment, Level, Source
 
 
 class Text(NamedTuple):
@@ -165,3 +165,23 @@ def with_unit(size: float, unit: str) -> str:
     number = f"{abs(size):.1f}" if abs(size) < 10 else f"{abs(size):.0f}"
     sign = UNITS.get(unit, unit)
     return f"{number}{sign}" if sign == "°" else f"{number} {sign}".rstrip()
+
+
+def basis(mark: Assessment) -> list[Text]:
+    """What a mark rests on that a person must be told: another calibration, own weights, the interval."""
+    said = []
+    if mark.calibration:
+        said.append(Text(f"另用校準：{mark.calibration}", f"Another calibration: {mark.calibration}"))
+    if mark.weights:
+        zh, en = (
+            join.join(f"{PARTS[name][0][k]} {weight:g}" for name, weight in mark.weights.items())
+            for k, join in enumerate(("、", ", "))
+        )
+        said.append(
+            Text(
+                f"分數按自定權重合計各分項：{zh}。", f"The score weighs the parts by your own weights: {en}."
+            )
+        )
+    if mark.interval_note:
+        said.append(Text(mark.interval_note_zh or mark.interval_note, mark.interval_note))
+    return said
