@@ -270,10 +270,14 @@ def _extended(way: Way, segments: Segments, free: set[int], settings: MbseSettin
 
 
 def _trimmed(way: Way, segments: Segments) -> Way:
-    """The way without an end piece that is no longer than the fork it sticks out of is wide."""
+    """The way without an end piece that lies within the ink of the fork it sticks out of.
+
+    So do the strokes of the reference end, whose lines are bridged straight across their forks.
+    """
     for _ in (0, 1):
+        stub = segments.line(way[-1:])
         at_fork = int(segments.ends[way[-1], 0]) in segments.forks
-        if len(way) > 1 and at_fork and segments.traits.length[way[-1]] < 0.5 * segments.width:
+        if len(way) > 1 and at_fork and stub.length < max(0.5 * segments.width, float(stub.radius[0])):
             way = way[:-1]
         way = segments.turned(way)
     return way
