@@ -49,12 +49,14 @@ class Ink:
 
     patches: ink that no stroke explains, largest first; blots and extra strokes alike.
     bare: share of the inside of its strokes that is bare, beyond the master's. tremor: how much more than the
-        master's its edges swing about their own smoothed line, rms radii. pale: darkness over the master's.
+        master's its edges swing about their own smoothed line, rms radii; rough: so
+        many times the master's. pale: darkness over the master's.
     """
 
     patches: tuple[Patch, ...]
     bare: float
     tremor: float
+    rough: float
     pale: float
 
 
@@ -71,6 +73,7 @@ def measure_ink(
         patches=_patches(mine, tube, strokes.copy.width * RADIUS, settings),
         bare=_bare(strokes, mine.ink, strokes.covered) - _bare(itself, theirs.ink, strokes.covered),
         tremor=(_tremor(mine) - _tremor(theirs)) / RADIUS,
+        rough=_tremor(mine) / max(_tremor(theirs), 0.05),
         pale=_darkness(copy) / max(_darkness(master), 1e-6),
     )
 
@@ -152,9 +155,14 @@ def _left_over(theirs: Sheet, itself: Strokes, beside: float) -> BoolArray:
 
 
 def _bare(strokes: Strokes, ink: BoolArray, seen: BoolArray) -> float:
-    """Share of the inside of the strokes that holds no ink."""
+    """Share of the inside of the strokes that holds no ink, though there is ink on both sides of it."""
+    import cv2
+
     inner = _drawn(strokes.moved[seen], 0.6 * RADIUS * strokes.radius[seen])
-    return float((inner & ~ink).sum() / max(inner.sum(), 1))
+    reach = max(round(0.45 * strokes.master.width * RADIUS), 1)
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    closed = cv2.morphologyEx(ink.view(np.uint8), cv2.MORPH_CLOSE, disc) > 0
+    return float((inner & closed & ~ink).sum() / max(inner.sum(), 1))
 
 
 def _darkness(surface: Surface) -> float:

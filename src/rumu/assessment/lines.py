@@ -130,7 +130,9 @@ def _free(stroke: Stroke, skeleton: Skeleton) -> tuple[bool, bool]:
 def _line(stroke: Stroke, skeleton: Skeleton) -> Line:
     points, radius, free = stroke.points, stroke.radius, _free(stroke, skeleton)
     right, down = points[-1] - points[0]
-    if right > 0 and down < -0.15 * right and _tapers_to_start(radius):  # a flat left-falling stroke
+    if (
+        right > 0 and down < -0.45 * right and _tapers_to_start(radius)
+    ):  # a left-falling stroke that lies flat
         points, radius, free = points[::-1], radius[::-1], free[::-1]
     return Line(frame(points), radius / RADIUS, free, _clear(points, skeleton))
 

@@ -16,18 +16,25 @@ from rumu.values import FloatArray, IntArray
 
 Axis = Literal["across", "down"]
 
+_PLACE = 0.06
+"""Rms radii within which a point of a squeezed part is in its place."""
+
 
 @dataclass(frozen=True, slots=True)
 class PoseSettings:
     """What makes a pose.
 
-    reach: rms radii beyond which a point hardly counts. simpler: a pose with fewer parts is taken when it
-        leaves at most so many times what the best leaves, and `slack` rms radii more.
+    reach: rms radii beyond which a point hardly counts. agree: rms radii within which a point agrees with a
+        pose. simpler: a pose with fewer parts is taken when so many times as few points agree with it as with
+        the best. still: rms radii (and half of it in size, 3 degrees) up to which the best is too small to be
+        spoken of; `same` stands for `simpler` then, so that every stroke is not blamed for it.
     """
 
     reach: float = 0.15
-    simpler: float = 1.3
-    slack: float = 0.012
+    agree: float = 0.045
+    simpler: float = 0.6
+    still: float = 0.1
+    same: float = 0.95
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +43,16 @@ class SqueezeSettings:
 
     least: smallest ratio between the widths of the two parts. each: how far each must be from the master's
         when one is too wide and the other too narrow. gain: share of what the pose leaves that it explains.
-    strokes: in a part that alone is wrong.
+    strokes: how many it must put in their place; with twice as many less gain will do. better:
+        share of the strokes, besides, that it must put in their place: a middle stroke that is out of place
+        alone would put the others wrong.
     """
 
     least: float = 1.12
     each: float = 0.04
-    gain: float = 0.4
+    gain: float = 0.5
     strokes: int = 2
+    better: float = 0.12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,17 +103,26 @@ def robust_pose(master: FloatArray, copy: FloatArray, *, settings: PoseSettings 
     if len(master) < 4:
         return none
     poses = [none] + [_fitted(master, copy, turn, size, s) for turn, size in _PARTS]
-    left = [_cost(p, master, copy, s) for p in poses]
-    enough = s.simpler * min(left) + s.slack
-    return next(p for p, cost in zip(poses, left, strict=True) if cost <= enough)
+    agreed = [_agreement(p, master, copy, s) for p in poses]
+    best = poses[int(np.argmax(agreed))]
+    enough = (s.same if _is_small(best, s) else s.simpler) * max(agreed)
+    return next(p for p, share in zip(poses, agreed, strict=True) if share >= enough)
+
+
+def _is_small(pose: Pose, s: PoseSettings) -> bool:
+    """Whether nobody would speak of it: then it may as well be taken out."""
+    still = float(np.hypot(*pose.shift)) < s.still
+    return still and abs(pose.angle) < 30.0 * s.still and abs(np.log(pose.scale)) < s.still / 2
 
 
 _PARTS = ((False, False), (True, False), (False, True), (True, True))
 """Whether a pose turns and whether it changes the size, from simple to rich; all of them shift."""
 
 
-def _cost(pose: Pose, master: FloatArray, copy: FloatArray, s: PoseSettings) -> float:
-    return float(np.minimum(np.hypot(*(pose.undone(copy) - master).T), 2 * s.reach).mean())
+def _agreement(pose: Pose, master: FloatArray, copy: FloatArray, s: PoseSettings) -> float:
+    """Share of the points that a pose brings to their place, softly counted."""
+    left = pose.undone(copy) - master
+    return float(np.exp(-0.5 * (left * left).sum(axis=1) / s.agree**2).mean())
 
 
 def _fitted(master: FloatArray, copy: FloatArray, turn: bool, size: bool, s: PoseSettings) -> Pose:
@@ -130,31 +149,55 @@ def _least_squares(master: FloatArray, copy: FloatArray, weight: FloatArray, tur
 
 
 def find_squeeze(
-    master: FloatArray, copy: FloatArray, *, owner: IntArray, settings: SqueezeSettings | None = None
+    master: FloatArray,
+    copy: FloatArray,
+    *,
+    owner: IntArray,
+    double: FloatArray,
+    settings: SqueezeSettings | None = None,
 ) -> Squeeze | None:
     """The clearer of left against right and top against bottom; None when neither is squeezed.
 
-    master, copy: (n, 2) the same points, pose taken out. owner: (n,) number of the stroke.
+    master, copy: (n, 2) the same points, pose taken out. owner: (n,) number of the stroke. double: (n, 2)
+    (cos 2t, sin 2t) of the direction: where a point lies along its own stroke cannot be seen.
     """
     s = settings or SqueezeSettings()
-    found = [_squeeze(master, copy, axis) for axis in ("across", "down")]
-    clear = [q for q in found if q and _is_clear(q, master, owner, s)]
-    return max(clear, key=lambda q: q.gain) if clear else None
+    ends = np.concatenate([[True], np.diff(owner) != 0]) | np.concatenate([np.diff(owner) != 0, [True]])
+    found = []
+    for axis, sign in (("across", -1.0), ("down", 1.0)):
+        seen = np.where(ends, 1.0, (1.0 + sign * double[:, 0]) / 2 + 0.03)
+        squeeze = _squeeze(master, copy, axis, seen)  # type: ignore[arg-type]
+        if squeeze and _is_clear(squeeze, _explains(squeeze, master, copy, owner), s):
+            before, after = (_in_place(copy - to, owner) for to in (master, squeezed(master, squeeze)))
+            if after - before >= s.better:
+                found.append(squeeze)
+    return max(found, key=lambda q: q.gain) if found else None
 
 
-def _is_clear(q: Squeeze, master: FloatArray, owner: IntArray, s: SqueezeSettings) -> bool:
-    if max(q.first / q.second, q.second / q.first) < s.least or q.gain < s.gain:
+def _is_clear(q: Squeeze, strokes: int, s: SqueezeSettings) -> bool:
+    """Whether both parts are wrong, the one too wide and the other too narrow, in enough strokes."""
+    if max(q.first / q.second, q.second / q.first) < s.least:
         return False
-    if (q.first - 1.0) * (q.second - 1.0) < 0 and min(abs(q.first - 1), abs(q.second - 1)) >= s.each:
-        return True
-    # one part alone is wide or narrow: a single stroke that is long or short would look like that
+    opposed = (q.first - 1.0) * (q.second - 1.0) < 0 and min(abs(q.first - 1), abs(q.second - 1)) >= s.each
+    few = strokes >= s.strokes + (0 if opposed else 2) and q.gain >= s.gain
+    return few or (opposed and strokes >= 2 * s.strokes and q.gain >= s.gain / 2.5)
+
+
+def _in_place(left: FloatArray, owner: IntArray) -> float:
+    """Share of the strokes that are where they should be, softly counted, a short one like a long one."""
+    count = np.bincount(owner)
+    there = np.bincount(owner, np.exp(-0.5 * (left * left).sum(axis=1) / _PLACE**2))
+    return float((there[count > 0] / count[count > 0]).mean())
+
+
+def _explains(q: Squeeze, master: FloatArray, copy: FloatArray, owner: IntArray) -> int:
+    """How many strokes it puts in their place: one alone is rather out of place itself."""
     k = 0 if q.axis == "across" else 1
-    odd = abs(q.first - 1.0) > abs(q.second - 1.0)
-    side = master[:, k] < q.parting if odd else master[:, k] > q.parting
-    counts = np.bincount(owner[side])
-    return bool(
-        (counts > 0.6 * np.bincount(owner, minlength=len(counts))[: len(counts)]).sum() >= s.strokes + 1
+    count = np.maximum(np.bincount(owner), 1)
+    before, after = (
+        np.bincount(owner, np.abs(copy - to)[:, k]) / count for to in (master, squeezed(master, q))
     )
+    return int(((before > 0.03) & (after < 0.6 * before)).sum())
 
 
 def squeezed(points: FloatArray, squeeze: Squeeze | None) -> FloatArray:
@@ -168,32 +211,31 @@ def squeezed(points: FloatArray, squeeze: Squeeze | None) -> FloatArray:
     return out
 
 
-def _squeeze(master: FloatArray, copy: FloatArray, axis: Axis) -> Squeeze | None:
+def _squeeze(master: FloatArray, copy: FloatArray, axis: Axis, seen: FloatArray) -> Squeeze | None:
     k = 0 if axis == "across" else 1
     x, y = master[:, k], copy[:, k]
     low, high = x.min(), x.max()
-    straight, _ = _l1(np.column_stack([np.ones_like(x), x]), y)
+    straight, _ = _least_absolute(np.column_stack([np.ones_like(x), x]), y, seen)
     best: Squeeze | None = None
     least = np.inf
     for share in np.linspace(0.3, 0.7, 9):
         at = low + share * (high - low)
-        if min((x < at).mean(), (x > at).mean()) < 0.15:
+        if min(seen[x < at].sum(), seen[x > at].sum()) < 0.15 * seen.sum():
             continue
-        left, (c, a, b) = _l1(
-            np.column_stack([np.ones_like(x), np.minimum(x - at, 0), np.maximum(x - at, 0)]), y
-        )
+        bent = np.column_stack([np.ones_like(x), np.minimum(x - at, 0), np.maximum(x - at, 0)])
+        left, (c, a, b) = _least_absolute(bent, y, seen)
         if left < least and a > 0.1 and b > 0.1:
             least = left
             best = Squeeze(axis, float(at), float(c), float(a), float(b), 1.0 - left / max(straight, 1e-9))
-    return best if best and straight > 0.012 else None
+    return best if straight > 0.012 else None
 
 
-def _l1(A: FloatArray, y: FloatArray) -> tuple[float, FloatArray]:
+def _least_absolute(A: FloatArray, y: FloatArray, seen: FloatArray) -> tuple[float, FloatArray]:
     """Least absolute deviations by reweighting: mean of what is left, and the coefficients."""
-    weight = np.ones(len(y))
+    weight = seen
     for _ in range(5):
         B = A * weight[:, None]
         coefficients = np.linalg.solve(B.T @ A + 1e-9 * np.eye(A.shape[1]), B.T @ y)
         left = np.abs(y - A @ coefficients)
-        weight = 1.0 / np.maximum(left, 0.02)
-    return float(left.mean()), np.asarray(coefficients)
+        weight = seen / np.maximum(left, 0.02)
+    return float((seen * left).sum() / seen.sum()), np.asarray(coefficients)

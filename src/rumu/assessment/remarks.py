@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from rumu.assessment.places import as_lines, box, towards
 from rumu.assessment.stroke_names import place_of
 from rumu.assessment.stroke_remarks import of_strokes
 from rumu.assessment.strokes import Strokes, find_strokes
-from rumu.assessment.thresholds import Noticeable
+from rumu.assessment.thresholds import Noticeable, severity
 from rumu.values import FloatArray, Registration, Remark, Surface
 
 __all__ = ["Noticeable", "remarks"]
@@ -33,7 +34,7 @@ def remarks(
         *_of_the_whole(strokes, registration, limits),
         *_of_parts(strokes, limits),
         *of_strokes(strokes, registration, limits),
-        *_of_ink(ink, limits),
+        *_of_ink(ink, replace(limits, tremor=limits.tremor * strokes.enlarged**1.5)),
     ]
     return _worst(found, limits)
 
@@ -54,7 +55,7 @@ def _of_the_whole(strokes: Strokes, registration: Registration, limits: Noticeab
     if abs(lean) >= limits.lean:
         zh, en = ("右", "clockwise") if lean > 0 else ("左", "anticlockwise")
         yield Remark(
-            "lean", lean, "degrees", 3.0 * abs(lean) / limits.lean, None,
+            "lean", lean, "degrees", severity(lean, limits.lean, rate=6.0), None,
             f"整字向{zh}傾斜 {abs(lean):.0f}°。先看範本的中軸，落筆時把重心扶正。",
             f"The whole character leans {abs(lean):.0f}° {en}. Find the master's axis and set yours upright.",
         )  # fmt: skip
@@ -65,7 +66,7 @@ def _of_the_whole(strokes: Strokes, registration: Registration, limits: Noticeab
             else ("小", "smaller", "把間架撐開。", "Open the frame out.")
         )
         yield Remark(
-            "size", size, "of the master", 3.0 * abs(size) / limits.size, None,
+            "size", size, "of the master", severity(size, limits.size, rate=6.0), None,
             f"整字比範本{zh} {abs(size):.0%}。{do_zh}",
             f"The whole character is {abs(size):.0%} {en} than the master. {do_en}",
         )  # fmt: skip
@@ -74,11 +75,11 @@ def _of_the_whole(strokes: Strokes, registration: Registration, limits: Noticeab
     if offset >= limits.offset:
         zh, en = towards(away)
         yield Remark(
-            "offset", offset, "of the cell", 3.0 * offset / limits.offset, None,
+            "offset", offset, "of the cell", severity(offset, limits.offset, rate=5.0), None,
             f"整字在格中偏{zh}，離範本位置 {offset:.0%} 格。下筆前先定中心。",
             f"The whole stands {offset:.0%} of the cell too far to the {en}. Find the centre first.",
         )  # fmt: skip
-    if abs(weight) >= limits.weight:
+    if abs(np.log1p(weight)) >= limits.weight + strokes.grain:
         zh, en, do_zh, do_en = (
             ("粗", "heavier", "行筆稍提，蘸墨少些。", "Lift the brush a little and take less ink.")
             if weight > 0
@@ -86,7 +87,7 @@ def _of_the_whole(strokes: Strokes, registration: Registration, limits: Noticeab
         )
         yield Remark(
             "heavy" if weight > 0 else "thin", weight, "of the master",
-            4.0 * abs(np.log1p(weight)) / limits.weight, None,
+            severity(float(np.log1p(weight)), limits.weight, rate=5.0), None,
             f"筆畫比範本{zh}約 {abs(weight):.0%}。{do_zh}",
             f"Strokes are about {abs(weight):.0%} {en} than the master's. {do_en}",
         )  # fmt: skip
@@ -117,7 +118,7 @@ def _of_parts(strokes: Strokes, limits: Noticeable) -> Iterator[Remark]:
     much = ("寬", "窄", "wide", "narrow") if q.axis == "across" else ("高", "扁", "tall", "flat")
     (zh, en), (zh_other, en_other) = parts[wide], parts[narrow]
     yield Remark(
-        "squeeze", size, "of the master", 5.0 * size / limits.squeeze, None,
+        "squeeze", size, "of the master", severity(size, limits.squeeze, rate=7.0), None,
         f"{zh}部太{much[0]}（為範本的 {ratio[wide]:.0%}），{zh_other}部太{much[1]}（{ratio[narrow]:.0%}）。"
         f"先定兩部的交界，{zh}部收緊，讓出位置給{zh_other}部。",
         f"The {en} part is too {much[2]} ({ratio[wide]:.0%} of the master's) and the {en_other} part too "
@@ -150,20 +151,20 @@ def _of_ink(ink: Ink, limits: Noticeable) -> Iterator[Remark]:
             )  # fmt: skip
     if dry:
         yield Remark(
-            "dry", ink.bare, "of the ink", 4.0 * ink.bare / limits.bare, None,
-            f"枯筆露白，筆畫裏約有 {ink.bare:.0%} 沒有墨。蘸足墨，行筆慢些。",
+            "dry", ink.bare, "of the ink", severity(ink.bare, limits.bare, rate=5.0), None,
+            f"枯筆露白，筆畫裡約有 {ink.bare:.0%} 沒有墨。蘸足墨，行筆慢些。",
             f"The brush ran dry: about {ink.bare:.0%} of the strokes is bare. Take more ink and go slower.",
         )  # fmt: skip
     elif ink.tremor >= limits.tremor:
         yield Remark(
-            "rough", 100.0 * ink.tremor, "percent of the radius", 3.0 * ink.tremor / limits.tremor, None,
-            f"筆畫邊緣抖動，比範本多 {100 * ink.tremor:.1f}%（以字的半徑計）。懸腕勻速，一筆寫到底。",
-            f"The edges tremble, by {100 * ink.tremor:.1f} % of the character's radius more than the "
-            "master's. Keep an even pace and finish each stroke in one go.",
+            "rough", ink.rough - 1.0, "of the master", severity(ink.tremor, limits.tremor, rate=3.5), None,
+            f"筆畫邊緣抖動，比範本多 {ink.rough - 1.0:.0%}。懸腕勻速，一筆寫到底。",
+            f"The edges tremble, {ink.rough - 1.0:.0%} more than the master's. Keep an even pace and finish "
+            "each stroke in one go.",
         )  # fmt: skip
     if 1.0 - ink.pale >= limits.pale:
         yield Remark(
-            "pale", ink.pale - 1.0, "of the master", 4.0 * (1.0 - ink.pale) / limits.pale, None,
+            "pale", ink.pale - 1.0, "of the master", severity(1.0 - ink.pale, limits.pale, rate=4.5), None,
             f"墨色比範本淡 {1.0 - ink.pale:.0%}。墨磨濃些，水少些。",
             f"The ink is {1.0 - ink.pale:.0%} paler than the master's. Grind it thicker and use less water.",
         )  # fmt: skip

@@ -11,13 +11,17 @@ from rumu.assessment.places import as_lines, box, towards
 from rumu.assessment.spacing import Gap, find_gaps
 from rumu.assessment.stroke_names import HORIZONTAL, RING, VERTICAL, Name, kind_of, names_of
 from rumu.assessment.strokes import StrokeFound, Strokes
-from rumu.assessment.thresholds import Noticeable
-from rumu.values import BoolArray, IntArray, Registration, Remark
+from rumu.assessment.thresholds import Noticeable, coarser, severity
+from rumu.values import BoolArray, FloatArray, IntArray, Registration, Remark
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Said:
-    """A stroke with what is needed to speak of it. cell: one rms radius of the master in cells."""
+    """A stroke with what is needed to speak of it.
+
+    cell: one rms radius of the master in cells. wide: width of the master's strokes, rms radii; whole: of the
+    copy's over the master's. common: share of all strokes, by length, that one of them has on average.
+    """
 
     stroke: StrokeFound
     name: Name
@@ -26,10 +30,15 @@ class _Said:
     limits: Noticeable
     wide: float
     whole: float
+    common: float
 
     def remark(self, kind: str, size: float, unit: str, severity: float, *text: str) -> Remark:
         zh, en = text
         return Remark(kind, size, unit, severity, self.box, zh, en, as_lines(self.stroke.outline))
+
+    def grave(self, size: float, least: float, rate: float) -> float:
+        """A fault in a long stroke is graver than the same one in a dot."""
+        return severity(size, least, rate=rate, weight=self.stroke.weight / self.common)
 
     @property
     def box(self) -> tuple[float, float, float, float]:
@@ -48,10 +57,11 @@ class _Said:
 
 def of_strokes(strokes: Strokes, registration: Registration, limits: Noticeable) -> Iterator[Remark]:
     """Remarks on single strokes, in no order."""
+    limits = coarser(limits, strokes.grain)
     wide, cell = strokes.master.width, registration.reference.radius
     names = names_of(strokes.master.lines, width=wide)
     told = [
-        _Said(s, name, kind_of(s.line, width=wide), cell, limits, wide, strokes.width)
+        _Said(s, name, kind_of(s.line, width=wide), cell, limits, wide, strokes.width, 1.0 / len(names))
         for s, name in zip(strokes.strokes, names, strict=True)
     ]
     for k, said in enumerate(told):
@@ -64,6 +74,7 @@ def of_strokes(strokes: Strokes, registration: Registration, limits: Noticeable)
         yield from _width(said)
         yield from _ends(said)
     yield from _spaces(find_gaps(strokes), told, limits)
+    yield from _blunt(told, limits)
 
 
 def _share(strokes: Strokes, own: BoolArray | IntArray) -> float:
@@ -110,24 +121,34 @@ def _longest_run(flags: BoolArray) -> IntArray:
 
 def _place(said: _Said) -> Iterator[Remark]:
     stroke, limits = said.stroke, said.limits
-    away = float(np.hypot(*stroke.shift))
+    shift = _aside(stroke)
+    away = float(np.hypot(*shift))
     if away >= limits.displaced:
-        zh, en = towards(stroke.shift)
+        zh, en = towards(shift)
         size = away * said.cell
         yield said.remark(
-            "displaced", size, "of the cell", 3.0 * away / limits.displaced,
+            "displaced", size, "of the cell", said.grave(away, limits.displaced, 3.0),
             f"{said.name.zh}偏{zh}約 {size:.1%} 格。看清它與鄰筆的距離再落筆。",
             f"{said.en} stands about {size:.1%} of the cell too far to the {en}. Measure its distance to its "
             "neighbour.",
         )  # fmt: skip
-    least = limits.turn * (1.0 if said.slim > 4.0 else 2.0)  # a dot's direction is easily mistaken
+    least = limits.turn * (
+        1.0 if said.slim > 6.0 else 1.3 if said.slim > 4.0 else 2.0
+    )  # a dot's direction is easily mistaken
     if abs(stroke.turn) >= least and said.kind != RING:
         way_zh, way_en = _leaning(said, stroke.turn)
         yield said.remark(
-            "stroke_angle", stroke.turn, "degrees", 3.0 * abs(stroke.turn) / least,
+            "stroke_angle", stroke.turn, "degrees", said.grave(stroke.turn, least, 3.0),
             f"{said.name.zh}斜了 {abs(stroke.turn):.0f}°，{way_zh}。落筆前先看準範本的方向。",
             f"{said.en} is off by {abs(stroke.turn):.0f}°: {way_en}. Look at the master's direction first.",
         )  # fmt: skip
+
+
+def _aside(stroke: StrokeFound) -> FloatArray:
+    """The shift of a stroke, without what its length alone does to its middle."""
+    along = stroke.line.chord / max(float(np.hypot(*stroke.line.chord)), 1e-9)
+    grown = 0.55 * abs(stroke.length - 1.0) * stroke.line.length
+    return np.asarray(stroke.shift - np.clip(stroke.shift @ along, -grown, grown) * along)
 
 
 def _leaning(said: _Said, turn: float) -> Name:
@@ -158,7 +179,7 @@ def _length(said: _Said) -> Iterator[Remark]:
         else ("stroke_short", "短", "too short", "行筆到位再收。", "Carry it to its end.")
     )
     yield said.remark(
-        kind, change, "of the master", 2.5 * abs(change) / least,
+        kind, change, "of the master", said.grave(change, least, 2.6),
         f"{said.name.zh}{zh}了 {abs(change):.0%}。{do_zh}",
         f"{said.en} is {abs(change):.0%} {en}. {do_en}",
     )  # fmt: skip
@@ -175,16 +196,43 @@ def _width(said: _Said) -> Iterator[Remark]:
         else ("stroke_thin", "細", "thinner", "行筆按得實些。", "Press more firmly.")
     )
     yield said.remark(
-        kind, change, "of the master", 3.0 * abs(np.log(ratio)) / said.limits.stroke,
+        kind, change, "of the master", said.grave(float(np.log(ratio)), said.limits.stroke, 3.0),
         f"{said.name.zh}比別的筆畫{zh} {abs(change):.0%}。{do_zh}",
         f"{said.en} is {abs(change):.0%} {en} than the other strokes are. {do_en}",
     )  # fmt: skip
 
 
+def _end_widths(said: _Said) -> tuple[float, float]:
+    """Logarithms of the width of the entry and of the exit against the stroke's own; NaN where unseen."""
+    stroke = said.stroke
+    # where another stroke's ink has run into this one, its middle is no measure
+    middle = stroke.middle if 0.7 < stroke.middle / said.whole < 1.5 else said.whole
+    return float(np.log(stroke.entry / middle)), float(np.log(stroke.exit / middle))
+
+
+def _blunt(told: list[_Said], limits: Noticeable) -> Iterator[Remark]:
+    """Most ends too wide: not one stroke but the hand lets the brush down at its tips."""
+    ends = [(said, _end_widths(said)) for said in told if said.stroke.present]
+    seen = np.array([w for _, widths in ends for w in widths if np.isfinite(w)])
+    exits = [(widths[1], said) for said, widths in ends if widths[1] >= limits.tips]
+    if len(seen) < 2 or not exits or float((seen >= limits.tips).mean()) < 0.6:
+        return
+    size = float(np.expm1(np.median([width for width, _ in exits])))
+    exits.sort(key=lambda pair: -pair[0])
+    outlines = [said.stroke.outline[len(said.stroke.outline) * 2 // 3 :] for _, said in exits]
+    yield Remark(
+        "exit_blunt", size, "of the master", severity(size, limits.tips, rate=3.2),
+        box(np.concatenate(outlines)),
+        f"筆鋒多禿鈍：{len(exits)} 筆的收筆比範本寬約 {size:.0%}。收筆時漸漸提鋒。",
+        f"The tips are blunt: {len(exits)} of the strokes end about {size:.0%} wider than the master's. Lift "
+        "the brush little by little.",
+        as_lines(*outlines),
+    )  # fmt: skip
+
+
 def _ends(said: _Said) -> Iterator[Remark]:
-    stroke, limits = said.stroke, said.limits
-    middle = stroke.middle if np.isfinite(stroke.middle) else said.whole
-    entry, end = np.log(stroke.entry / middle), np.log(stroke.exit / middle)
+    limits = said.limits
+    entry, end = _end_widths(said)
     if np.isfinite(entry) and abs(entry) >= limits.entry:
         kind, zh, en, do_zh, do_en = (
             ("entry_heavy", "重", "heavy", "落筆輕些，再按下去。", "Set the brush down more lightly.")
@@ -193,14 +241,14 @@ def _ends(said: _Said) -> Iterator[Remark]:
         )
         size = float(np.expm1(entry))
         yield said.remark(
-            kind, size, "of the master", 2.5 * abs(entry) / limits.entry,
+            kind, size, "of the master", said.grave(float(entry), limits.entry, 2.2),
             f"{said.name.zh}起筆太{zh}，寬度差 {abs(size):.0%}。{do_zh}",
             f"{said.en} begins too {en}, by {abs(size):.0%} of its width. {do_en}",
         )  # fmt: skip
     if np.isfinite(end) and end >= limits.exit:
         size = float(np.expm1(end))
         yield said.remark(
-            "exit_blunt", size, "of the master", 2.5 * end / limits.exit,
+            "exit_blunt", size, "of the master", said.grave(float(end), limits.exit, 2.2),
             f"{said.name.zh}收筆禿鈍，比範本寬 {size:.0%}。收筆時漸漸提鋒。",
             f"{said.en} ends bluntly, {size:.0%} wider than the master's. Lift the brush little by little.",
         )  # fmt: skip
@@ -219,7 +267,7 @@ def _spaces(gaps: tuple[Gap, ...], told: list[_Said], limits: Noticeable) -> Ite
     zh, en = ("寬", "wide") if worst.change > 0 else ("窄", "narrow")
     points = np.concatenate([a.stroke.outline, b.stroke.outline])
     yield Remark(
-        "spacing", worst.change, "of the master", 2.0 * spread / (0.6 * limits.gap), box(points),
+        "spacing", worst.change, "of the master", severity(spread, 0.6 * limits.gap, rate=3.0), box(points),
         f"筆畫間距不勻：{a.name.zh}與{b.name.zh}之間{zh}了 {abs(worst.change):.0%}。先看好留白再落筆。",
         f"The spaces are uneven: that between {a.name.en} and {b.name.en} is {abs(worst.change):.0%} too "
         f"{en}. Look at the white before you write.",

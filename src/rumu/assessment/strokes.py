@@ -14,7 +14,7 @@ import numpy as np
 from rumu.assessment.lines import Drawing, Line, copy_drawing, master_drawing
 from rumu.assessment.matching import Match, match
 from rumu.assessment.pose import Pose, Squeeze, find_squeeze, robust_pose, squeezed
-from rumu.assessment.sheets import Sheet, copy_sheet, master_sheet
+from rumu.assessment.sheets import RADIUS, Sheet, copy_sheet, master_sheet
 from rumu.values import BoolArray, FloatArray, IntArray, Registration, Surface
 
 END = 0.15
@@ -88,6 +88,17 @@ class Strokes:
     places: FloatArray
     in_cell: FloatArray
 
+    @property
+    def grain(self) -> float:
+        """Doubt in the logarithm of a width: three tenths of a pixel of the coarser picture."""
+        half = float(np.median(self.master.points.radius)) * RADIUS
+        return 0.3 / half * self.enlarged
+
+    @property
+    def enlarged(self) -> float:
+        """How many times the coarser picture was enlarged for its sheet; 1 when it was not."""
+        return max(1.0, *(sheet.share for sheet in self.sheets))
+
 
 def find_strokes(
     registration: Registration, copy: Surface, master: Surface, *, settings: StrokeSettings | None = None
@@ -138,14 +149,18 @@ def _measured(sheet: Sheet, master: Sheet, settings: StrokeSettings, *, places: 
     elif covered.any():
         pose = robust_pose(places[covered], upright[covered])
         upright = pose.undone(upright)
-        squeeze = find_squeeze(places[covered], upright[covered], owner=model.points.owner[covered])
+        squeeze = find_squeeze(
+            places[covered],
+            upright[covered],
+            owner=model.points.owner[covered],
+            double=model.points.double[covered],
+        )
     view = _View(
         sheet, mine, model, settings, found.moved, covered, owner,
         expected=squeezed(places, squeeze), upright=upright, squeeze=squeeze,
         widths=_half_widths(found, mine, model, covered),
     )  # fmt: skip
-    ratio = view.ratio
-    whole = float(np.nanmedian(ratio)) if np.isfinite(ratio).any() else 1.0
+    whole = view.whole
     radius = np.where(np.isfinite(view.widths), view.widths, whole / view.scale * model.points.radius)
     return Strokes(
         tuple(view.stroke(k) for k in range(len(model.lines))),
@@ -225,6 +240,23 @@ class _View:
         stretch = np.where(self.model.points.xy[:, k] < q.parting, q.first, q.second)
         across = (1.0 + sign * double[:, 0]) / 2
         return np.asarray(ratio / np.sqrt(across * stretch**2 + (1.0 - across)))
+
+    @property
+    def whole(self) -> float:
+        """Width of the copy's strokes over the master's: the same for all unless most of them differ."""
+        ratio = self.ratio
+        count = len(self.model.lines)
+        logs = np.log([_median(ratio[self.model.points.owner == k]) for k in range(count)])
+        weight = np.sqrt([line.length for line in self.model.lines])
+        seen = np.isfinite(logs)
+        if not seen.any():
+            return 1.0
+        logs, weight = logs[seen], weight[seen]
+        same = np.abs(logs) < 0.09
+        chosen = same if same.mean() > 0.3 else np.ones_like(same)
+        order = np.argsort(logs[chosen])
+        below = np.cumsum(weight[chosen][order]) / weight[chosen].sum()
+        return float(np.exp(logs[chosen][order][int(np.argmax(below >= 0.5))]))
 
     def stroke(self, k: int) -> StrokeFound:
         model, line = self.model, self.model.lines[k]

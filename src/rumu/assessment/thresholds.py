@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,9 +14,10 @@ class Noticeable:
     lean: degrees. offset: fraction of the cell. size: relative. weight: natural logarithm of the width.
     squeeze: how much wider one part is than the other, relative to the master.
     missing: share of a stroke, in one run, that must be wanting. extra, blot: share of the copy's ink.
-    displaced: rms radii; every stroke wanders by half of that in good copies. turn: degrees. length:
+    displaced: rms radii. turn: degrees. length:
         relative. stroke: logarithm of one stroke's width over that of the whole; entry, exit: logarithm of
-        the width of an end over that of its stroke. gap: relative.
+        the width of an end over that of its stroke; tips: the same when most ends are too wide.
+    gap: relative.
     bare: share of the strokes' inside. tremor: rms radii. pale: relative. round: how slender a blot may be.
     of_a_kind: remarks of one kind; at_most: remarks in all.
     """
@@ -27,16 +30,32 @@ class Noticeable:
     missing: float = 0.35
     extra: float = 0.012
     blot: float = 0.009
-    displaced: float = 0.07
-    turn: float = 4.5
-    length: float = 0.13
+    displaced: float = 0.05
+    turn: float = 3.4
+    length: float = 0.1
     stroke: float = 0.2
-    entry: float = 0.25
-    exit: float = 0.35
+    entry: float = 0.17
+    exit: float = 0.2
+    tips: float = 0.09
     gap: float = 0.25
-    bare: float = 0.03
-    tremor: float = 0.0018
+    bare: float = 0.022
+    tremor: float = 0.0014
     pale: float = 0.15
     round: float = 2.6
     of_a_kind: int = 3
     at_most: int = 5
+
+
+def coarser(limits: Noticeable, grain: float) -> Noticeable:
+    """The same for pictures too coarse to see widths better than by `grain`, in the logarithm."""
+    more = {name: getattr(limits, name) + grain for name in ("stroke", "entry", "exit", "tips")}
+    return replace(limits, **more)
+
+
+def severity(size: float, least: float, *, rate: float, weight: float = 1.0) -> float:
+    """Points of the mark, about, that a fault stands for; it orders the remarks and does nothing else.
+
+    size, least: of the fault and of the smallest worth a remark. rate: points of that smallest one. weight:
+    of its stroke against a common one. A fault twice as large is not twice as grave.
+    """
+    return float(rate * (abs(size) / least) ** 0.6 * np.clip(np.sqrt(weight), 0.5, 1.3))

@@ -1,0 +1,124 @@
+"""Which stroke is which, measured on faults whose size and stroke are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rumu.assessment.comparison import compare
+from rumu.assessment.inkwork import measure_ink
+from rumu.assessment.strokes import find_strokes
+from rumu.simulation.glyph import Glyph
+
+WORK = "regular-shui"
+
+
+@pytest.fixture(scope="session")
+def found(surface):
+    """The strokes of one ink mask in another."""
+
+    def find(copy, master):
+        copy, master = surface(copy), surface(master)
+        return find_strokes(compare(copy, master)[0], copy, master)
+
+    return find
+
+
+def struck(strokes, glyph: Glyph, k: int):
+    """The stroke found that lies along the glyph's stroke k."""
+    path = glyph.strokes[k].path[:, ::-1] / np.array(glyph.mask.shape)
+
+    def away(stroke) -> float:
+        reach = np.linalg.norm(stroke.outline[:, None] - path[None], axis=2)
+        return float(reach.min(axis=1).mean() + reach.min(axis=0).mean())
+
+    return min(strokes.strokes, key=away)
+
+
+def test_of_a_perfect_copy_every_stroke_is_the_master_s(found, mask):
+    strokes = found(mask(WORK), mask(WORK))
+    assert strokes.pose.angle == 0.0 and strokes.pose.scale == 1.0 and strokes.squeeze is None
+    for stroke in strokes.strokes:
+        assert stroke.present and stroke.coverage > 0.95
+        np.testing.assert_allclose(stroke.shift, 0.0, atol=0.01)
+        assert stroke.turn == pytest.approx(0.0, abs=0.7)
+        assert stroke.length == pytest.approx(1.0, abs=0.03)
+        assert stroke.width == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_turned_stroke_turns_by_what_was_done_and_the_others_stay(*, found, fault, mask, seed):
+    done = fault(WORK, "angle", 3, seed)
+    strokes = found(done.mask, mask(WORK))
+    turned = struck(strokes, Glyph(mask(WORK)), done.strokes[0])
+    assert turned.turn == pytest.approx(done.size, rel=0.4), "positive is clockwise"
+    others = [s.turn for s in strokes.strokes if s is not turned and s.weight > 0.1]
+    assert max(abs(turn) for turn in others) < 2.5
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_pushed_stroke_has_moved_by_what_was_done(*, found, fault, mask, seed):
+    glyph = Glyph(mask(WORK))
+    done = fault(WORK, "shift", 4, seed)
+    strokes = found(done.mask, mask(WORK))
+    rows, columns = np.nonzero(glyph.mask)
+    radius = np.hypot(rows.std(), columns.std())
+    moved = struck(strokes, glyph, done.strokes[0])
+    assert np.hypot(*moved.shift) * radius == pytest.approx(20.0, abs=7.0)
+    assert strokes.pose.angle == 0.0
+    assert strokes.squeeze is None
+
+
+@pytest.mark.parametrize("stroke", [0, 1, 2])
+def test_a_stroke_left_out_is_not_present_and_all_else_is(found, mask, stroke):
+    glyph = Glyph(mask(WORK))
+    strokes = found(glyph.without(stroke), glyph.mask)
+    assert not struck(strokes, glyph, stroke).present
+    assert sum(not s.present for s in strokes.strokes) == 1
+    assert strokes.pose.scale == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_thick_stroke_is_thick_and_the_whole_is_not(found, fault, mask):
+    done = fault(WORK, "stroke_thick", 4)
+    strokes = found(done.mask, mask(WORK))
+    assert strokes.width == pytest.approx(1.0, abs=0.06)
+    assert struck(strokes, Glyph(mask(WORK)), done.strokes[0]).width > 1.25
+
+
+def test_a_heavy_entry_is_seen_at_the_entry_alone(found, fault, mask):
+    done = fault("clerical-tian", "entry", 4)
+    stroke = struck(found(done.mask, mask("clerical-tian")), Glyph(mask("clerical-tian")), done.strokes[0])
+    assert stroke.entry / stroke.middle > 1.2
+    assert stroke.middle == pytest.approx(1.0, abs=0.06)
+
+
+def test_a_squeezed_character_is_squeezed_and_its_strokes_are_in_place(found, fault, mask):
+    strokes = found(fault(WORK, "squeeze", 3).mask, mask(WORK))
+    squeeze = strokes.squeeze
+    assert squeeze is not None and squeeze.axis == "across"
+    assert squeeze.first > 1.1 and squeeze.second < 0.9
+    assert max(np.hypot(*s.shift) for s in strokes.strokes if s.weight > 0.1) < 0.08
+
+
+def test_a_lean_is_the_whole_s_and_no_stroke_s(found, moved, mask):
+    strokes = found(moved(WORK, lean=7.0, scale=0.85), mask(WORK))
+    assert strokes.pose.angle == pytest.approx(7.0, abs=0.6)
+    assert strokes.pose.scale == pytest.approx(0.85, abs=0.015)
+    assert max(abs(s.turn) for s in strokes.strokes if s.weight > 0.1) < 1.5
+
+
+def test_outlines_lie_on_the_ink_of_the_copy_as_it_was_written(found, moved, mask):
+    copy = moved(WORK, lean=-10.0, scale=0.8, shift=(30, -20))
+    for stroke in found(copy, mask(WORK)).strokes:
+        columns, rows = (stroke.outline * 512).astype(int).T
+        assert copy[rows, columns].mean() > 0.9
+
+
+def test_ink_that_belongs_to_no_stroke_is_a_patch(found, surface, mask):
+    copy = mask(WORK).copy()
+    copy[60:100, 60:90] = True
+    ink = measure_ink(found(copy, mask(WORK)), surface(copy), surface(mask(WORK)))
+    assert len(ink.patches) == 1
+    assert ink.patches[0].share == pytest.approx(1200 / copy.sum(), rel=0.25)
+    assert not ink.patches[0].attached
+    assert ink.bare == pytest.approx(0.0, abs=0.01)
