@@ -89,7 +89,7 @@ def assess(
     levels: own cut-offs, {'excellent': .., 'good': .., 'medium': ..}. calibration: another than the panel's,
     or its file. weights: own, {'brushwork': .., 'structure': .., 'ink': ..}. script: of the master; people's
     marks cover 'regular' alone. seed: of the sampling. A copy that holds nothing to mark, or is none of the
-    master, is refused in the result; a master that is no use raises, and so do wrong terms (CalibrationError).
+    master, is refused in the result; a master that is no use raises, and so do wrong terms.
     """
     terms = checked_terms(calibration=calibration, weights=weights, levels=levels, script=script)
     with ThreadPoolExecutor(1) as beside:  # two pictures, two cores

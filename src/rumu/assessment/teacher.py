@@ -1,0 +1,369 @@
+"""A teacher's own marks -> a calibration that follows them, or the default where they do not carry one.
+
+Three are held against each other on marks that took no part in their making: the default as it is; the
+default with its scale moved, mark = a + b score; and weights fitted anew. The simplest is kept that none of
+the others beats clearly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from rumu.assessment.calibration import Calibration, Charges, Scale
+from rumu.assessment.features import Features, Residuals
+from rumu.assessment.fitting import PARTS, WEIGHED, anchored, fit_scale
+from rumu.errors import CalibrationError
+from rumu.values import BoolArray, FloatArray, IntArray
+
+Kind = Literal["default", "scale", "weights"]
+HeldOut = Literal["masters", "copies", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class TeacherSettings:
+    """When marks carry what. Declared conventions, but for what follows from counting.
+
+    fewest: marks below which the default is kept. spread: standard deviation of marks, in points, below which
+    they say nothing. weigh_from, weigh_masters: marks and masters from which weights are fitted at all.
+    doubt: the scale is drawn to the default's as if so many copies had been marked just as that does.
+    masters: from so many on, whole masters are held out; below, `folds` shares of the copies.
+    sure: confidence, one-sided, of a clear margin and of marks that follow the copies at all.
+    gap: points by which the marks of anchors rise at least. reach: percentiles of the marks between which
+    fitted weights are trusted.
+    """
+
+    fewest: int = 20
+    spread: float = 1.0
+    weigh_from: int = 200
+    weigh_masters: int = 8
+    doubt: float = 20.0
+    masters: int = 3
+    folds: int = 5
+    sure: float = 0.95
+    gap: float = 1.0
+    reach: tuple[float, float] = (5.0, 95.0)
+
+
+class Agreement(NamedTuple):
+    """error: mean absolute, in points; spearman: rank correlation, 0 where there is none to take."""
+
+    error: float
+    spearman: float
+
+
+@dataclass(frozen=True, slots=True)
+class TeacherFit:
+    """What came of a teacher's marks.
+
+    calibration: None when the default is kept. chosen: which was. why, why_zh: in words.
+    copies, masters: how many were marked. held_out: what was left out to judge: whole masters, copies, or
+    nothing, when there was too little to fit. default, scale, weights: how each agrees with marks held out;
+    None where it was not or could not be fitted.
+    """
+
+    calibration: Calibration | None
+    chosen: Kind
+    why: str
+    why_zh: str
+    copies: int
+    masters: int
+    held_out: HeldOut
+    default: Agreement | None
+    scale: Agreement | None = None
+    weights: Agreement | None = None
+
+
+def fit_teacher(
+    features: Sequence[Features],
+    marks: Sequence[float],
+    masters: Sequence[str],
+    *,
+    base: Calibration,
+    name: str = "marks",
+    settings: TeacherSettings | None = None,
+) -> TeacherFit:
+    """A calibration that follows a teacher's marks, judged on marks held out.
+
+    features: of N copies; marks: N, 0-100; masters: N, the master of each. base: the default. name: of the
+    marks, for the provenance. Raises CalibrationError when the three are not alike in length, or a mark is
+    outside 0-100.
+    """
+    evidence = _Marks(tuple(features), np.asarray(marks, float), tuple(masters))
+    settings = settings or TeacherSettings()
+    short = _too_little(evidence, settings)
+    if short is not None:
+        default = agreement(_read(base, evidence), evidence.marks) if len(evidence.marks) else None
+        counts = (len(evidence.marks), len(set(evidence.masters)))
+        return TeacherFit(None, "default", *short, *counts, "none", default)
+    return _judged(evidence, base, name, settings)
+
+
+def agreement(scores: FloatArray, marks: FloatArray) -> Agreement:
+    """Of scores with marks, (N,) each."""
+    from scipy.stats import spearmanr
+
+    some = len(marks) > 2 and np.ptp(scores) > 0 and np.ptp(marks) > 0
+    return Agreement(
+        float(np.mean(np.abs(scores - marks))), float(spearmanr(scores, marks)[0]) if some else 0.0
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Marks:
+    features: tuple[Features, ...]
+    marks: FloatArray
+    masters: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        lengths = {len(self.features), len(self.marks), len(self.masters)}
+        if len(lengths) > 1:
+            raise CalibrationError(f"expected as many copies as marks and masters, got {sorted(lengths)}")
+        if not ((self.marks >= 0) & (self.marks <= 100)).all():
+            raise CalibrationError(
+                f"expected marks from 0 to 100, got {self.marks.min()} to {self.marks.max()}"
+            )
+
+    def only(self, kept: BoolArray) -> _Marks:
+        """Those copies that are kept."""
+        features = tuple(f for f, keep in zip(self.features, kept, strict=True) if keep)
+        masters = tuple(m for m, keep in zip(self.masters, kept, strict=True) if keep)
+        return _Marks(features, self.marks[kept], masters)
+
+
+Maker = Callable[[_Marks], Calibration]
+
+
+def _too_little(evidence: _Marks, settings: TeacherSettings) -> tuple[str, str] | None:
+    n = len(evidence.marks)
+    if n < settings.fewest:
+        return (
+            f"{n} marks are too few: {settings.fewest} are needed to move the scale.",
+            f"只有 {n} 個評分，至少要 {settings.fewest} 個才能調整分數的尺度。",
+        )
+    if float(np.std(evidence.marks)) < settings.spread:
+        return (
+            "The marks are all but the same, so they do not tell a good copy from a bad one.",
+            "評分幾乎全部相同，看不出好壞之分。",
+        )
+    return None
+
+
+def _judged(evidence: _Marks, base: Calibration, name: str, settings: TeacherSettings) -> TeacherFit:
+    """All that can be fitted, judged on marks held out; the simplest that none beats clearly."""
+    makers: dict[Kind, Maker] = {
+        "default": lambda _: base,
+        "scale": lambda known: moved(
+            base, *line(known.features, known.marks, base=base, settings=settings), gap=settings.gap
+        ),
+        "weights": lambda known: _weighed(known, settings),
+    }
+    folds = _folds(evidence.masters, settings)
+    by_master = len(set(evidence.masters)) >= settings.masters
+    many = len(evidence.marks) >= settings.weigh_from and len(set(evidence.masters)) >= settings.weigh_masters
+    scores: dict[Kind, FloatArray] = {}
+    for kind, maker in makers.items():
+        if kind != "weights" or many:
+            held = _held_out(evidence, maker, folds)
+            if held is not None:
+                scores[kind] = held
+    told = {kind: agreement(held, evidence.marks) for kind, held in scores.items()}
+    chosen = _simplest(scores, evidence, folds, settings)
+    own = None
+    if chosen != "default":
+        interval = held_out_interval(evidence.marks - scores[chosen])
+        said = _provenance(evidence, chosen, told, base, name, by_master=by_master)
+        own = replace(makers[chosen](evidence), interval=interval, provenance=said)
+    return TeacherFit(
+        own,
+        chosen,
+        *_why(chosen, told, len(evidence.marks), settings),
+        len(evidence.marks),
+        len(set(evidence.masters)),
+        "masters" if by_master else "copies",
+        told["default"],
+        told.get("scale"),
+        told.get("weights"),
+    )
+
+
+def line(
+    features: Sequence[Features],
+    marks: FloatArray,
+    *,
+    base: Calibration,
+    settings: TeacherSettings | None = None,
+) -> tuple[float, float]:
+    """(a, b) of mark = a + b score, drawn to (0, 1) by `doubt` copies that were marked as the default does.
+
+    It is the reading of the scale that is moved, before charges; copies under a ceiling say nothing of it.
+    Raises CalibrationError when the marks do not rise with the score.
+    """
+    doubt, charges = (settings or TeacherSettings()).doubt, Charges()
+    read = np.array([base.scale.read(f) for f in features])
+    wanted = np.asarray(marks, float) + [sum(charges.points(f).values()) for f in features]
+    highest = np.array([charges.highest(f) for f in features])
+    bound = (highest < 100.0) & (highest < np.maximum(read, wanted))
+    x, y = read[~bound], wanted[~bound]
+    if len(x) < 2 or np.var(x) < 1e-9:
+        raise CalibrationError("expected copies that differ in their score, got none")
+    slope = float(np.cov(x, y, bias=True)[0, 1] / np.var(x))
+    if slope <= 0:
+        raise CalibrationError("expected marks that rise with the score, got marks that fall")
+    n = len(x)
+    b = (n * slope + doubt) / (n + doubt)
+    return float((n * y.mean() + doubt * x.mean()) / (n + doubt) - b * x.mean()), b
+
+
+def moved(base: Calibration, a: float, b: float, *, gap: float = TeacherSettings().gap) -> Calibration:
+    """The calibration whose anchors read a + b times their marks; nothing and perfection stay 0 and 100."""
+    parts = {name: _moved(scale, a, b, gap) for name, scale in base.parts.items()}
+    return replace(base, scale=_moved(base.scale, a, b, gap), parts=parts)
+
+
+def held_out_interval(errors: FloatArray) -> tuple[float, float]:
+    """Offsets of the 80 % interval, from errors (mark less score) of copies held out.
+
+    Order statistics at which a further copy falls below or above with a chance of a tenth at most, so that
+    few errors make it wider, not narrower. It holds the score itself.
+    """
+    n = len(errors)
+    ordered = np.sort(errors)
+    outside = (n + 1) // 10
+    low, high = ordered[max(outside - 1, 0)], ordered[min(n - outside, n - 1)]
+    return min(float(low), 0.0), max(float(high), 0.0)
+
+
+def _moved(scale: Scale, a: float, b: float, gap: float) -> Scale:
+    marks = np.array([mark for _, mark in scale.anchors])
+    last = len(marks) - 1
+    wanted = a + b * marks
+    wanted[0], wanted[last] = 0.0, 100.0
+    for k in range(1, last):
+        # Room is left for what lies above, so that anchors rise to 100 whatever the line asks.
+        wanted[k] = np.clip(wanted[k], wanted[k - 1] + gap, 100.0 - gap * (last - k))
+    anchors = tuple((total, float(mark)) for (total, _), mark in zip(scale.anchors, wanted, strict=True))
+    return replace(scale, anchors=anchors)
+
+
+_PERFECT = Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0)
+
+
+def _weighed(known: _Marks, settings: TeacherSettings) -> Calibration:
+    """Weights from this teacher's marks alone; interval and provenance are for the caller to fill in."""
+    evidence = np.array([f.evidence() for f in known.features])
+    charged = known.marks + [sum(Charges().points(f).values()) for f in known.features]
+    low, high = np.clip(np.percentile(known.marks, settings.reach), settings.gap, 100.0 - settings.gap)
+
+    def fitted(names: tuple[str, ...]) -> Scale:
+        scale = fit_scale(evidence, charged, known.masters, names=names)
+        reach = (float(low), min(float(high), scale.weigh(_PERFECT) - settings.gap))
+        return anchored(scale, reach=reach)
+
+    parts = {part: fitted(names) for part, names in PARTS.items()}
+    return Calibration(fitted(WEIGHED), parts, (0.0, 0.0), "")
+
+
+def _folds(masters: Sequence[str], settings: TeacherSettings) -> IntArray:
+    """(N,) the fold of each copy: its master where there are enough, else shares drawn once and for all."""
+    names = sorted(set(masters))
+    if len(names) >= settings.masters:
+        return np.array([names.index(master) for master in masters])
+    return np.random.default_rng(0).permutation(len(masters)) % settings.folds
+
+
+def _held_out(evidence: _Marks, maker: Maker, folds: IntArray) -> FloatArray | None:
+    """(N,) the score of each copy by a calibration made without its fold; None where one cannot be made."""
+    scores = np.empty(len(evidence.marks))
+    for fold in np.unique(folds):
+        own = folds == fold
+        try:
+            scores[own] = _read(maker(evidence.only(~own)), evidence.only(own))
+        except CalibrationError:
+            return None
+    return scores
+
+
+def _read(calibration: Calibration, evidence: _Marks) -> FloatArray:
+    return np.array([calibration.score(f) for f in evidence.features])
+
+
+def _simplest(
+    scores: Mapping[Kind, FloatArray], evidence: _Marks, folds: IntArray, settings: TeacherSettings
+) -> Kind:
+    """The first kind that no other beats clearly; only what follows the marks at all may beat another."""
+    marks = evidence.marks
+    sensible = [kind for kind in scores if _follows(scores[kind], marks, settings)]
+    whole_masters = len(set(evidence.masters)) >= settings.masters
+    clusters = folds if whole_masters else np.arange(len(marks))
+    for kind in scores:
+        if kind != "default" and kind not in sensible:
+            continue
+        error = np.abs(scores[kind] - marks)
+        gains = (error - np.abs(scores[other] - marks) for other in sensible if other != kind)
+        if not any(_clear(gain, clusters, settings) for gain in gains):
+            return kind
+    return "default"
+
+
+def _follows(scores: FloatArray, marks: FloatArray, settings: TeacherSettings) -> bool:
+    """Whether the order of the scores is that of the marks beyond chance."""
+    from scipy.stats import norm
+
+    chance = float(norm.ppf(settings.sure)) / float(np.sqrt(len(marks) - 1))
+    return agreement(scores, marks).spearman > chance
+
+
+def _clear(gain: FloatArray, clusters: IntArray, settings: TeacherSettings) -> bool:
+    """Whether a gain, (N,) points less error, is above nought beyond chance; a cluster stands together."""
+    from scipy.stats import t
+
+    names = np.unique(clusters)
+    mean = float(gain.mean())
+    sums = np.array([(gain[clusters == name] - mean).sum() for name in names])
+    error = float(np.sqrt(np.sum(sums**2) * len(names) / (len(names) - 1))) / len(gain)
+    return bool(mean > max(float(t.ppf(settings.sure, len(names) - 1)) * error, 0.0))
+
+
+def _why(chosen: Kind, told: Mapping[Kind, Agreement], n: int, settings: TeacherSettings) -> tuple[str, str]:
+    before, after = told["default"].error, told[chosen].error
+    if chosen == "scale":
+        return (
+            f"On marks held out the moved scale errs by {after:.1f} points, the default by {before:.1f}.",
+            f"在留出的評分上，調整尺度後平均誤差為 {after:.1f} 分，默認為 {before:.1f} 分。",
+        )
+    if chosen == "weights":
+        return (
+            f"On marks held out the new weights err by {after:.1f} points, the default by {before:.1f}.",
+            f"在留出的評分上，重新擬合權重後平均誤差為 {after:.1f} 分，默認為 {before:.1f} 分。",
+        )
+    return (
+        f"Nothing fitted to these {n} marks is clearly nearer to marks held out than the default "
+        f"(error {before:.1f} points).",
+        f"用這 {n} 個評分擬合的結果，在留出的評分上都不明顯優於默認（平均誤差 {before:.1f} 分）。",
+    )
+
+
+def _provenance(
+    evidence: _Marks,
+    chosen: Kind,
+    told: Mapping[Kind, Agreement],
+    base: Calibration,
+    name: str,
+    *,
+    by_master: bool,
+) -> str:
+    held = "whole masters held out" if by_master else "copies held out, of the same masters"
+    what = (
+        f"weights fitted to {len(evidence.marks)} marks of copies of"
+        if chosen == "weights"
+        else f"scale moved to follow {len(evidence.marks)} marks of copies of"
+    )
+    start = "" if chosen == "weights" else f"; weights from {base.provenance}"
+    return (
+        f"{what} {len(set(evidence.masters))} masters ({name}); error {told[chosen].error:.1f} points, "
+        f"{told['default'].error:.1f} before ({held}){start}"
+    )
