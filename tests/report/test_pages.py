@@ -121,6 +121,20 @@ def test_remarks_worst_first_and_drawn_where_they_are(html):
     assert html.count('class="box"') == 1  # the lean has no place of its own
 
 
+def test_the_stroke_that_a_remark_speaks_of_is_drawn_and_no_box(assessment, copy_surface, master_surface):
+    turned = Remark(
+        "stroke_angle", 6, "degrees", 9, (0.1, 0.4, 0.9, 0.6), "橫", "It leans.",
+        (((0.1, 0.5), (0.5, 0.48), (0.9, 0.46)),),
+    )  # fmt: skip
+    missing = replace(turned, kind="missing", severity=8)
+    html = page(replace(assessment, remarks=(turned, missing)), copy_surface, master_surface)
+    assert html.count('points="100,500 500,480 900,460"') == 4  # each with a halo, to be seen on ink
+    assert html.count('class="drawn absent"') == 1 and html.count('class="drawn"') == 1
+    assert 'class="box"' not in html
+    assert 'style="left:50.00%;top:48.00%">1<' in html
+    assert 'style="left:50.00%;top:48.00%">2<' not in html, "two numbers on one place cannot be read"
+
+
 def test_a_mark_without_remarks(assessment, copy_surface, master_surface):
     assert "What to change first" not in page(replace(assessment, remarks=()), copy_surface, master_surface)
 

@@ -26,7 +26,7 @@ from rumu.report.pictures import (
     share_picture,
 )
 from rumu.report.wording import Text
-from rumu.values import Assessment, Level, Registration, Remark, Surface
+from rumu.values import Assessment, FloatArray, Level, Registration, Remark, Surface
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -92,7 +92,8 @@ def assessment_page(
         "a": assessment,
     }
     if assessment.refused is not None or copy is None or assessment.registration is None:
-        reason = assessment.refused or "there is nothing to compare"
+        en = assessment.refused or "there is nothing to compare"
+        reason = Text(assessment.refused_zh or "沒有可比的內容。", en)
         return _render("refused.html", **context, reason=reason, pictures=_refused_pictures(copy, master))
     return _render(
         "assessment.html",
@@ -177,13 +178,13 @@ def _pose(registration: Registration) -> list[tuple[Text, str, Text]]:
     right, up = (float(v) * 100 for v in registration.shift)
     return [
         (
-            Text("倾斜", "Lean"),
+            Text("傾斜", "Lean"),
             f"{abs(lean):.1f}°",
             _either(
                 lean,
                 0.05,
-                Text("右倾", "clockwise"),
-                Text("左倾", "anticlockwise"),
+                Text("右傾", "clockwise"),
+                Text("左傾", "anticlockwise"),
                 Text("正", "upright"),
             ),
         ),
@@ -205,8 +206,8 @@ def _pose(registration: Registration) -> list[tuple[Text, str, Text]]:
             _either(
                 scale - 1,
                 0.005,
-                Text("比范字大", "larger"),
-                Text("比范字小", "smaller"),
+                Text("比範字大", "larger"),
+                Text("比範字小", "smaller"),
                 Text("相同", "same"),
             ),
         ),
@@ -222,16 +223,46 @@ def _either(value: float, still: float, plus: Text, minus: Text, none: Text) -> 
 def _remarks(remarks: Sequence[Remark]) -> list[dict[str, Any]]:
     """Worst first, numbered, with the region as CSS percentages."""
     ordered = sorted(remarks, key=lambda remark: -remark.severity)
+    taken: list[tuple[float, float]] = []
     return [
         {
             "number": number,
             "kind": wording.kind_name(remark.kind),
             "text": Text(remark.zh, remark.en),
             "size": wording.with_unit(remark.size, remark.unit),
-            "box": _box(remark.region),
+            "box": None if remark.outline else _box(remark.region),
+            "lines": _drawn(remark, taken),
         }
         for number, remark in enumerate(ordered, start=1)
     ]
+
+
+def _drawn(remark: Remark, taken: list[tuple[float, float]]) -> dict[str, Any] | None:
+    """A remark's outline as points of an SVG of 1000 by 1000, and where its number stands.
+
+    taken: where other numbers stand; this one is added. A stroke that is missing is drawn dashed: it shows
+    where it should be.
+    """
+    if not remark.outline:
+        return None
+    lines = [1000 * np.clip(np.array(line, float), 0, 1) for line in remark.outline]
+    at = _free_place(lines[0], taken)
+    taken.append(at)
+    return {
+        "points": [" ".join(f"{x:.0f},{y:.0f}" for x, y in line) for line in lines if len(line) > 1],
+        "dots": [(f"{line[0][0]:.0f}", f"{line[0][1]:.0f}") for line in lines if len(line) == 1],
+        "dashed": remark.kind == "missing",
+        "left": at[0] / 10,
+        "top": at[1] / 10,
+    }
+
+
+def _free_place(line: FloatArray, taken: list[tuple[float, float]]) -> tuple[float, float]:
+    """The point of a line nearest its middle on which no number stands, or the one farthest from all."""
+    order = np.argsort(np.abs(np.arange(len(line)) - len(line) // 2), kind="stable")
+    away = [min((float(np.hypot(*(line[k] - other))) for other in taken), default=np.inf) for k in order]
+    best = next((n for n, distance in enumerate(away) if distance > 75), int(np.argmax(away)))
+    return float(line[order[best]][0]), float(line[order[best]][1])
 
 
 def _box(region: tuple[float, float, float, float] | None) -> dict[str, float] | None:
@@ -243,7 +274,7 @@ def _box(region: tuple[float, float, float, float] | None) -> dict[str, float] |
 
 def _side_by_side(copy: Surface, master: Surface) -> list[tuple[Shown, Shown]]:
     """Copy and master as written, shaded, and as mesh."""
-    written, lit = Text("原图", "As written"), Text("曲面（左上来光）", "Surface, lit from the upper left")
+    written, lit = Text("原圖", "As written"), Text("曲面（左上來光）", "Surface, lit from the upper left")
     return [
         (_shown(albedo_picture(copy), written, "copy"), _shown(albedo_picture(master), written, "master")),
         (_shown(_lit(copy), lit, "copy"), _shown(_lit(master), lit, "master")),
@@ -262,7 +293,7 @@ def _lit(surface: Surface) -> Picture:
 def _mesh(surface: Surface, who: str = "the surface", *, view: MeshView | None = None) -> Shown:
     picture, raised = mesh_picture(surface, view=view)
     zh, en = (f"（高度放大 {raised:.1f} 倍）", f", height × {raised:.1f}") if raised > 1.05 else ("", "")
-    return Shown(_uri(picture), f"Mesh: {who}", Text(f"网格{zh}", f"Mesh{en}"))
+    return Shown(_uri(picture), f"Mesh: {who}", Text(f"網格{zh}", f"Mesh{en}"))
 
 
 def _overlay(registration: Registration, master: Surface) -> dict[str, Any]:
@@ -283,8 +314,8 @@ def _sources(assessment: Assessment) -> list[Text]:
 
 
 def _refused_pictures(copy: Surface | None, master: Surface) -> list[Shown]:
-    shown = [] if copy is None else [_shown(albedo_picture(copy), Text("临作", "Copy"), "copy")]
-    return [*shown, _shown(albedo_picture(master), Text("范字", "Master"), "master")]
+    shown = [] if copy is None else [_shown(albedo_picture(copy), Text("臨作", "Copy"), "copy")]
+    return [*shown, _shown(albedo_picture(master), Text("範字", "Master"), "master")]
 
 
 def _maps(surface: Surface) -> list[Shown]:
@@ -293,12 +324,12 @@ def _maps(surface: Surface) -> list[Shown]:
         Shown(
             _uri(normals_picture(surface)),
             "Normals",
-            Text("法线：红 x，绿 y，蓝 z", "Normals: red x, green y, blue z"),
+            Text("法線：紅 x，綠 y，藍 z", "Normals: red x, green y, blue z"),
         ),
         Shown(
             _uri(share_picture(surface.confidence)),
             "Confidence",
-            Text("可信度：白为可信，黑为填补", "Confidence: white is sure, black was filled in"),
+            Text("可信度：白為可信，黑為填補", "Confidence: white is sure, black was filled in"),
         ),
     ]
 

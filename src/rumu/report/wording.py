@@ -15,7 +15,7 @@ class Text(NamedTuple):
 
 
 LEVELS: dict[Level, Text] = {
-    "excellent": Text("优", "excellent"),
+    "excellent": Text("優", "excellent"),
     "good": Text("良", "good"),
     "medium": Text("中", "medium"),
     "bad": Text("差", "bad"),
@@ -23,23 +23,23 @@ LEVELS: dict[Level, Text] = {
 
 PARTS: dict[str, tuple[Text, Text]] = {
     "brushwork": (
-        Text("用笔", "Brushwork"),
+        Text("用筆", "Brushwork"),
         Text(
-            "笔画的粗细与走向像不像范字。",
-            "How like the master's the strokes' widths and directions are.",
+            "筆畫的粗細、走向與墨邊（起筆、行筆、轉折、收筆）像不像範字。",
+            "How like the master's the strokes' widths, directions and edges are: how they begin, turn, end.",
         ),
     ),
     "structure": (
-        Text("结体", "Structure"),
+        Text("結體", "Structure"),
         Text(
-            "笔画的位置像不像范字，缺笔与多余也算在内。",
+            "筆畫的位置像不像範字，缺筆與多餘也算在內。",
             "How like the master's the places of the strokes are, missing and extra ones included.",
         ),
     ),
     "ink": (
         Text("墨法", "Ink"),
         Text(
-            "笔墨的轻重：与范字相同为一百，每轻或重四分之一减半。",
+            "筆墨的輕重：與範字相同為一百，每輕或重四分之一減半。",
             "The weight of the ink: 100 at the master's own, half of it for each quarter more or less.",
         ),
     ),
@@ -47,102 +47,116 @@ PARTS: dict[str, tuple[Text, Text]] = {
 
 SOURCES: dict[Source, Text] = {
     "photometric": Text(
-        "高度由多灯照片测得（光度立体）。", "Height measured from photographs under several lamps."
+        "高度由多燈照片測得（光度立體）。", "Height measured from photographs under several lamps."
     ),
     "inflation": Text(
-        "高度由墨迹“充气”计算而来，不是实测的起伏。",
+        "高度由墨跡“充氣”計算而來，不是實測的起伏。",
         "Height computed from the ink by inflation; not measured relief.",
     ),
     "density": Text(
-        "高度由墨色浓淡计算而来，不是实测的起伏。",
+        "高度由墨色濃淡計算而來，不是實測的起伏。",
         "Height computed from the darkness of the ink; not measured relief.",
     ),
 }
 
 KINDS: dict[str, Text] = {
-    "lean": Text("倾斜", "Lean"),
+    "lean": Text("傾斜", "Lean"),
     "size": Text("大小", "Size"),
     "offset": Text("偏位", "Off centre"),
-    "missing": Text("缺笔", "Missing"),
-    "extra": Text("多余", "Extra"),
+    "missing": Text("缺筆", "Missing"),
+    "extra": Text("多餘", "Extra"),
     "displaced": Text("移位", "Out of place"),
     "heavy": Text("偏粗", "Too heavy"),
-    "thin": Text("偏细", "Too thin"),
+    "thin": Text("偏細", "Too thin"),
+    "squeeze": Text("比例", "Proportion"),
+    "spacing": Text("間距", "Spacing"),
+    "stroke_angle": Text("筆畫斜了", "Stroke at a wrong angle"),
+    "stroke_short": Text("筆畫太短", "Stroke too short"),
+    "stroke_long": Text("筆畫太長", "Stroke too long"),
+    "stroke_heavy": Text("一筆太粗", "Stroke too heavy"),
+    "stroke_thin": Text("一筆太細", "Stroke too thin"),
+    "entry_heavy": Text("起筆太重", "Entry too heavy"),
+    "entry_light": Text("起筆太輕", "Entry too light"),
+    "exit_blunt": Text("收筆禿鈍", "Blunt exit"),
+    "rough": Text("筆畫抖動", "Trembling edges"),
+    "blot": Text("墨漬", "Blot"),
+    "pale": Text("墨色太淡", "Pale ink"),
+    "dry": Text("枯筆", "Dry brush"),
 }
 
 UNITS: dict[str, str] = {"deg": "°", "degrees": "°", "percent": "%"}
 
 MEANS: tuple[Text, ...] = (
     Text(
-        "分数估计一组人给这张临作打出的平均分（零至一百）。它按真人给楷书毛笔临作的评分校准，校准时从不使用同一个字的评分来检验。",
+        "分數估計一組人給這張臨作打出的平均分（零至一百）。它按真人給楷書毛筆臨作的評分校準，校準時從不使用同一個字的評分來檢驗。",
         "The score estimates the mean mark that a panel of people would give this copy, from 0 to 100. It is "
         "calibrated on human marks of brush copies in regular script, and tested on characters held out.",
     ),
     Text(
-        "区间是八成区间：同样的临作，十次里约有八次，评委的平均分会落在其中。",
+        "區間是八成區間：同樣的臨作，十次裡約有八次，評委的平均分會落在其中。",
         "The interval is an 80 % one: for about eight in ten such copies the panel's mean lies inside it.",
     ),
     Text(
-        "倾斜、位置和大小先取出、单独列出；只有超出容许的部分才扣分。",
+        "傾斜、位置和大小先取出、單獨列出；只有超出容許的部分才扣分。",
         "Lean, place and size are taken out first and listed apart; only what is beyond a tolerance costs.",
     ),
 )
 
 MEANS_NOT: tuple[Text, ...] = (
     Text(
-        "它不是对书写者的评价；一张纸说明不了一个人的水平。",
+        "它不是對書寫者的評價；一張紙說明不了一個人的水平。",
         "It is no verdict on the writer: one sheet does not show what a person can do.",
     ),
     Text(
-        "篆、隶、行、草没有真人评分可校准，分数只宜在同一字的几次临写之间比较。",
+        "篆、隸、行、草沒有真人評分可校準，分數只宜在同一字的幾次臨寫之間比較。",
         "No human marks calibrate seal, clerical, running or cursive script: there, compare only copies of "
         "one character with each other.",
     ),
     Text(
-        "由墨迹算出的高度看不见力度与纸上的起伏。",
+        "由墨跡算出的高度看不見力度與紙上的起伏。",
         "A height computed from ink does not see pressure or the relief of the paper.",
     ),
 )
 
-SIMULATED = Text("模拟样本，并非真人书写", "Simulated sample, not written by a person")
+SIMULATED = Text("模擬樣本，並非真人書寫", "Simulated sample, not written by a person")
 
 REFUSED_ADVICE: tuple[Text, ...] = (
     Text(
-        "一张照片只拍一个字，字占画面一半以上，四边留白。",
+        "一張照片只拍一個字，字佔畫面一半以上，四邊留白。",
         "Show one character alone, filling more than half of the picture, with paper on all four sides.",
     ),
     Text(
-        "光线均匀，墨黑纸白；手和影子不要入画。",
+        "光線均勻，墨黑紙白；手和影子不要入畫。",
         "Light the sheet evenly: dark ink, pale paper, no hand and no shadow in the picture.",
     ),
-    Text("对焦清楚，字边至少两百像素。", "Focus well; the character should be at least 200 pixels tall."),
+    Text("對焦清楚，字邊至少兩百像素。", "Focus well; the character should be at least 200 pixels tall."),
 )
 
 QUALITY: dict[str, Text] = {
     "residual": Text(
-        "模型未能解释的亮度（占像素亮度，中位数）", "Brightness the model leaves unexplained, median share"
+        "模型未能解釋的亮度（佔像素亮度，中位數）", "Brightness the model leaves unexplained, median share"
     ),
-    "shadow_share": Text("落在阴影里的观测比例", "Share of values that lie in shadow"),
+    "shadow_share": Text("落在陰影裡的觀測比例", "Share of values that lie in shadow"),
     "paper_p": Text(
-        "纸面左右坡度（应近于零）", "Median slope across; near 0 when the sheet faced the camera"
+        "紙面左右坡度（應近於零）", "Median slope across; near 0 when the sheet faced the camera"
     ),
     "paper_q": Text(
-        "纸面上下坡度（应近于零）", "Median slope up and down; near 0 when the sheet faced the camera"
+        "紙面上下坡度（應近於零）", "Median slope up and down; near 0 when the sheet faced the camera"
     ),
-    "strength_spread": Text("最强灯与最弱灯之比", "Strongest lamp over the weakest, as used"),
-    "black_level": Text("视为无光的亮度", "Brightness taken for darkness"),
-    "measured_share": Text("实测像素的比例", "Share of the pixels that were measured"),
-    "brightness": Text("反照率的除数", "What the albedo was divided by, to stay within 1"),
-    "lamps": Text("灯数", "Number of lamps"),
-    "fourth_lamp": Text("第四灯的核对（越小越好）", "Check by the fourth lamp; small is good"),
-    "ink_share": Text("墨迹占画面的比例", "Share of the picture that is ink"),
-    "contrast": Text("墨的浓度（中位数，一为全黑）", "Median darkness of the ink; 1 is black"),
-    "half_width": Text("笔画半宽（中位数，像素）", "Median half-width of the strokes, in pixels"),
-    "noise": Text("墨与纸之差为纸面起伏的多少倍", "Ink against paper, over the paper's own spread"),
-    "edge": Text("墨迹边缘的清晰度（一为清晰）", "Sharpness of the outline; 1 is sharp"),
-    "between": Text("每个边缘像素对应的半墨像素", "Half-dark pixels for each pixel of outline; few is crisp"),
+    "strength_spread": Text("最強燈與最弱燈之比", "Strongest lamp over the weakest, as used"),
+    "black_level": Text("視為無光的亮度", "Brightness taken for darkness"),
+    "measured_share": Text("實測像素的比例", "Share of the pixels that were measured"),
+    "brightness": Text("反照率的除數", "What the albedo was divided by, to stay within 1"),
+    "lamps": Text("燈數", "Number of lamps"),
+    "fourth_lamp": Text("第四燈的核對（越小越好）", "Check by the fourth lamp; small is good"),
+    "ink_share": Text("墨跡佔畫面的比例", "Share of the picture that is ink"),
+    "contrast": Text("墨的濃度（中位數，一為全黑）", "Median darkness of the ink; 1 is black"),
+    "half_width": Text("筆畫半寬（中位數，像素）", "Median half-width of the strokes, in pixels"),
+    "noise": Text("墨與紙之差為紙面起伏的多少倍", "Ink against paper, over the paper's own spread"),
+    "edge": Text("墨跡邊緣的清晰度（一為清晰）", "Sharpness of the outline; 1 is sharp"),
+    "between": Text("每個邊緣像素對應的半墨像素", "Half-dark pixels for each pixel of outline; few is crisp"),
     "coherence": Text(
-        "墨迹成片的程度（一为成片）", "How far the ink hangs together; 1 is solid, 0 is speckle"
+        "墨跡成片的程度（一為成片）", "How far the ink hangs together; 1 is solid, 0 is speckle"
     ),
 }
 
