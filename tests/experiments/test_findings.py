@@ -17,7 +17,7 @@ TABLE = Table(
     "levels",
     Text("表", "A table"),
     (Column("method", Text("方法", "method")), Column("mae", Text("误差", "error"), 1)),
-    ({"method": "MBSE", "mae": 9.87654}, {"method": "constant", "mae": None}),
+    ({"method": "MBSE", "mae": 9.87654}, {"method": "constant", "mae": None}, {"method": "x", "mae": -0.01}),
     (Text("注", "A note."),),
 )
 FOUND = Findings("levels", {"n": np.int64(3), "bad": float("nan")}, (TABLE,), (Text("话", "Said."),))
@@ -65,7 +65,7 @@ def test_a_broken_result_is_none(quick):
 
 
 def test_for_a_reader():
-    assert TABLE.shown() == [["MBSE-based (reconstructed)", "9.9"], ["constant", "–"]]
+    assert TABLE.shown() == [["MBSE-based (reconstructed)", "9.9"], ["constant", "–"], ["x", "0.0"]]
     assert FOUND.text().splitlines()[0] == "A table"
     assert "A note." in FOUND.text() and FOUND.text().endswith("Said.")
     assert replace(FOUND, words="Own words.").text().startswith("Own words.")

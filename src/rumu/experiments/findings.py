@@ -229,9 +229,9 @@ def commit() -> str | None:
 def _shown(cell: Cell, column: Column) -> str:
     if cell is None or (isinstance(cell, float) and not math.isfinite(cell)):
         return "–"
-    if column.key == "method":
+    if column.key in ("method", "where"):
         return method_name(str(cell))
-    return f"{cell:.{column.digits}f}" if isinstance(cell, float) else str(cell)
+    return f"{round(cell, column.digits) + 0.0:.{column.digits}f}" if isinstance(cell, float) else str(cell)
 
 
 def _plain(value: Any) -> Any:

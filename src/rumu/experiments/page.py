@@ -167,7 +167,7 @@ def _paint_levels(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
         name="where",
         keys=("accuracy", "low", "high"),
         label="levels that are right, %, with the exact 95 % interval",
-        ours=[row["where"] for row in rows if "human" not in row["where"]],
+        ours=[row["where"] for row in facts["scripts"]],
     )
     return (_charted(chart, out, "表一的正确率与精确区间。", "Table 1 as a chart, with exact intervals."),)
 
