@@ -49,6 +49,14 @@ def ask_for_place(folder: Path, *, marker: str) -> None:
         raise _OnlyAskingError  # leaves everything as it was
 
 
+def ask_for_file(path: Path) -> None:
+    """Raise OutputError now, when `path` cannot be written, rather than after minutes of work."""
+    from rumu.outputs import whole_file
+
+    with contextlib.suppress(_OnlyAskingError), whole_file(path):
+        raise _OnlyAskingError  # leaves everything as it was
+
+
 def master_path(master: str, *, root: Path | None = None) -> Path:
     """The file or folder of a master, named by path (relative to `root`) or by the id of a starter work.
 

@@ -1,0 +1,222 @@
+"""calibrate: a teacher's own marks -> a calibration that follows them, or the word that they carry none."""
+
+from __future__ import annotations
+
+import csv
+import functools
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import typer
+
+from rumu.cli.options import AsJson, ask_for_file, master_path, not_an_input
+from rumu.cli.outcome import Outcome, ends_well
+from rumu.cli.progress import bar
+from rumu.errors import CalibrationError, RumuError
+
+if TYPE_CHECKING:
+    from rumu.assessment.features import Features
+    from rumu.assessment.teacher import TeacherFit
+    from rumu.values import Surface
+
+COLUMNS = ("image", "reference", "mark")
+
+
+class Marked(NamedTuple):
+    """One row: the copy, its master, a teacher's mark from 0 to 100, and the line it stands in."""
+
+    image: str
+    reference: str
+    mark: float
+    line: int
+
+
+class Looked(NamedTuple):
+    """What a row holds: features of the copy and the file of its master, or why it is left out."""
+
+    features: Features | None
+    master: str = ""
+    refused: str = ""
+
+
+def register(app: typer.Typer) -> None:
+    app.command()(calibrate)
+
+
+@ends_well
+def calibrate(
+    marks: Annotated[
+        Path, typer.Argument(metavar="MARKS", help="CSV with the columns image,reference,mark (0-100).")
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="The calibration to write.")],
+    root: Annotated[
+        Path | None, typer.Option(help="Folder of the paths in MARKS (default: the folder of MARKS).")
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Processes (default: all cores).")] = None,
+    as_json: AsJson = False,
+) -> Outcome:
+    """Fit the mark to your own marks; keeps the default, and says so, when they do not carry more."""
+    not_an_input(out, marks)
+    rows = read_marks(marks)
+    ask_for_file(out)
+    with bar("Measuring") as advance:
+        found = []
+        for looked in _looks(rows, root=root or marks.parent, jobs=jobs):
+            found.append(looked)
+            advance(len(found), len(rows))
+    left_out = [(row, looked.refused) for row, looked in zip(rows, found, strict=True) if looked.refused]
+    fit = _fitted(rows, found, name=marks.name)
+    if fit.calibration is not None:
+        from rumu.assessment.calibration import write_calibration
+
+        write_calibration(fit.calibration, out)
+    none = (
+        f"{marks}: no copy of the {len(rows)} could be measured; {left_out[0][1]}" if not fit.copies else None
+    )
+    return Outcome(_facts(fit, left_out, out), _described(fit, left_out, marks, out), refused=none)
+
+
+def read_marks(path: Path) -> list[Marked]:
+    """The rows of a CSV with the columns image, reference, mark, UTF-8 with or without BOM.
+
+    Raises CalibrationError that names the file and the line of whatever is no such row.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as stream:
+            table = csv.DictReader(stream)
+            table.fieldnames = names = [name.strip() for name in table.fieldnames or ()]
+            if not set(COLUMNS) <= set(names):
+                raise CalibrationError(
+                    f"{path}: expected the columns {','.join(COLUMNS)} in the first line, "
+                    f"found {', '.join(names) or 'nothing'}"
+                )
+            rows = [_row(row, path=path, line=table.line_num) for row in table]
+    except OSError as error:
+        raise CalibrationError(f"{path}: cannot be read ({os.strerror(error.errno or 0)})") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise CalibrationError(f"{path}: expected a CSV in UTF-8, cannot read it ({error})") from error
+    if not rows:
+        raise CalibrationError(f"{path}: expected at least one row below the header, found none")
+    return rows
+
+
+def _row(row: dict[str, Any], *, path: Path, line: int) -> Marked:
+    image, reference, mark = ((row[name] or "").strip() for name in COLUMNS)
+    if not image or not reference:
+        raise CalibrationError(f"{path}, line {line}: expected an image and a reference")
+    try:
+        value = float(mark)
+    except ValueError:
+        value = float("nan")
+    if not 0 <= value <= 100:
+        raise CalibrationError(
+            f"{path}, line {line}: expected a mark from 0 to 100, got {mark or 'nothing'!r}"
+        )
+    return Marked(image, reference, value, line)
+
+
+def look(row: Marked, *, root: Path) -> Looked:
+    """One copy against its master, as for a mark; whatever goes wrong is told in `refused`."""
+    from rumu import pipeline
+    from rumu.assessment.comparison import compare
+    from rumu.assessment.refusal import refusal
+
+    try:
+        path = master_path(row.reference, root=root)
+        master, copy = _master(path), pipeline.surface_of(root / row.image)
+        registration, features = compare(copy, master)
+        no_copy = refusal(copy, master, registration=registration)
+    except RumuError as error:
+        return Looked(None, refused=" ".join(str(error).split()))
+    except Exception as error:  # one row must never cost the others
+        return Looked(None, refused=f"unexpected {type(error).__name__}: {' '.join(str(error).split())}")
+    if no_copy is not None:
+        return Looked(None, refused=f"{no_copy.code}: {no_copy.en}")
+    return Looked(features, str(path.resolve()))
+
+
+@functools.lru_cache(maxsize=4)  # tables come sorted by character; each surface may hold many pixels
+def _master(path: Path) -> Surface:
+    from rumu import pipeline
+
+    return pipeline.surface_of(path)
+
+
+def _looks(rows: Sequence[Marked], *, root: Path, jobs: int | None) -> Any:
+    from rumu.processes import cores, in_order
+
+    work = functools.partial(look, root=root)
+    return in_order(work, rows, processes=min(jobs or cores(), len(rows)))
+
+
+def _fitted(rows: Sequence[Marked], found: Sequence[Looked], *, name: str) -> TeacherFit:
+    from rumu.assessment.calibration import panel
+    from rumu.assessment.teacher import fit_teacher
+
+    kept = [
+        (looked.features, row.mark, looked.master)
+        for row, looked in zip(rows, found, strict=True)
+        if looked.features is not None
+    ]
+    features, marks, masters = zip(*kept, strict=True) if kept else ((), (), ())
+    return fit_teacher(features, marks, masters, base=panel(), name=name)
+
+
+LeftOut = Sequence[tuple[Marked, str]]
+
+
+def _facts(fit: TeacherFit, left_out: LeftOut, out: Path) -> dict[str, Any]:
+    own = fit.calibration
+    return {
+        "out": out if own is not None else None,
+        "kept": fit.chosen,
+        "why": fit.why,
+        "why_zh": fit.why_zh,
+        "marks": fit.copies,
+        "masters": fit.masters,
+        "held_out": fit.held_out,
+        **{
+            kind: None if told is None else {"error": told.error, "spearman": told.spearman}
+            for kind, told in (("default", fit.default), ("scale", fit.scale), ("weights", fit.weights))
+        },
+        "interval": own and own.interval,
+        "provenance": own and own.provenance,
+        "left_out": [
+            {"line": row.line, "image": row.image, "reference": row.reference, "refused": why}
+            for row, why in left_out
+        ],
+    }
+
+
+_HELD_OUT = {
+    "masters": "whole masters held out",
+    "copies": "copies held out; too few masters to hold any out, so expect less on others",
+    "none": "nothing was fitted",
+}
+
+
+def _described(fit: TeacherFit, left_out: LeftOut, marks: Path, out: Path) -> str:
+    told = (("default", fit.default), ("scale", fit.scale), ("weights", fit.weights))
+    rows = [
+        f"  {kind:<8}  mean error {one.error:5.1f}   rank agreement {one.spearman:6.3f}"
+        f"{'   <- kept' if kind == fit.chosen else ''}"
+        for kind, one in told
+        if one is not None
+    ]
+    ending = (
+        "The default is kept; nothing was written. 保留默認，未寫文件。"
+        if fit.calibration is None
+        else f"{out}: use it with rumu assess --calibration {out}"
+    )
+    return "\n".join(
+        [
+            f"{marks}: {fit.copies} marks of copies of {fit.masters} masters, {len(left_out)} rows left out",
+            *(f"  line {row.line}: {row.image}: {why}" for row, why in left_out),
+            f"{_HELD_OUT[fit.held_out]}:",
+            *rows,
+            f"{fit.why} {fit.why_zh}",
+            ending,
+        ]
+    )
