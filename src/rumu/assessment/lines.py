@@ -19,7 +19,7 @@ SPECK = 0.008
 """Share of the ink below which a lone dot is no stroke."""
 CORNER = 50.0
 """Degrees of turning, over a stroke's width to each side, at which one stroke becomes two."""
-MOST_POINTS = 230
+MOST_POINTS = 180
 """Points on all lines of a sheet together, so that matching takes the same time for every character."""
 
 
@@ -29,18 +29,15 @@ class Line:
 
     points: (n, 2) in the frame of `sheets`, as it is written: from left to right, or downward.
     radius: (n,) half-width, rms radii. free: whether its beginning and its end join nothing.
-    clear: (n,) away from forks, where the half-width is the stroke's own.
+    clear: (n,) away from forks, where the half-width is the stroke's own. arc: (n,) way along the line from
+        its beginning, rms radii.
     """
 
     points: FloatArray
     radius: FloatArray
     free: tuple[bool, bool]
     clear: BoolArray
-
-    @property
-    def arc(self) -> FloatArray:
-        """(n,) way along the line from its beginning, rms radii."""
-        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))])
+    arc: FloatArray
 
     @property
     def length(self) -> float:
@@ -80,7 +77,7 @@ def copy_drawing(sheet: Sheet) -> Drawing:
     """All lines of the copy, by segment: which strokes they belong to is what matching finds out."""
     skeleton = skeletonise(sheet.ink)
     lines = tuple(
-        Line(frame(s.points), s.radius / RADIUS, (False, False), _clear(s.points, skeleton))
+        Line(frame(s.points), s.radius / RADIUS, (False, False), _clear(s.points, skeleton), _arc(s.points))
         for s in skeleton.segments
     )
     return Drawing(lines, _points(lines), skeleton.width / RADIUS, skeleton)
@@ -134,7 +131,15 @@ def _line(stroke: Stroke, skeleton: Skeleton) -> Line:
         right > 0 and down < -0.45 * right and _tapers_to_start(radius)
     ):  # a left-falling stroke that lies flat
         points, radius, free = points[::-1], radius[::-1], free[::-1]
-    return Line(frame(points), radius / RADIUS, free, _clear(points, skeleton))
+    return Line(frame(points), radius / RADIUS, free, _clear(points, skeleton), _arc(points))
+
+
+def _arc(points: FloatArray) -> FloatArray:
+    """(n,) way along points of a sheet, rms radii."""
+    step = np.diff(points, axis=0)
+    arc = np.zeros(len(points))
+    np.cumsum(np.sqrt((step * step).sum(axis=1)) / RADIUS, out=arc[1:])
+    return arc
 
 
 def _tapers_to_start(radius: FloatArray) -> bool:

@@ -28,8 +28,8 @@ class MatchSettings:
         a point counts as explained by nothing.
     """
 
-    smooth: tuple[float, ...] = (0.22, 0.18, 0.15, 0.12)
-    single: tuple[float, ...] = (0.14, 0.12, 0.1, 0.085, 0.07, 0.06, 0.05)
+    smooth: tuple[float, ...] = (0.22, 0.17, 0.13)
+    single: tuple[float, ...] = (0.14, 0.115, 0.095, 0.075, 0.06, 0.05)
     grid: int = 4
     bend: float = 1.0
     stiff: float = 1.0
@@ -99,15 +99,20 @@ def match(master: Points, copy: Points, *, settings: MatchSettings | None = None
 
 def _share(y: FloatArray, double: FloatArray, copy: Points, sigma: float, s: MatchSettings) -> FloatArray:
     """(n, m): how much each point of the copy belongs to each of the master's points."""
-    squared = (
-        (y * y).sum(axis=1)[:, None] + (copy.xy * copy.xy).sum(axis=1)[None] - 2.0 * y @ copy.xy.T
-    ).astype(np.float32)
-    along = (double @ copy.double.T).astype(np.float32)
+    squared = squared_distances(y, copy.xy)
+    along = double.astype(np.float32) @ copy.double.T.astype(np.float32)
     G = np.exp(squared * np.float32(-0.5 / sigma**2) + np.float32(s.crossing / 2) * (along - 1))
     # a line gives a point beside it more than one of its own points does
     line = max(2.5 * sigma / copy.spacing, 1.0)
     nothing = np.float32(np.exp(-0.5 * s.beyond**2) * line)
     return np.asarray(G / (G.sum(axis=0) + nothing))
+
+
+def squared_distances(a: FloatArray, b: FloatArray) -> FloatArray:
+    """(n, m) float32, from each of (n, 2) points to each of (m, 2)."""
+    a, b = a.astype(np.float32), b.astype(np.float32)
+    away = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None] - 2.0 * (a @ b.T)
+    return np.asarray(np.maximum(away, np.float32(0.0)))
 
 
 def _mean(P: FloatArray, values: FloatArray, weight: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from rumu.assessment.places import as_lines, box, towards
 from rumu.assessment.spacing import Gap, find_gaps
 from rumu.assessment.stroke_names import HORIZONTAL, RING, VERTICAL, Name, kind_of, names_of
 from rumu.assessment.strokes import StrokeFound, Strokes
-from rumu.assessment.thresholds import Noticeable, coarser, severity
+from rumu.assessment.thresholds import Noticeable, severity
 from rumu.values import BoolArray, FloatArray, IntArray, Registration, Remark
 
 
@@ -21,6 +21,7 @@ class _Said:
 
     cell: one rms radius of the master in cells. wide: width of the master's strokes, rms radii; whole: of the
     copy's over the master's. common: share of all strokes, by length, that one of them has on average.
+    grain: doubt in the logarithm of its width, which the pictures are too coarse to show.
     """
 
     stroke: StrokeFound
@@ -31,6 +32,7 @@ class _Said:
     wide: float
     whole: float
     common: float
+    grain: float
 
     def remark(self, kind: str, size: float, unit: str, severity: float, *text: str) -> Remark:
         zh, en = text
@@ -57,11 +59,20 @@ class _Said:
 
 def of_strokes(strokes: Strokes, registration: Registration, limits: Noticeable) -> Iterator[Remark]:
     """Remarks on single strokes, in no order."""
-    limits = coarser(limits, strokes.grain)
     wide, cell = strokes.master.width, registration.reference.radius
     names = names_of(strokes.master.lines, width=wide)
     told = [
-        _Said(s, name, kind_of(s.line, width=wide), cell, limits, wide, strokes.width, 1.0 / len(names))
+        _Said(
+            s,
+            name,
+            kind_of(s.line, width=wide),
+            cell,
+            limits,
+            wide,
+            strokes.width,
+            1.0 / len(names),
+            strokes.grain_of(s.line),
+        )
         for s, name in zip(strokes.strokes, names, strict=True)
     ]
     for k, said in enumerate(told):
@@ -186,8 +197,8 @@ def _length(said: _Said) -> Iterator[Remark]:
 
 
 def _width(said: _Said) -> Iterator[Remark]:
-    ratio = said.stroke.width / said.whole
-    if not np.isfinite(ratio) or abs(np.log(ratio)) < said.limits.stroke:
+    ratio, least = said.stroke.width / said.whole, said.limits.stroke + said.grain
+    if not np.isfinite(ratio) or abs(np.log(ratio)) < least:
         return
     change = ratio - 1.0
     kind, zh, en, do_zh, do_en = (
@@ -196,7 +207,7 @@ def _width(said: _Said) -> Iterator[Remark]:
         else ("stroke_thin", "細", "thinner", "行筆按得實些。", "Press more firmly.")
     )
     yield said.remark(
-        kind, change, "of the master", said.grave(float(np.log(ratio)), said.limits.stroke, 3.0),
+        kind, change, "of the master", said.grave(float(np.log(ratio)), least, 3.0),
         f"{said.name.zh}比別的筆畫{zh} {abs(change):.0%}。{do_zh}",
         f"{said.en} is {abs(change):.0%} {en} than the other strokes are. {do_en}",
     )  # fmt: skip
@@ -213,9 +224,9 @@ def _end_widths(said: _Said) -> tuple[float, float]:
 def _blunt(told: list[_Said], limits: Noticeable) -> Iterator[Remark]:
     """Most ends too wide: not one stroke but the hand lets the brush down at its tips."""
     ends = [(said, _end_widths(said)) for said in told if said.stroke.present]
-    seen = np.array([w for _, widths in ends for w in widths if np.isfinite(w)])
-    exits = [(widths[1], said) for said, widths in ends if widths[1] >= limits.tips]
-    if len(seen) < 2 or not exits or float((seen >= limits.tips).mean()) < 0.6:
+    seen = [w >= limits.tips + said.grain for said, widths in ends for w in widths if np.isfinite(w)]
+    exits = [(widths[1], said) for said, widths in ends if widths[1] >= limits.tips + said.grain]
+    if len(seen) < 2 or not exits or float(np.mean(seen)) < 0.6:
         return
     size = float(np.expm1(np.median([width for width, _ in exits])))
     exits.sort(key=lambda pair: -pair[0])
@@ -233,7 +244,7 @@ def _blunt(told: list[_Said], limits: Noticeable) -> Iterator[Remark]:
 def _ends(said: _Said) -> Iterator[Remark]:
     limits = said.limits
     entry, end = _end_widths(said)
-    if np.isfinite(entry) and abs(entry) >= limits.entry:
+    if np.isfinite(entry) and abs(entry) >= limits.entry + said.grain:
         kind, zh, en, do_zh, do_en = (
             ("entry_heavy", "重", "heavy", "落筆輕些，再按下去。", "Set the brush down more lightly.")
             if entry > 0
@@ -245,7 +256,7 @@ def _ends(said: _Said) -> Iterator[Remark]:
             f"{said.name.zh}起筆太{zh}，寬度差 {abs(size):.0%}。{do_zh}",
             f"{said.en} begins too {en}, by {abs(size):.0%} of its width. {do_en}",
         )  # fmt: skip
-    if np.isfinite(end) and end >= limits.exit:
+    if np.isfinite(end) and end >= limits.exit + said.grain:
         size = float(np.expm1(end))
         yield said.remark(
             "exit_blunt", size, "of the master", said.grave(float(end), limits.exit, 2.2),

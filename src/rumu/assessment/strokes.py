@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from rumu.assessment.lines import Drawing, Line, copy_drawing, master_drawing
-from rumu.assessment.matching import Match, match
+from rumu.assessment.matching import Match, match, squared_distances
 from rumu.assessment.pose import Pose, Squeeze, find_squeeze, robust_pose, squeezed
 from rumu.assessment.sheets import RADIUS, Sheet, copy_sheet, master_sheet
 from rumu.values import BoolArray, FloatArray, IntArray, Registration, Surface
@@ -90,9 +90,12 @@ class Strokes:
 
     @property
     def grain(self) -> float:
-        """Doubt in the logarithm of a width: three tenths of a pixel of the coarser picture."""
-        half = float(np.median(self.master.points.radius)) * RADIUS
-        return 0.3 / half * self.enlarged
+        """Doubt in the logarithm of a common width: three tenths of a pixel of the coarser picture."""
+        return 0.3 / (float(np.median(self.master.points.radius)) * RADIUS) * self.enlarged
+
+    def grain_of(self, line: Line) -> float:
+        """The same for one stroke."""
+        return 0.3 / (float(np.median(line.radius)) * RADIUS) * self.enlarged
 
     @property
     def enlarged(self) -> float:
@@ -160,10 +163,10 @@ def _measured(sheet: Sheet, master: Sheet, settings: StrokeSettings, *, places: 
         expected=squeezed(places, squeeze), upright=upright, squeeze=squeeze,
         widths=_half_widths(found, mine, model, covered),
     )  # fmt: skip
-    whole = view.whole
+    whole, ratio = view.whole, view.ratio
     radius = np.where(np.isfinite(view.widths), view.widths, whole / view.scale * model.points.radius)
     return Strokes(
-        tuple(view.stroke(k) for k in range(len(model.lines))),
+        tuple(view.stroke(k, ratio) for k in range(len(model.lines))),
         pose, whole, squeeze, model, mine, (sheet, master), found.moved, covered, owner >= 0, radius, places,
         in_cell,
     )  # fmt: skip
@@ -176,7 +179,7 @@ def _covered(
     own = master.points.owner
     strongest = found.share.argmax(axis=0)
     owner = np.where(found.share.sum(axis=0) > 0.4, own[strongest], -1)
-    squared = ((found.moved[:, None] - copy.points.xy[None]) ** 2).sum(axis=2)
+    squared = squared_distances(found.moved, copy.points.xy)
     near = settings.near * max(master.width, copy.width)
     reach = max(near, 1.6 * master.points.spacing)
     mine = owner[None, :] == own[:, None]
@@ -223,6 +226,11 @@ class _View:
     widths: FloatArray
 
     @property
+    def total(self) -> float:
+        """Length of all the master's strokes."""
+        return float(len(self.model.points.xy) * self.model.points.spacing)
+
+    @property
     def scale(self) -> float:
         """Master's measure for one of the sheet's: the copy's size taken out."""
         spread = [float(np.sqrt(np.var(p, axis=0).sum())) for p in (self.moved, self.upright)]
@@ -258,18 +266,18 @@ class _View:
         below = np.cumsum(weight[chosen][order]) / weight[chosen].sum()
         return float(np.exp(logs[chosen][order][int(np.argmax(below >= 0.5))]))
 
-    def stroke(self, k: int) -> StrokeFound:
+    def stroke(self, k: int, ratios: FloatArray) -> StrokeFound:
         model, line = self.model, self.model.lines[k]
         own = np.flatnonzero(model.points.owner == k)
         want, have = self.expected[own], self.upright[own]
         coverage, shift = float(self.covered[own].mean()), (have - want).mean(axis=0)
-        ratio, radius = self.ratio[own], model.points.radius[own]
+        ratio, radius = ratios[own], model.points.radius[own]
         along = np.linspace(0.0, 1.0, len(own))
         ends = [_mean_ratio(ratio, radius, part) for part in _ends(along, line, model.width)]
         to_picture = self.sheet.to_picture
         return StrokeFound(
             line=line,
-            weight=line.length / max(sum(each.length for each in model.lines), 1e-9),
+            weight=line.length / max(self.total, 1e-9),
             coverage=coverage,
             present=coverage >= self.settings.present and float(np.hypot(*shift)) < self.settings.most,
             shift=shift,

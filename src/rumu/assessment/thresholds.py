@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -44,12 +44,6 @@ class Noticeable:
     round: float = 2.6
     of_a_kind: int = 3
     at_most: int = 5
-
-
-def coarser(limits: Noticeable, grain: float) -> Noticeable:
-    """The same for pictures too coarse to see widths better than by `grain`, in the logarithm."""
-    more = {name: getattr(limits, name) + grain for name in ("stroke", "entry", "exit", "tips")}
-    return replace(limits, **more)
 
 
 def severity(size: float, least: float, *, rate: float, weight: float = 1.0) -> float:

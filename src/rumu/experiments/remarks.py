@@ -173,7 +173,7 @@ def standard_masters(data: Path) -> list[Master]:
 def _told_of_master(master: Master, severities: tuple[float, ...]) -> list[Told]:
     """All faults of one master. A fault that the glyph cannot have is left out."""
     glyph = _glyph(master.path)
-    cases = [(fault, s) for fault in ANSWERS for s in severities] + list(ASKED)
+    cases = list(dict.fromkeys([(fault, s) for fault in ANSWERS for s in severities] + list(ASKED)))
     told = []
     for fault, severity in cases:
         seed = zlib.crc32(f"{master.name} {fault} {severity:g}".encode()) % 10_000

@@ -135,34 +135,39 @@ def _chains(pixels: IntArray, cluster: IntArray, width: int) -> list[tuple[list[
     pixels: flat indices of those with at most two neighbours. cluster: flat, the number of the fork, 0 off
     forks. An end is the number of a fork, 0 where the line stops, -1 twice for a ring.
     """
-    steps = (-width, width, -1, 1, -width - 1, -width + 1, width - 1, width + 1)
-    own = set(pixels.tolist())
-    forks = cluster.tolist()
-    near = {p: [p + s for s in steps if p + s in own] for p in own}
+    steps = np.array((-width, width, -1, 1, -width - 1, -width + 1, width - 1, width + 1))
+    number = np.full(len(cluster), -1, np.intp)
+    number[pixels] = np.arange(len(pixels))
+    around = pixels[:, None] + steps
+    beside = number[around]
+    # no pixel has more than two neighbours: the numbers of both, -1 for none
+    two = -np.sort(-beside, axis=1)[:, :2]
+    near: list[list[int]] = two.tolist()
+    place: list[int] = pixels.tolist()
+    met = -np.sort(-cluster[around], axis=1)[:, :2]
+    forks: list[list[int]] = met.tolist()
     chains: list[tuple[list[int], tuple[int, int]]] = []
-    seen: set[int] = set()
-    tips = [p for p in pixels.tolist() if len(near[p]) < 2]
-    for start in tips:
-        if start not in seen:
+    seen = bytearray(len(place))
+    for start in np.flatnonzero(two[:, 1] < 0).tolist():
+        if not seen[start]:
             chain = _walked(start, near, seen)
-            met = [[forks[p + s] for s in steps if forks[p + s]] for p in (chain[0], chain[-1])]
-            if len(chain) == 1:
-                chains.append((chain, (met[0][0] if met[0] else 0, met[0][-1] if len(met[0]) > 1 else 0)))
-            else:
-                chains.append((chain, (met[0][0] if met[0] else 0, met[1][0] if met[1] else 0)))
-    for start in pixels.tolist():
-        if start not in seen:
-            chains.append((_walked(start, near, seen), (-1, -1)))
+            first, last = forks[chain[0]], forks[chain[-1]]
+            ends = (first[0], first[1] if len(chain) == 1 else last[0])
+            chains.append(([place[k] for k in chain], ends))
+    for start in range(len(place)):
+        if not seen[start]:
+            chains.append(([place[k] for k in _walked(start, near, seen)], (-1, -1)))
     return chains
 
 
-def _walked(start: int, near: dict[int, list[int]], seen: set[int]) -> list[int]:
+def _walked(start: int, near: list[list[int]], seen: bytearray) -> list[int]:
     chain, at = [start], start
-    seen.add(start)
+    seen[start] = 1
     while True:
-        ahead = next((p for p in near[at] if p not in seen), None)
-        if ahead is None:
+        one, other = near[at]
+        ahead = one if one >= 0 and not seen[one] else other
+        if ahead < 0 or seen[ahead]:
             return chain
-        seen.add(ahead)
+        seen[ahead] = 1
         chain.append(ahead)
         at = ahead
