@@ -40,8 +40,8 @@ def test_rows_keep_their_order_and_a_bad_one_its_reason(rumu, desk, jobs):
     assert (ended.code, ended.err) == (0, "")
     assert {name: ended.facts[name] for name in ("pairs", "marked", "refused")} == {
         "pairs": 9,
-        "marked": 4,
-        "refused": 5,
+        "marked": 3,
+        "refused": 6,
     }
     assert tuple(rows[0]) == COLUMNS
     assert [Path(row["copy"]).name for row in rows] == [
@@ -56,12 +56,23 @@ def test_rows_keep_their_order_and_a_bad_one_its_reason(rumu, desk, jobs):
         True,
         True,
         True,
-        False,
+        True,  # another character
         False,
     ]
     assert [bool(row["score"]) for row in rows] == [not row["refused"] for row in rows]
     assert "cut.png" in rows[1]["refused"] and "gone.png" in rows[3]["refused"]
     assert "expected a copy and a reference" in rows[6]["refused"]
+    assert rows[7]["refused"].startswith("another character")
+
+
+def test_rows_of_two_masters_in_turn_come_back_in_order(rumu, desk):
+    """They are marked master by master."""
+    pairs = table(desk, *["copy.png,master.png", "copy.png,a copy.png"] * 3)
+    rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1)
+    rows = rows_of(desk / "out.csv")
+    assert [Path(row["reference"]).name for row in rows] == ["master.png", "a copy.png"] * 3
+    assert len({row["score"] for row in rows[::2]}) == 1
+    assert rows[0]["score"] != rows[1]["score"]
 
 
 def test_a_row_says_what_one_command_says(rumu, desk):

@@ -1,9 +1,10 @@
-"""A table of pairs, marked in parallel: rows stream in and out in order, so memory stays flat."""
+"""A table of pairs, marked in parallel: read and written in order, in windows, so memory stays flat."""
 
 from __future__ import annotations
 
 import csv
 import functools
+import itertools
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -65,11 +66,23 @@ def assess_pairs(
         writer.writeheader()
         work = functools.partial(mark_row, root=root, terms=terms)
         processes = min(jobs or cores(), total)
-        for done, row in enumerate(in_order(work, read_pairs(pairs), processes=processes), start=1):
-            writer.writerow(row)
-            marked += row["refused"] == ""
-            advance(done, total)
+        done = 0
+        for window in _windows(read_pairs(pairs)):
+            order = sorted(range(len(window)), key=lambda k: window[k].reference or "")  # a master once
+            rows: dict[int, dict[str, Any]] = {}
+            for k, row in zip(
+                order, in_order(work, (window[k] for k in order), processes=processes), strict=True
+            ):
+                rows[k] = row
+                marked += row["refused"] == ""
+                advance(done := done + 1, total)
+            writer.writerows(rows[k] for k in range(len(window)))
     return marked, total - marked
+
+
+def _windows(pairs: Iterator[Pair], *, size: int = 2000) -> Iterator[list[Pair]]:
+    while window := list(itertools.islice(pairs, size)):
+        yield window
 
 
 def read_pairs(path: Path) -> Iterator[Pair]:
@@ -115,7 +128,7 @@ def mark_row(pair: Pair, *, root: Path, terms: Mapping[str, Any]) -> dict[str, A
         return row | {"refused": f"unexpected {type(error).__name__}: {' '.join(str(error).split())}"}
 
 
-@functools.lru_cache(maxsize=4)  # tables come sorted by character; each surface may hold many pixels
+@functools.lru_cache(maxsize=4)  # rows come by master; each surface may hold many pixels
 def _master(path: Path) -> Surface:
     from rumu import pipeline
 
