@@ -151,6 +151,26 @@ def test_a_teacher_sets_the_levels():
         marked(copy, "regular-shui", levels={"excellent": 50})
 
 
+def test_a_teacher_sets_weights_script_and_calibration(tmp_path):
+    from dataclasses import replace
+
+    from rumu.assessment.calibration import panel, write_calibration
+
+    copy = picture(faults.apply(mask("regular-shui"), "squeeze", severity=3, seed=1).ink)
+    plain = marked(copy, "regular-shui")
+    own = {"brushwork": 50, "structure": 50, "ink": 0}
+    weighed = marked(copy, "regular-shui", weights=own, script="seal")
+    assert weighed.score == pytest.approx((plain.parts["brushwork"] + plain.parts["structure"]) / 2)
+    assert (weighed.weights, weighed.script, plain.weights) == (own, "seal", None)
+    assert np.ptp(weighed.interval) > np.ptp(plain.interval)
+    write_calibration(replace(panel(), interval=(-1.0, 1.0)), tmp_path / "sure.json")
+    sure = marked(copy, "regular-shui", calibration=tmp_path / "sure.json")
+    assert sure.score == plain.score and np.ptp(sure.interval) == pytest.approx(2.0)
+    for wrong in ({"weights": {"ink": 1}}, {"script": "printed"}, {"calibration": tmp_path / "gone.json"}):
+        with pytest.raises(CalibrationError):
+            marked(copy, "regular-shui", **wrong)
+
+
 # what holds nothing to mark
 
 

@@ -161,6 +161,10 @@ def test_a_teacher_who_marks_as_the_panel_does_keeps_the_default():
     features, masters = copies()
     fit = fit_teacher(features, noisy(scores(features), points=8.0), masters, base=BASE)
     assert fit.calibration is None and "clearly nearer" in fit.why and "默認" in fit.why_zh
+    low, high = np.array([BASE.interval_of(s) for s in scores(features)]).T
+    marks = noisy(scores(features), points=8.0)
+    assert fit.inside == pytest.approx(np.mean((low <= marks) & (marks <= high)))
+    assert 0.8 < fit.inside < 1.0
 
 
 def test_one_master_who_is_marked_otherwise_moves_nothing():

@@ -80,7 +80,14 @@ def test_a_strict_teacher_is_followed_and_a_copy_is_marked_so(rumu, desk, unseen
 
 def test_for_people(rumu, desk, unseen):
     ended = rumu("calibrate", table(desk, *strict(40)), "-o", desk / "mine.json", "--jobs", 1)
-    for words in ("40 marks of copies of 4 masters", "whole masters held out", "default", "<- kept", "誤差"):
+    for words in (
+        "40 marks of copies of 4 masters",
+        "whole masters held out",
+        "default",
+        "<- kept",
+        "誤差",
+        "% of the marks lie",
+    ):
         assert words in ended.out
     assert f"--calibration {desk / 'mine.json'}" in ended.out
 

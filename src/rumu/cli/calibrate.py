@@ -13,7 +13,7 @@ import typer
 
 from rumu.cli.options import AsJson, ask_for_file, master_path, not_an_input
 from rumu.cli.outcome import Outcome, ends_well
-from rumu.cli.progress import bar
+from rumu.cli.progress import bar, working
 from rumu.errors import CalibrationError, RumuError
 
 if TYPE_CHECKING:
@@ -67,7 +67,8 @@ def calibrate(
             found.append(looked)
             advance(len(found), len(rows))
     left_out = [(row, looked.refused) for row, looked in zip(rows, found, strict=True) if looked.refused]
-    fit = _fitted(rows, found, name=marks.name)
+    with working("Fitting"):
+        fit = _fitted(rows, found, name=marks.name)
     if fit.calibration is not None:
         from rumu.assessment.calibration import write_calibration
 
@@ -181,6 +182,7 @@ def _facts(fit: TeacherFit, left_out: LeftOut, out: Path) -> dict[str, Any]:
             kind: None if told is None else {"error": told.error, "spearman": told.spearman}
             for kind, told in (("default", fit.default), ("scale", fit.scale), ("weights", fit.weights))
         },
+        "inside": fit.inside,
         "interval": own and own.interval,
         "provenance": own and own.provenance,
         "left_out": [
@@ -216,6 +218,11 @@ def _described(fit: TeacherFit, left_out: LeftOut, marks: Path, out: Path) -> st
             *(f"  line {row.line}: {row.image}: {why}" for row, why in left_out),
             f"{_HELD_OUT[fit.held_out]}:",
             *rows,
+            *(
+                []
+                if fit.inside is None
+                else [f"  {fit.inside:.0%} of the marks lie in the default's 80 % interval"]
+            ),
             f"{fit.why} {fit.why_zh}",
             ending,
         ]
