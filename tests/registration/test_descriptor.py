@@ -9,7 +9,7 @@ from PIL import Image
 
 import rumu
 from rumu.gallery.works import find_work
-from rumu.registration.descriptor import DescriptorSettings, describe
+from rumu.registration.descriptor import DescriptorSettings, describe, likeness, mirrored, turned
 from rumu.registration.points import sample_points
 from rumu.simulation import faults
 
@@ -63,3 +63,25 @@ def test_one_straight_stroke_can_be_described():
     ink[96:104, 20:180] = 1
     assert np.isfinite(vector_of(ink)).all()
     assert vector_of(ink) @ vector_of(ink.T.copy()) < 0.7
+
+
+def test_likeness_is_one_for_the_same_and_about_nothing_for_others():
+    vectors = np.stack(
+        [vector_of(ink_of(f"regular-{name}")) for name in ("ren", "ri", "shu", "shui", "tian")]
+    )
+    each = np.stack([likeness(vector, vectors) for vector in vectors])
+    np.testing.assert_allclose(np.diag(each), 1.0, atol=1e-5)
+    np.testing.assert_allclose(each, each.T, atol=1e-5)
+    assert abs(float(np.median(each[~np.eye(5, dtype=bool)]))) < 0.2
+    assert float(likeness(vectors[0], vectors[1])) == pytest.approx(each[0, 1], abs=1e-6)
+
+
+@pytest.mark.parametrize(("change", "steps"), [(mirrored, (1, -1)), (turned, (-1, -1))])
+def test_points_reversed_are_the_points_of_the_reversed_picture(change, steps):
+    ink = ink_of("regular-shu")
+    page = [np.rint(245 - 225 * i).astype(np.uint8) for i in (ink, ink[:: steps[0], :: steps[1]])]
+    points = [sample_points(rumu.relief(p)) for p in page]
+    assert float(likeness(describe(change(points[0])), describe(points[1]))) > 0.99
+    again = change(change(points[0]))
+    np.testing.assert_allclose(again.xyz, points[0].xyz)
+    np.testing.assert_allclose(again.direction, points[0].direction)

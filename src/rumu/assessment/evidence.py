@@ -12,7 +12,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from rumu.assessment.features import residuals
 from rumu.assessment.similarity import posed
 from rumu.errors import RumuError
 from rumu.registration.descriptor import describe, likeness, mirrored, turned
@@ -35,7 +34,10 @@ class Evidence:
 
     @cached_property
     def position(self) -> float:
-        return residuals(self.registration).position
+        p, x = (cloud[:, :2] for cloud in posed(self.registration))
+        i, j = self.registration.forward_index, self.registration.backward_index
+        space = np.vstack([p - x[i], p[j] - x])
+        return float(np.sqrt(np.mean(np.sum(space * space, axis=1))))
 
     @cached_property
     def clearness(self) -> float:

@@ -23,8 +23,8 @@ class RefusalLimits:
     light, hollow: height of the ink over the master's, below which, and how much better the edges of strokes
         are covered than their middle, above which only an outline was drawn; or new: share of the ink that
         is new when closed lines are filled, and gained: likeness that this must not cost.
-    fits: residual in the plane up to which nothing more is asked. in_place: share of the ink in its place
-        from which it is the master's, whatever lacks or is too much.
+    fits, like: residual in the plane up to which, and likeness from which, nothing more is asked. in_place:
+        share of the ink in its place from which it is the master's, whatever lacks or is too much.
     beyond: share of the master that falls outside the picture, over ink on the border.
     part, part_gain: likeness of a part of the picture alone, and how much more than that of the whole.
     reversed_at, reversal: likeness to the master mirrored or turned, and how much more than as it is.
@@ -40,7 +40,8 @@ class RefusalLimits:
     hollow: float = 0.3
     new: float = 0.45
     gained: float = -0.06
-    fits: float = 0.15
+    fits: float = 0.20
+    like: float = 0.80
     in_place: float = 0.96
     beyond: float = 0.05
     part: float = 0.40
@@ -68,7 +69,9 @@ def refusal(
     for code, holds in _ALWAYS.items():
         if holds(evidence, limits):
             return reason(code)
-    if evidence.position < limits.fits or evidence.in_place >= limits.in_place:
+    if evidence.position < limits.fits or evidence.likeness > limits.like:
+        return None
+    if evidence.in_place >= limits.in_place:
         return None
     return next((reason(code) for code, holds in _MISFITS.items() if holds(evidence, limits)), None)
 

@@ -143,16 +143,24 @@ def _directions_on_grid(view: FloatArray, settings: DescriptorSettings) -> Float
 
     soft = cv2.GaussianBlur(view, (0, 0), 1.0)
     gx, gy = cv2.Sobel(soft, cv2.CV_32F, 1, 0), -cv2.Sobel(soft, cv2.CV_32F, 0, 1)
-    turn = (np.arctan2(gy, gx) / (2 * np.pi) * DIRECTIONS) % DIRECTIONS
-    length, below = np.hypot(gx, gy), np.floor(turn)
+    turn = ((np.arctan2(gy, gx) / (2 * np.pi) * DIRECTIONS) % DIRECTIONS).ravel()
+    length, below = np.hypot(gx, gy).ravel(), np.floor(turn)
+    parts, pixel = np.zeros((DIRECTIONS, view.size), np.float32), np.arange(view.size)
+    first = below.astype(int) % DIRECTIONS
+    parts[first, pixel] = length * (1 - turn + below)
+    parts[(first + 1) % DIRECTIONS, pixel] = length * (turn - below)
+    grid = _grid(settings)
+    cells = grid @ parts.reshape(DIRECTIONS, settings.side, settings.side) @ grid.T
+    vector = np.sqrt(np.maximum(cells, 0.0)).ravel()
+    return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-6))
+
+
+@lru_cache(maxsize=4)
+def _grid(settings: DescriptorSettings) -> FloatArray:
+    """(cells, side) float32: the weight of each row (or column) in each row (or column) of cells."""
+    import cv2
+
     step = settings.side / settings.cells
     centres = np.rint((np.arange(settings.cells) + 0.5) * step - 0.5).astype(int)
-    cells = []
-    for k in range(DIRECTIONS):
-        part = length * (
-            (below % DIRECTIONS == k) * (1 - turn + below) + ((below + 1) % DIRECTIONS == k) * (turn - below)
-        )
-        blurred = cv2.GaussianBlur(part.astype(np.float32), (0, 0), settings.spread * step)
-        cells.append(blurred[np.ix_(centres, centres)])
-    vector = np.sqrt(np.maximum(np.stack(cells), 0.0)).ravel()
-    return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-6))
+    each = np.eye(settings.side, dtype=np.float32)
+    return np.asarray(cv2.GaussianBlur(each, (0, 0), sigmaX=1e-6, sigmaY=settings.spread * step)[centres])
