@@ -109,7 +109,7 @@ def test_the_hash_follows_what_a_work_rests_on(tmp_path, monkeypatch):
             work for work, parts in measuring.BEHIND.items() if measuring.code_hash(parts) != before[work]
         }
 
-    ours = {"measure_ours", "measure_variants"}
+    ours = {"measure_ours", "measure_variants", "measure_density"}
     assert who_starts_anew("surface/ink.py") == {*ours, "measure_others"}
     assert who_starts_anew("assessment/mark.py") == who_starts_anew("pipeline.py") == ours
     assert who_starts_anew("baselines/hog.py") == {"measure_others"}

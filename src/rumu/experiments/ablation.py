@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rumu.experiments.agreement import Graded, held_out, side_by_side
+from rumu.experiments.density import density_table
 from rumu.experiments.findings import Cell, Column, Findings, Setting, Table
 from rumu.experiments.human import chosen_copies
 from rumu.experiments.made import Written
@@ -56,7 +57,9 @@ def run(setting: Setting) -> Findings:
         "density_measurable": int(np.isfinite(density).sum()),
         "third_dimension": next(g for g in gains if g["what"] == _height_gain(*base_weights())),
     }
-    return Findings("ablation", facts, _tables(facts), _sentences(facts))
+    ink = density_table(setting)
+    facts["density"] = list(ink.rows)
+    return Findings("ablation", facts, (*_tables(facts), ink), _sentences(facts))
 
 
 def _groups(setting: Setting) -> tuple[list[dict[str, Cell]], list[dict[str, Cell]]]:

@@ -31,6 +31,7 @@ _RULES = (
         "nuisance",
         "runtime",
         "ablation",
+        "density",
     ),
     *("remarks", "gaming", "identity", "locked", "pictures", "findings"),
 )

@@ -78,10 +78,10 @@ def steps_of(subjects: Sequence[Subject], setting: Setting) -> list[Step]:
     plan = [
         (s, fault, severity) for s in subjects for fault in s.faults for severity in (0, *protocol.severities)
     ]
-    tasks = {_key(*step): _task(*step, seed=protocol.simulation_seed) for step in plan}
+    tasks = {key_of(*step): task_of(*step, seed=protocol.simulation_seed) for step in plan}
     measured = measure_all(list(tasks.values()), store=setting.store, progress=setting.progress)
     by_key = {m.key: m for m in measured}
-    return [Step(*step, by_key[_key(*step)]) for step in plan]
+    return [Step(*step, by_key[key_of(*step)]) for step in plan]
 
 
 def found_on(subjects: Sequence[Subject], setting: Setting, *, name: str, where: str) -> Findings:
@@ -159,15 +159,17 @@ def step_of(series: Sequence[Sequence[Step]], method: str) -> float:
     return float(np.mean(slopes))
 
 
-def _key(subject: Subject, fault: str, severity: int) -> str:
+def key_of(subject: Subject, fault: str, severity: int) -> str:
+    """The name of one member of a series."""
     if severity == 0:
         return f"severities/{subject.name}/0"
     return f"severities/{subject.name}/{fault}/{severity}"
 
 
-def _task(subject: Subject, fault: str, severity: int, *, seed: int) -> Task:
+def task_of(subject: Subject, fault: str, severity: int, *, seed: int) -> Task:
+    """What is measured of it."""
     recipe = Faulty(subject.master, fault, severity, seed) if severity else Written(subject.master)
-    return Task(_key(subject, fault, severity), subject.name, subject.master, recipe)
+    return Task(key_of(subject, fault, severity), subject.name, subject.master, recipe)
 
 
 def _marked(steps: Sequence[Step]) -> list[Step]:
