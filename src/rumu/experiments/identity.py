@@ -4,9 +4,9 @@ In each set every character gives as many pairs of the same character (another w
 learner's copy and its template) as of two different ones, and each measure is asked to part the two. 1 is
 without error, .5 is chance. Intervals come from drawing characters anew, not pairs.
 
-Labels name characters and not forms: some pairs of one character in the regular works show two forms of it
-(號 and 号, 臺 and 台) or are labelled wrongly, and the Lanting Xu varies its forms on purpose. Such pairs stay
-in; they bound what any comparison of shapes can reach.
+Labels name characters and not forms: some pairs of one character in the regular works show two forms of
+it (號 and 号, 臺 and 台) or are labelled wrongly, and the Lanting Xu varies its forms on purpose. Such
+pairs stay in; they bound what any comparison of shapes can reach.
 """
 
 from __future__ import annotations
