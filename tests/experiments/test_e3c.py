@@ -52,7 +52,7 @@ def made_up(n_characters: int = 6, each: int = 60, *, seed: int = 0) -> list[e3c
             Path(f"{k}.png"),
             Path(f"{k % n_characters}-master.png"),
             f"character {k % n_characters}",
-            float(np.clip(52 + 10 * quality, 5, 95)),
+            float(np.clip(52 + 14 * quality, 5, 95)),
             tuple(float(v) for v in np.clip(np.round(5.2 + quality + rng.normal(size=3)), 1, 10)),
         )
         features = Features(residuals, lean=0.0, offset=0.0, size=0.05 * float(rng.normal()), weight=0.0)
