@@ -28,8 +28,8 @@ class MatchSettings:
         a point counts as explained by nothing.
     """
 
-    smooth: tuple[float, ...] = (0.22, 0.17, 0.13)
-    single: tuple[float, ...] = (0.14, 0.115, 0.095, 0.075, 0.06, 0.05)
+    smooth: tuple[float, ...] = (0.22, 0.18, 0.15, 0.12)
+    single: tuple[float, ...] = (0.14, 0.12, 0.1, 0.085, 0.07, 0.06, 0.05)
     grid: int = 4
     bend: float = 1.0
     stiff: float = 1.0
@@ -124,9 +124,12 @@ def _sheet_basis(xy: FloatArray, s: MatchSettings) -> tuple[FloatArray, FloatArr
     axes = [np.linspace(xy[:, k].min(), xy[:, k].max(), s.grid) for k in (0, 1)]
     knots = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
     bumps = np.exp(-0.5 * ((xy[:, None] - knots) ** 2).sum(axis=2) / s.bend**2)
-    basis = np.column_stack([np.ones(len(xy)), xy, bumps])
+    # a part too wide bends the sheet at its parting and nowhere else
+    partings = [np.quantile(axis, (0.35, 0.5, 0.65)) for axis in axes]
+    bent = np.concatenate([np.maximum(xy[:, k, None] - partings[k], 0.0) for k in (0, 1)], axis=1)
+    basis = np.column_stack([np.ones(len(xy)), xy, bent, bumps])
     # the registration has settled the place already, so that even the affine part is held a little
-    cost = s.stiff * np.array([5.0, 20.0, 20.0, *[30.0] * len(knots)])
+    cost = s.stiff * np.array([5.0, *[20.0] * 2, *[30.0] * bent.shape[1], *[30.0] * len(knots)])
     return basis, cost
 
 

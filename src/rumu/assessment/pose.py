@@ -52,7 +52,7 @@ class SqueezeSettings:
     each: float = 0.04
     gain: float = 0.5
     strokes: int = 2
-    better: float = 0.12
+    better: float = 0.08
 
 
 @dataclass(frozen=True, slots=True, eq=False)
