@@ -136,6 +136,15 @@ def test_pictures_are_measured_as_for_a_mark(rumu, desk):
     assert "gone.png" in facts["left_out"][1]["refused"] and "nowhere" in facts["left_out"][2]["refused"]
 
 
+def test_each_mark_stays_with_its_copy_in_whatever_order_masters_come(rumu, desk, unseen):
+    rows = strict(60)
+    told = []
+    for order in (rows, sorted(rows, key=lambda row: row.split(",")[1])):
+        rumu("calibrate", table(desk, *order), "-o", desk / "mine.json", "--jobs", 1)
+        told.append(load_calibration(desk / "mine.json").scale)
+    assert np.array(told[0].anchors) == pytest.approx(np.array(told[1].anchors))
+
+
 def test_features_are_those_of_the_mark(rumu, desk):
     looked = look(Marked("copy.png", "master.png", 50.0, 2), root=desk)
     facts = rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--json").facts

@@ -15,10 +15,12 @@ from rumu.cli.options import AsJson, ask_for_file, master_path, not_an_input
 from rumu.cli.outcome import Outcome, ends_well
 from rumu.cli.progress import bar, working
 from rumu.errors import CalibrationError, RumuError
+from rumu.processes import cores, in_order
 
 if TYPE_CHECKING:
     from rumu.assessment.features import Features
     from rumu.assessment.teacher import TeacherFit
+    from rumu.cli.progress import Advance
     from rumu.values import Surface
 
 COLUMNS = ("image", "reference", "mark")
@@ -62,10 +64,7 @@ def calibrate(
     rows = read_marks(marks)
     ask_for_file(out)
     with bar("Measuring") as advance:
-        found = []
-        for looked in _looks(rows, root=root or marks.parent, jobs=jobs):
-            found.append(looked)
-            advance(len(found), len(rows))
+        found = _looks(rows, root=root or marks.parent, jobs=jobs, advance=advance)
     left_out = [(row, looked.refused) for row, looked in zip(rows, found, strict=True) if looked.refused]
     with working("Fitting"):
         fit = _fitted(rows, found, name=marks.name)
@@ -138,18 +137,23 @@ def look(row: Marked, *, root: Path) -> Looked:
     return Looked(features, str(path.resolve()))
 
 
-@functools.lru_cache(maxsize=4)  # tables come sorted by character; each surface may hold many pixels
+@functools.lru_cache(maxsize=2)  # copies of one master come together; a surface may hold many pixels
 def _master(path: Path) -> Surface:
     from rumu import pipeline
 
     return pipeline.surface_of(path)
 
 
-def _looks(rows: Sequence[Marked], *, root: Path, jobs: int | None) -> Any:
-    from rumu.processes import cores, in_order
-
-    work = functools.partial(look, root=root)
-    return in_order(work, rows, processes=min(jobs or cores(), len(rows)))
+def _looks(rows: Sequence[Marked], *, root: Path, jobs: int | None, advance: Advance) -> list[Looked]:
+    """What each row holds, in order; looked at master by master, so that a master is read once."""
+    order = sorted(range(len(rows)), key=lambda k: rows[k].reference)
+    work, processes = functools.partial(look, root=root), min(jobs or cores(), len(rows))
+    answers = in_order(work, (rows[k] for k in order), processes=processes)
+    found: dict[int, Looked] = {}
+    for k, looked in zip(order, answers, strict=True):
+        found[k] = looked
+        advance(len(found), len(rows))
+    return [found[k] for k in range(len(rows))]
 
 
 def _fitted(rows: Sequence[Marked], found: Sequence[Looked], *, name: str) -> TeacherFit:
