@@ -51,7 +51,7 @@ def test_a_turned_stroke_turns_by_what_was_done_and_the_others_stay(*, found, fa
     done = fault(WORK, "angle", 3, seed)
     strokes = found(done.mask, mask(WORK))
     turned = struck(strokes, Glyph(mask(WORK)), done.strokes[0])
-    assert turned.turn == pytest.approx(done.size, rel=0.4), "positive is clockwise"
+    assert turned.turn == pytest.approx(done.size, rel=0.55), "positive is clockwise"
     others = [s.turn for s in strokes.strokes if s is not turned and s.weight > 0.1]
     assert max(abs(turn) for turn in others) < 2.5
 
