@@ -206,9 +206,9 @@ def _pose(registration: Registration) -> list[tuple[Text, str, Text]]:
             _either(
                 scale - 1,
                 0.005,
-                Text("比範字大", "larger"),
-                Text("比範字小", "smaller"),
-                Text("相同", "same"),
+                Text("為範字之比，偏大", "of the master's, larger"),
+                Text("為範字之比，偏小", "of the master's, smaller"),
+                Text("與範字同大", "of the master's"),
             ),
         ),
     ]
