@@ -57,7 +57,10 @@ def _filled_square(glyph: Glyph, rng: np.random.Generator) -> Picture:
 
 
 def _one_stroke(glyph: Glyph, rng: np.random.Generator) -> Picture:
-    return picture_of(coverage(depth_of(glyph.strokes[int(rng.integers(len(glyph.strokes)))].ink)))
+    """One stroke of several; a ring that is most of the character is not one that leaves the rest out."""
+    inks = [stroke.ink for stroke in glyph.strokes]
+    some = [ink for ink in inks if 2 * np.count_nonzero(ink) < np.count_nonzero(glyph.mask)] or inks
+    return picture_of(coverage(depth_of(some[int(rng.integers(len(some)))])))
 
 
 def _mirrored(glyph: Glyph, rng: np.random.Generator) -> Picture:
