@@ -8,7 +8,6 @@ characters.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,20 +17,20 @@ from rumu.experiments.density import density_table
 from rumu.experiments.findings import Cell, Column, Findings, Setting, Table
 from rumu.experiments.human import chosen_copies
 from rumu.experiments.made import Written
-from rumu.experiments.measuring import Measured, Task, drawn, measure_by, residual_grade
-from rumu.experiments.protocol import declared
+from rumu.experiments.measuring import Measured, Task, measure_by
 from rumu.experiments.statistics import cluster_interval, spearman, within
+from rumu.experiments.variants import (
+    BACKWARD,
+    DENSITY,
+    FORWARD,
+    base_variant,
+    base_weights,
+    measure_variants,
+    variant,
+    weights,
+)
 from rumu.report.wording import Text
-from rumu.values import FloatArray, Registration, Surface
-
-FORWARD, BACKWARD = "copy to master only", "master to copy only"
-DENSITY = "ink density as height"
-
-
-def variant(height: float, direction: float) -> str:
-    """The name of a variant by its weights."""
-    flat = "x, y" if height == 0 else f"x, y, height x {height:g}"
-    return f"{flat}, direction x {direction:g}" if direction else flat
+from rumu.values import FloatArray
 
 
 def run(setting: Setting) -> Findings:
@@ -69,63 +68,6 @@ def _groups(setting: Setting) -> tuple[list[dict[str, Cell]], list[dict[str, Cel
 
     marked = marked_copies(setting)
     return group_rows(predictions(marked), marked, setting)
-
-
-def base_weights() -> tuple[float, float]:
-    """Weights of height and direction as the mark uses them."""
-    from rumu.registration.icp import IcpSettings
-    from rumu.registration.points import Sampling
-
-    return Sampling().height_weight, IcpSettings().direction_weight
-
-
-def base_variant() -> str:
-    """The variant that the mark uses."""
-    return variant(*base_weights())
-
-
-def weights() -> list[tuple[float, float]]:
-    """All pairs of weights of height and direction: the declared ones, and those the mark uses."""
-    plain = declared().plain["ablation"]
-    pairs = [(h, d) for d in plain["direction_weights"] for h in plain["height_weights"]]
-    return list(dict.fromkeys([*pairs, base_weights(), (0.0, base_weights()[1])]))
-
-
-def measure_variants(task: Task, *, pictures: Path | None = None) -> Measured:
-    """One copy by every variant; density is NaN (kept as None) where the picture has but one tone of ink."""
-    from rumu import pipeline
-    from rumu.errors import RumuError
-
-    try:
-        copy, master = (pipeline.surface_of(p) for p in (drawn(task.copy, pictures), task.master))
-        found = {pair: _registered(copy, master, *pair) for pair in weights()}
-    except RumuError as error:
-        return Measured(task.key, task.cluster, refused=str(error))
-    raw = {variant(*pair): residual_grade(registration) for pair, registration in found.items()}
-    base = found[base_weights()]
-    raw[FORWARD], raw[BACKWARD] = (1.0 - float(np.percentile(w, 75)) for w in (base.forward, base.backward))
-    raw[DENSITY] = _by_density(task)
-    return Measured(task.key, task.cluster, raw)
-
-
-def _registered(copy: Surface, master: Surface, height: float, direction: float) -> Registration:
-    from rumu.registration.icp import IcpSettings, register_points
-    from rumu.registration.points import Sampling, sample_points
-
-    points = [sample_points(s, settings=Sampling(height_weight=height)) for s in (copy, master)]
-    return register_points(*points, settings=IcpSettings(direction_weight=direction))
-
-
-def _by_density(task: Task) -> float:
-    """The base variant on heights from the darkness of the ink; NaN where there is no such relief."""
-    from rumu.errors import RumuError
-    from rumu.surface.relief import relief
-
-    try:
-        copy, master = (relief(p, method="density") for p in (task.copy.picture(), task.master))
-        return residual_grade(_registered(copy, master, *base_weights()))
-    except RumuError:
-        return float("nan")
 
 
 def _column(measured: Sequence[Measured], name: str) -> FloatArray:
@@ -255,9 +197,26 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
         "harms": ("第三维有害", "The third dimension harms"),
         "not shown": ("第三维有用与否，未能证明", "That the third dimension helps is NOT shown"),
     }[str(found["clear"])]
-    return (
-        Text(
-            f"{told[0]}：以分数所用的权重，同字等级相关增加 {span}。",
-            f"{told[1]} at the weight that the mark uses: gain in Spearman within a character {span}.",
-        ),
+    alone = Text(
+        f"{told[0]}：以分数所用的权重，单看残差（不拟合），同字等级相关增加 {span}。",
+        f"{told[1]} at the weight that the mark uses, as one residual with nothing fitted: gain in Spearman "
+        f"within a character {span}.",
+    )
+    groups = [g for g in facts["gains"] if str(g["what"]).startswith("group ")]
+    return (alone, _left_out(groups)) if groups else (alone,)
+
+
+def _left_out(groups: Sequence[Mapping[str, Any]]) -> Text:
+    """Which groups the fitted mark is shown to need, and which another group can stand in for."""
+
+    def named(clear: bool) -> str:
+        return ", ".join(
+            str(g["what"]).removeprefix("group ") for g in groups if (g["clear"] == "helps") == clear
+        )
+
+    needed, spared = named(True) or "-", named(False) or "-"
+    return Text(
+        f"分数的各组依据逐一去掉：证明有用的是 {needed}；未能证明的是 {spared}。",
+        f"Of the mark's own groups of evidence, left out one at a time: shown to help {needed}; "
+        f"not shown {spared}.",
     )
