@@ -20,6 +20,8 @@ from rumu.values import BoolArray, FloatArray, IntArray, Registration, Surface
 
 END = 0.15
 """Share of a stroke that is its entry, and its exit."""
+_SHAKEN = (0.96, 1.03)
+"""Sizes at which a master is measured against itself, to see what is no fault."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,9 +118,12 @@ def find_strokes(
     sheet = master_sheet(master, registration.reference)
     itself = itself_of(sheet, settings)
     found = _measured(copy_sheet(copy, registration), sheet, settings, places=itself.moved)
-    shaken = _shaken(sheet, settings).strokes
-    alike = zip(found.strokes, itself.strokes, shaken, strict=True)
-    return replace(found, strokes=tuple(_beyond_doubt(_less(a, b), _less(c, b)) for a, b, c in alike))
+    strokes = tuple(_less(a, b) for a, b in zip(found.strokes, itself.strokes, strict=True))
+    for scale in _SHAKEN:
+        shaken = zip(_shaken(sheet, settings, scale).strokes, itself.strokes, strict=True)
+        doubts = [_less(a, b) for a, b in shaken]
+        strokes = tuple(_beyond_doubt(a, b) for a, b in zip(strokes, doubts, strict=True))
+    return replace(found, strokes=strokes)
 
 
 @lru_cache(maxsize=4)  # many copies of one master come in a row
@@ -128,16 +133,16 @@ def itself_of(sheet: Sheet, settings: StrokeSettings | None = None) -> Strokes:
     return _measured(sheet, sheet, settings, places=None)
 
 
-@lru_cache(maxsize=4)
-def _shaken(sheet: Sheet, settings: StrokeSettings) -> Strokes:
-    """A master's strokes in the master itself, moved by half a pixel and a little smaller.
+@lru_cache(maxsize=8)
+def _shaken(sheet: Sheet, settings: StrokeSettings, scale: float) -> Strokes:
+    """A master's strokes in the master itself, moved by half a pixel and made a little smaller or larger.
 
     What differs then is no fault: thinning takes another way through rough ink.
     """
     import cv2
 
     half = (SIDE - 1) / 2
-    M = np.array([[0.96, 0.0, 0.04 * half + 0.5], [0.0, 0.96, 0.04 * half + 0.37]])
+    M = np.array([[scale, 0.0, (1 - scale) * half + 0.5], [0.0, scale, (1 - scale) * half + 0.37]])
     moved = cv2.warpAffine(255 * sheet.ink.view(np.uint8), M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
     other = replace(sheet, ink=np.asarray(moved > 127))
     return _measured(other, sheet, settings, places=itself_of(sheet, settings).moved)
@@ -152,7 +157,7 @@ def _beyond_doubt(found: StrokeFound, shaken: StrokeFound) -> StrokeFound:
         log, doubt = (float(np.log(max(getattr(s, name), 1e-6))) for s in (found, shaken))
         if np.isfinite(doubt):
             ratios[name] = float(np.exp(np.sign(log) * max(abs(log) - abs(doubt), 0.0)))
-    turn = np.sign(found.turn) * max(abs(found.turn) - abs(shaken.turn), 0.0)
+    turn = np.sign(found.turn) * max(abs(found.turn) - 0.5 * abs(shaken.turn), 0.0)
     return replace(found, shift=found.shift * keep, turn=float(turn), **ratios)
 
 
