@@ -15,14 +15,14 @@ from rumu.experiments.people import Marked
 def marked() -> Marked:
     """Marks that follow the group 'whole' alone; everything else is noise."""
     rng = np.random.default_rng(2)
-    characters = [f"c{k % 8}" for k in range(160)]
-    quality = rng.normal(size=160)
-    evidence = 0.3 * rng.normal(size=(160, len(EVIDENCE)))
+    characters = [f"c{k % 5}" for k in range(100)]
+    quality = rng.normal(size=100)
+    evidence = 0.3 * rng.normal(size=(100, len(EVIDENCE)))
     for name in GROUPS["whole"]:
-        evidence[:, EVIDENCE.index(name)] = -quality + 0.1 * rng.normal(size=160)
+        evidence[:, EVIDENCE.index(name)] = -quality + 0.1 * rng.normal(size=100)
     panel = np.clip(55 + 12 * quality, 0, 100)
     return Marked(
-        tuple(f"{k}.png" for k in range(160)),
+        tuple(f"{k}.png" for k in range(100)),
         tuple(characters),
         tuple(panel.tolist()),
         tuple(panel.tolist()),

@@ -22,7 +22,8 @@ def test_it_is_named_by_the_hash_of_its_file():
 
 def test_the_simulation_still_makes_what_was_declared():
     simulated, levels = FULL.plain["simulated"], FULL.plain["levels"]
-    assert {n: {"step": k.step, "unit": k.unit} for n, k in KINDS.items()} == simulated["faults"]
+    made = {name: {"step": KINDS[name].step, "unit": KINDS[name].unit} for name in simulated["faults"]}
+    assert made == simulated["faults"]  # families that were added since are not among them
     assert FULL.expected_scores["declared"] == EXPECTED_SCORES
     assert {d: json.loads(json.dumps(r)) for d, r in RECIPES.items()} == levels["recipes"]
 
