@@ -57,7 +57,8 @@ def test_a_character_s_own_marks_do_not_count(marked):
 
     own = np.array(marked.characters) == "c2"
     moved = np.where(own, np.array(marked.panel)[::-1], marked.panel)
-    before = groups.predictions(marked)[groups.WHOLE]
-    after = groups.predictions(replace(marked, panel=tuple(moved.tolist())))[groups.WHOLE]
+    only = {groups.WHOLE: WEIGHED}
+    before = groups.predictions(marked, chosen=only)[groups.WHOLE]
+    after = groups.predictions(replace(marked, panel=tuple(moved.tolist())), chosen=only)[groups.WHOLE]
     np.testing.assert_allclose(after[own], before[own])
     assert np.abs(after[~own] - before[~own]).max() > 0.1

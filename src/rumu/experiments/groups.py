@@ -44,14 +44,19 @@ def alone(group: str) -> str:
     return f"{group} alone"
 
 
-def predictions(marked: Marked) -> dict[str, FloatArray]:
-    """Variant -> (N,) marks of copies whose character took no part in the fit; not anchored, no charges."""
+def predictions(
+    marked: Marked, *, chosen: Mapping[str, tuple[str, ...]] | None = None
+) -> dict[str, FloatArray]:
+    """Variant -> (N,) marks of copies whose character took no part in the fit; not anchored, no charges.
+
+    chosen: some variants only.
+    """
     from rumu.assessment.fitting import fit_scale
 
     evidence, marks = np.array(marked.evidence), np.array(marked.panel)
     characters = np.array(marked.characters)
     found: dict[str, FloatArray] = {}
-    for name, weighed in variants().items():
+    for name, weighed in (chosen or variants()).items():
         given = np.empty(len(marks))
         for character in np.unique(characters):
             own = characters == character
