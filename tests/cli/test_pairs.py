@@ -75,6 +75,23 @@ def test_rows_of_two_masters_in_turn_come_back_in_order(rumu, desk):
     assert rows[0]["score"] != rows[1]["score"]
 
 
+def test_remarks_are_put_into_the_table_when_asked_for(rumu, desk):
+    pairs = table(desk, "copy.png,master.png")
+    rumu("assess", "--pairs", pairs, "-o", desk / "plain.csv", "--jobs", 1)
+    rumu("assess", "--pairs", pairs, "-o", desk / "full.csv", "--jobs", 1, "--remarks")
+    plain, full = rows_of(desk / "plain.csv")[0], rows_of(desk / "full.csv")[0]
+    remarks = rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--json").facts["remarks"]
+    assert full["remarks_en"].split(" / ") == [remark["en"] for remark in remarks] != []
+    assert full["remarks_zh"].split(" / ") == [remark["zh"] for remark in remarks]
+    assert plain["remarks_en"] == plain["remarks_zh"] == ""
+    assert plain["score"] == full["score"]
+
+
+def test_remarks_of_a_table_need_a_table(rumu, desk):
+    ended = rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--remarks")
+    assert ended.code == 2
+
+
 def test_a_row_says_what_one_command_says(rumu, desk):
     rumu("assess", "--pairs", table(desk, "copy.png,master.png"), "-o", desk / "out.csv", "--jobs", 1)
     row = rows_of(desk / "out.csv")[0]

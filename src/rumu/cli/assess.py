@@ -50,6 +50,10 @@ def assess(
     jobs: Annotated[
         int | None, typer.Option(min=1, help="Processes, with --pairs (default: all cores).")
     ] = None,
+    remarks: Annotated[
+        bool | None,
+        typer.Option("--remarks", help="Put the remarks into the table too, with --pairs (slower)."),
+    ] = None,
     levels: Annotated[
         str, typer.Option(help="Cut-offs of the levels: panel, rubric, or a JSON file.")
     ] = "panel",
@@ -71,9 +75,9 @@ def assess(
         if out is None:
             raise typer.BadParameter("--pairs needs -o OUT.csv")
         not_an_input(out, pairs, calibration)
-        terms = _terms(levels, calibration, weights, script)
+        terms = _terms(levels, calibration, weights, script) | {"remarks": bool(remarks)}
         return _assess_table(pairs, out, root=root, jobs=jobs, terms=terms)
-    _only_with(one={"-o": out, "--root": root, "--jobs": jobs}, mode="one COPY")
+    _only_with(one={"-o": out, "--root": root, "--jobs": jobs, "--remarks": remarks}, mode="one COPY")
     if copy is None or reference is None:
         raise typer.BadParameter("expected COPY --reference MASTER, or --pairs PAIRS.csv -o OUT.csv")
     not_an_input(report, copy, reference, calibration)

@@ -37,6 +37,8 @@ COLUMNS = (
     "scale",
     "refused",
     "script",
+    "remarks_zh",
+    "remarks_en",
 )
 
 
@@ -53,7 +55,8 @@ def assess_pairs(
 ) -> tuple[int, int]:
     """Mark every row of `pairs` and write `out` in the same order; returns (marked, refused) rows.
 
-    terms: levels, calibration, weights, script, as `pipeline.assess` takes them; a row's own script wins.
+    terms: levels, calibration, weights, script, remarks, as `pipeline.assess` takes them; a row's own script
+    wins; without remarks their columns stay empty.
     A row that cannot be marked carries its reason in `refused` and stops nothing. Raises RumuError when the
     table itself cannot be read, OutputError when `out` cannot be written; then nothing is written.
     """
@@ -149,6 +152,9 @@ def _cells(mark: Assessment) -> dict[str, Any]:
         "similarity": _number(mark.similarity, 6),
     }
     cells |= {name: _number(mark.parts.get(name), 2) for name in ("brushwork", "structure", "ink")}
+    cells |= {
+        f"remarks_{tongue}": " / ".join(getattr(r, tongue) for r in mark.remarks) for tongue in ("zh", "en")
+    }
     pose = mark.registration
     if pose is not None:
         cells |= {"angle": _number(pose.angle, 3), "scale": _number(pose.scale, 5)}
