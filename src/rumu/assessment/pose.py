@@ -28,6 +28,8 @@ class PoseSettings:
         pose. simpler: a pose with fewer parts is taken when so many times as few points agree with it as with
         the best. still: rms radii (and half of it in size, 3 degrees) up to which the best is too small to be
         spoken of; `same` stands for `simpler` then, so that every stroke is not blamed for it.
+    in_place: how well all strokes but one must agree with no pose at all: then that one is out of place. The
+        few strokes of a short character could all be explained by a pose that suits none of them.
     """
 
     reach: float = 0.15
@@ -35,6 +37,7 @@ class PoseSettings:
     simpler: float = 0.6
     still: float = 0.1
     same: float = 0.95
+    in_place: float = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,17 +99,34 @@ class Squeeze:
     gain: float
 
 
-def robust_pose(master: FloatArray, copy: FloatArray, *, settings: PoseSettings | None = None) -> Pose:
-    """The pose that most points agree upon; (n, 2) points of the master and where the copy has them."""
+def robust_pose(
+    master: FloatArray, copy: FloatArray, *, owner: IntArray, settings: PoseSettings | None = None
+) -> Pose:
+    """The pose that most points agree upon; (n, 2) points of the master and where the copy has them.
+
+    owner: (n,) number of the stroke.
+    """
     s = settings or PoseSettings()
     none = Pose(np.eye(2), np.zeros(2))
-    if len(master) < 4:
+    if len(master) < 4 or _all_but_one(copy - master, owner, s):
         return none
     poses = [none] + [_fitted(master, copy, turn, size, s) for turn, size in _PARTS]
     agreed = [_agreement(p, master, copy, s) for p in poses]
     best = poses[int(np.argmax(agreed))]
     enough = (s.same if _is_small(best, s) else s.simpler) * max(agreed)
     return next(p for p, share in zip(poses, agreed, strict=True) if share >= enough)
+
+
+def _all_but_one(left: FloatArray, owner: IntArray, s: PoseSettings) -> bool:
+    """Whether, of two strokes or more, all stand in their place but one; a long one counts more."""
+    count = np.bincount(owner)
+    there = np.bincount(owner, np.exp(-0.5 * (left * left).sum(axis=1) / s.agree**2))[count > 0]
+    weight = np.sqrt(count[count > 0])
+    if len(weight) < 2:
+        return False
+    there = there / weight**2
+    rest = ((weight * there).sum() - weight * there) / (weight.sum() - weight)
+    return bool(rest.max() >= s.in_place)
 
 
 def _is_small(pose: Pose, s: PoseSettings) -> bool:
@@ -168,7 +188,7 @@ def find_squeeze(
         seen = np.where(ends, 1.0, (1.0 + sign * double[:, 0]) / 2 + 0.03)
         squeeze = _squeeze(master, copy, axis, seen)  # type: ignore[arg-type]
         if squeeze and _is_clear(squeeze, _explains(squeeze, master, copy, owner), s):
-            before, after = (_in_place(copy - to, owner) for to in (master, squeezed(master, squeeze)))
+            before, after = (in_place(copy - to, owner) for to in (master, squeezed(master, squeeze)))
             if after - before >= s.better:
                 found.append(squeeze)
     return max(found, key=lambda q: q.gain) if found else None
@@ -183,7 +203,7 @@ def _is_clear(q: Squeeze, strokes: int, s: SqueezeSettings) -> bool:
     return few or (opposed and strokes >= 2 * s.strokes and q.gain >= s.gain / 2.5)
 
 
-def _in_place(left: FloatArray, owner: IntArray) -> float:
+def in_place(left: FloatArray, owner: IntArray) -> float:
     """Share of the strokes that are where they should be, softly counted, a short one like a long one."""
     count = np.bincount(owner)
     there = np.bincount(owner, np.exp(-0.5 * (left * left).sum(axis=1) / _PLACE**2))
@@ -214,28 +234,34 @@ def squeezed(points: FloatArray, squeeze: Squeeze | None) -> FloatArray:
 def _squeeze(master: FloatArray, copy: FloatArray, axis: Axis, seen: FloatArray) -> Squeeze | None:
     k = 0 if axis == "across" else 1
     x, y = master[:, k], copy[:, k]
-    low, high = x.min(), x.max()
-    straight, _ = _least_absolute(np.column_stack([np.ones_like(x), x]), y, seen)
-    best: Squeeze | None = None
-    least = np.inf
-    for share in np.linspace(0.3, 0.7, 9):
-        at = low + share * (high - low)
-        if min(seen[x < at].sum(), seen[x > at].sum()) < 0.15 * seen.sum():
-            continue
-        bent = np.column_stack([np.ones_like(x), np.minimum(x - at, 0), np.maximum(x - at, 0)])
-        left, (c, a, b) = _least_absolute(bent, y, seen)
-        if left < least and a > 0.1 and b > 0.1:
-            least = left
-            best = Squeeze(axis, float(at), float(c), float(a), float(b), 1.0 - left / max(straight, 1e-9))
-    return best if straight > 0.012 else None
+    straight = float(_least_absolute(np.column_stack([np.ones_like(x), x])[None], y, seen)[0][0])
+    if straight <= 0.012:
+        return None
+    at = x.min() + np.linspace(0.3, 0.7, 9) * (x.max() - x.min())
+    away = x - at[:, None]
+    both = np.minimum((away < 0) @ seen, (away > 0) @ seen)
+    at, away = at[both >= 0.15 * seen.sum()], away[both >= 0.15 * seen.sum()]
+    bent = np.stack([np.ones_like(away), np.minimum(away, 0), np.maximum(away, 0)], axis=-1)
+    left, coefficients = _least_absolute(bent, y, seen)
+    left = np.where((coefficients[:, 1:] > 0.1).all(axis=1), left, np.inf)
+    if len(left) == 0 or not np.isfinite(left.min()):
+        return None
+    best = int(left.argmin())
+    c, a, b = (float(v) for v in coefficients[best])
+    return Squeeze(axis, float(at[best]), c, a, b, 1.0 - float(left[best]) / max(straight, 1e-9))
 
 
-def _least_absolute(A: FloatArray, y: FloatArray, seen: FloatArray) -> tuple[float, FloatArray]:
-    """Least absolute deviations by reweighting: mean of what is left, and the coefficients."""
-    weight = seen
+def _least_absolute(A: FloatArray, y: FloatArray, seen: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Least absolute deviations by reweighting, of p designs (p, n, c) at a time.
+
+    (p,) means of what is left, and (p, c) coefficients.
+    """
+    weight = np.broadcast_to(seen, A.shape[:2])
+    left: FloatArray = np.zeros(A.shape[:2])
+    coefficients: FloatArray = np.zeros((len(A), A.shape[2]))
     for _ in range(5):
-        B = A * weight[:, None]
-        coefficients = np.linalg.solve(B.T @ A + 1e-9 * np.eye(A.shape[1]), B.T @ y)
-        left = np.abs(y - A @ coefficients)
+        B = (A * weight[:, :, None]).transpose(0, 2, 1)
+        coefficients = np.linalg.solve(B @ A + 1e-9 * np.eye(A.shape[2]), (B @ y)[:, :, None])[:, :, 0]
+        left = np.abs(y - (A @ coefficients[:, :, None])[:, :, 0])
         weight = seen / np.maximum(left, 0.02)
-    return float((seen * left).sum() / seen.sum()), np.asarray(coefficients)
+    return (left @ seen) / seen.sum(), coefficients

@@ -77,7 +77,8 @@ def of_strokes(strokes: Strokes, registration: Registration, limits: Noticeable)
     ]
     for k, said in enumerate(told):
         if not said.stroke.present:
-            yield _missing(said, strokes, k)
+            if not _may_be_a_corner(said):
+                yield _missing(said, strokes, k)
             continue
         yield from _partly_missing(said, strokes, k)
         yield from _place(said)
@@ -101,6 +102,12 @@ def _missing(said: _Said, strokes: Strokes, k: int) -> Remark:
         f"漏寫了{said.name.zh}，約佔全字墨跡的 {share:.0%}。對照範本，補上這一筆。",
         f"{said.en} is missing, about {share:.0%} of the ink. Write this stroke too.",
     )  # fmt: skip
+
+
+def _may_be_a_corner(said: _Said) -> bool:
+    """Whether a short line that joins another is there as ink of which thinning drew no line."""
+    joined = not all(said.stroke.line.free)
+    return joined and said.slim < 2.0 and said.stroke.inked >= said.limits.inked
 
 
 def _partly_missing(said: _Said, strokes: Strokes, k: int) -> Iterator[Remark]:
@@ -143,9 +150,8 @@ def _place(said: _Said) -> Iterator[Remark]:
             f"{said.en} stands about {size:.1%} of the cell too far to the {en}. Measure its distance to its "
             "neighbour.",
         )  # fmt: skip
-    least = limits.turn * (
-        1.0 if said.slim > 6.0 else 1.3 if said.slim > 4.0 else 2.0
-    )  # a dot's direction is easily mistaken
+    # the shorter a stroke, the worse its direction is known
+    least = limits.turn * float(np.clip(limits.slender / max(said.slim, 1e-9), 1.0, 2.0))
     if abs(stroke.turn) >= least and said.kind != RING:
         way_zh, way_en = _leaning(said, stroke.turn)
         yield said.remark(

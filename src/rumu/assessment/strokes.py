@@ -13,15 +13,20 @@ from typing import Any
 import numpy as np
 
 from rumu.assessment.lines import Drawing, Line, copy_drawing, master_drawing
-from rumu.assessment.matching import Match, match, squared_distances
-from rumu.assessment.pose import Pose, Squeeze, find_squeeze, robust_pose, squeezed
-from rumu.assessment.sheets import RADIUS, SIDE, Sheet, copy_sheet, master_sheet
+from rumu.assessment.matching import Match, Points, match, squared_distances
+from rumu.assessment.pose import Pose, Squeeze, find_squeeze, in_place, robust_pose, squeezed
+from rumu.assessment.sheets import RADIUS, SIDE, Sheet, copy_sheet, master_sheet, pixels
 from rumu.values import BoolArray, FloatArray, IntArray, Registration, Surface
 
 END = 0.15
 """Share of a stroke that is its entry, and its exit."""
-_SHAKEN = (0.96, 1.03)
-"""Sizes at which a master is measured against itself, to see what is no fault."""
+_SHAKEN = ((0.96, 1.0), (1.03, 0.6))
+"""Sizes at which a master is measured against itself, to see what is no fault; the second time by a coarser
+picture, of so many pixels for each of its own."""
+_WELL = 0.9
+"""Share of the strokes in their place from which nothing else is looked for."""
+_RATIOS = ("length", "width", "entry", "middle", "exit")
+"""What is measured of a stroke as a ratio to the master's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +48,8 @@ class StrokeFound:
     """One stroke of the master and what became of it; lean, size and place of the whole taken out.
 
     line: the master's. weight: its share of all the master's strokes by length. coverage: share of it that
-        the copy has. present: False when the copy has next to nothing of it.
+        the copy has. present: False when the copy has next to nothing of it. inked: share of it that lies on
+        ink of the copy, be it another stroke's.
     shift: (x right, y DOWN), rms radii. turn: degrees, positive clockwise. length, width: over the master's;
         entry, middle, exit: width of the first 15 %, the middle half and the last 15 % over the master's.
         NaN where it cannot be seen: under a crossing, at an end that joins another stroke.
@@ -55,6 +61,7 @@ class StrokeFound:
     weight: float
     coverage: float
     present: bool
+    inked: float
     shift: FloatArray
     turn: float
     length: float
@@ -118,12 +125,9 @@ def find_strokes(
     sheet = master_sheet(master, registration.reference)
     itself = itself_of(sheet, settings)
     found = _measured(copy_sheet(copy, registration), sheet, settings, places=itself.moved)
-    strokes = tuple(_less(a, b) for a, b in zip(found.strokes, itself.strokes, strict=True))
-    for scale in _SHAKEN:
-        shaken = zip(_shaken(sheet, settings, scale).strokes, itself.strokes, strict=True)
-        doubts = [_less(a, b) for a, b in shaken]
-        strokes = tuple(_beyond_doubt(a, b) for a, b in zip(strokes, doubts, strict=True))
-    return replace(found, strokes=strokes)
+    doubts = _doubts(sheet, settings)
+    known = zip(found.strokes, itself.strokes, doubts, strict=True)
+    return replace(found, strokes=tuple(_beyond_doubt(_less(a, b), doubt) for a, b, doubt in known))
 
 
 @lru_cache(maxsize=4)  # many copies of one master come in a row
@@ -133,8 +137,43 @@ def itself_of(sheet: Sheet, settings: StrokeSettings | None = None) -> Strokes:
     return _measured(sheet, sheet, settings, places=None)
 
 
-@lru_cache(maxsize=8)
-def _shaken(sheet: Sheet, settings: StrokeSettings, scale: float) -> Strokes:
+@dataclass(frozen=True, slots=True)
+class _Doubt:
+    """How much a stroke of a master differs from itself where nothing was changed.
+
+    shift: rms radii; turn: degrees; ratios: largest logarithm by name of the field, NaN where it
+    was not always seen.
+    """
+
+    shift: float
+    turn: float
+    ratios: dict[str, float]
+
+
+@lru_cache(maxsize=4)  # many copies of one master come in a row
+def _doubts(sheet: Sheet, settings: StrokeSettings) -> tuple[_Doubt, ...]:
+    """The doubt of each stroke: the larger of what two small changes of size bring about."""
+    itself = itself_of(sheet, settings).strokes
+    shaken = [_shaken(sheet, settings, scale=scale, grain=grain).strokes for scale, grain in _SHAKEN]
+    return tuple(
+        _doubt([_less(s, own) for s in others]) for own, *others in zip(itself, *shaken, strict=True)
+    )
+
+
+def _doubt(shaken: list[StrokeFound]) -> _Doubt:
+    ratios = {name: [_log(getattr(s, name)) for s in shaken] for name in _RATIOS}
+    return _Doubt(
+        shift=max(float(np.hypot(*s.shift)) for s in shaken),
+        turn=max(abs(s.turn) for s in shaken),
+        ratios={name: float(np.max(np.abs(logs))) for name, logs in ratios.items()},
+    )
+
+
+def _log(ratio: float) -> float:
+    return float(np.log(max(ratio, 1e-6)))
+
+
+def _shaken(sheet: Sheet, settings: StrokeSettings, *, scale: float, grain: float) -> Strokes:
     """A master's strokes in the master itself, moved by half a pixel and made a little smaller or larger.
 
     What differs then is no fault: thinning takes another way through rough ink.
@@ -143,30 +182,31 @@ def _shaken(sheet: Sheet, settings: StrokeSettings, scale: float) -> Strokes:
 
     half = (SIDE - 1) / 2
     M = np.array([[scale, 0.0, (1 - scale) * half + 0.5], [0.0, scale, (1 - scale) * half + 0.37]])
-    moved = cv2.warpAffine(255 * sheet.ink.view(np.uint8), M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
+    ink = 255 * sheet.ink.view(np.uint8)
+    if grain < 1.0:
+        coarse = cv2.resize(ink, None, fx=grain, fy=grain, interpolation=cv2.INTER_AREA)
+        ink = cv2.resize(coarse, (SIDE, SIDE), interpolation=cv2.INTER_LINEAR)
+    moved = cv2.warpAffine(ink, M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
     other = replace(sheet, ink=np.asarray(moved > 127))
     return _measured(other, sheet, settings, places=itself_of(sheet, settings).moved)
 
 
-def _beyond_doubt(found: StrokeFound, shaken: StrokeFound) -> StrokeFound:
+def _beyond_doubt(found: StrokeFound, doubt: _Doubt) -> StrokeFound:
     """What was found, drawn toward no fault by as much as the master differs from itself."""
     away = float(np.hypot(*found.shift))
-    keep = max(away - float(np.hypot(*shaken.shift)), 0.0) / max(away, 1e-9)
+    keep = max(away - doubt.shift, 0.0) / max(away, 1e-9)
     ratios: dict[str, Any] = {}
-    for name in ("length", "width", "entry", "middle", "exit"):
-        log, doubt = (float(np.log(max(getattr(s, name), 1e-6))) for s in (found, shaken))
-        if np.isfinite(doubt):
-            ratios[name] = float(np.exp(np.sign(log) * max(abs(log) - abs(doubt), 0.0)))
-    turn = np.sign(found.turn) * max(abs(found.turn) - 0.5 * abs(shaken.turn), 0.0)
+    for name, least in doubt.ratios.items():
+        log = _log(getattr(found, name))
+        ratios[name] = float(np.exp(np.sign(log) * np.maximum(abs(log) - least, 0.0)))
+    turn = np.sign(found.turn) * max(abs(found.turn) - 0.5 * doubt.turn, 0.0)
     return replace(found, shift=found.shift * keep, turn=float(turn), **ratios)
 
 
 def _less(found: StrokeFound, itself: StrokeFound) -> StrokeFound:
     """Ratios to what was found, in the same way, in the master itself."""
     ratios = {
-        name: getattr(found, name) / getattr(itself, name)
-        for name in ("length", "width", "entry", "middle", "exit")
-        if getattr(itself, name) > 1e-6
+        name: getattr(found, name) / getattr(itself, name) for name in _RATIOS if getattr(itself, name) > 1e-6
     }
     return replace(found, **ratios)
 
@@ -184,14 +224,8 @@ def _measured(sheet: Sheet, master: Sheet, settings: StrokeSettings, *, places: 
     if places is None:
         places = upright
     elif covered.any():
-        pose = robust_pose(places[covered], upright[covered])
+        pose, squeeze = _stance(places[covered], upright[covered], model.points, covered)
         upright = pose.undone(upright)
-        squeeze = find_squeeze(
-            places[covered],
-            upright[covered],
-            owner=model.points.owner[covered],
-            double=model.points.double[covered],
-        )
     view = _View(
         sheet, mine, model, settings, found.moved, covered, owner,
         expected=squeezed(places, squeeze), upright=upright, squeeze=squeeze,
@@ -204,6 +238,26 @@ def _measured(sheet: Sheet, master: Sheet, settings: StrokeSettings, *, places: 
         pose, whole, squeeze, model, mine, (sheet, master), found.moved, covered, owner >= 0, radius, places,
         in_cell,
     )  # fmt: skip
+
+
+def _stance(
+    places: FloatArray, copy: FloatArray, points: Points, covered: BoolArray
+) -> tuple[Pose, Squeeze | None]:
+    """How the whole stands; places, copy: (n, 2), those of the master's points that are covered.
+
+    A squeeze keeps the outer edges and draws the middle along, so that a pose may take most of it for its
+    own: it is looked for in the copy as it stands too.
+    """
+    owner, double = points.owner[covered], points.double[covered]
+    pose = robust_pose(places, copy, owner=owner)
+    upright = pose.undone(copy)
+    squeeze = find_squeeze(places, upright, owner=owner, double=double)
+    well = in_place(upright - squeezed(places, squeeze), owner)
+    if squeeze is None and well < _WELL and pose.shift.any():
+        other = find_squeeze(places, copy, owner=owner, double=double)
+        if other is not None and in_place(copy - squeezed(places, other), owner) > well:
+            return Pose(np.eye(2), np.zeros(2)), other
+    return pose, squeeze
 
 
 def _covered(
@@ -314,6 +368,7 @@ class _View:
             weight=line.length / max(self.total, 1e-9),
             coverage=coverage,
             present=coverage >= self.settings.present and float(np.hypot(*shift)) < self.settings.most,
+            inked=self._inked(own),
             shift=shift,
             turn=_turn(want, have),
             length=self._length(k, own) / max(_length(want), 1e-9) if len(own) > 1 else 1.0,
@@ -323,6 +378,10 @@ class _View:
             exit=ends[1] if line.free[1] else float("nan"),
             outline=self.moved[own] @ to_picture[:, :2].T + to_picture[:, 2],
         )
+
+    def _inked(self, own: IntArray) -> float:
+        column, row = np.clip(np.round(pixels(self.moved[own])).astype(int), 0, SIDE - 1).T
+        return float(self.sheet.ink[row, column].mean())
 
     def _length(self, k: int, own: IntArray) -> float:
         """Of the copy's stroke, in the master's measure: what is covered, and what runs on beyond."""

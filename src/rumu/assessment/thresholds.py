@@ -13,10 +13,11 @@ class Noticeable:
 
     lean: degrees. offset: fraction of the cell. size: relative. weight: natural logarithm of the width.
     squeeze: how much wider one part is than the other, relative to the master.
-    missing: share of a stroke, in one run, that must be wanting. extra, blot: share of the copy's ink.
-    displaced: rms radii. turn: degrees. length:
-        relative. stroke: logarithm of one stroke's width over that of the whole; entry, exit: logarithm of
-        the width of an end over that of its stroke; tips: the same when most ends are too wide.
+    missing: share of a stroke, in one run, that must be wanting; inked: of a corner that was not found, share
+        on ink from which it may be there. extra, blot: share of the copy's ink.
+    displaced: rms radii. turn: degrees, of a stroke `slender` widths long or longer; more of a shorter one.
+    length: relative. stroke: logarithm of one stroke's width over that of the whole; entry, exit: logarithm
+        of the width of an end over that of its stroke; tips: the same when most ends are too wide.
     gap: relative.
     bare: share of the strokes' inside. tremor: rms radii. pale: relative. round: how slender a blot may be.
     of_a_kind: remarks of one kind; at_most: remarks in all.
@@ -28,10 +29,12 @@ class Noticeable:
     weight: float = 0.14
     squeeze: float = 0.15
     missing: float = 0.35
+    inked: float = 0.5
     extra: float = 0.012
     blot: float = 0.009
     displaced: float = 0.05
     turn: float = 3.4
+    slender: float = 5.0
     length: float = 0.1
     stroke: float = 0.2
     entry: float = 0.17
