@@ -9,7 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rumu.assessment.edges import COMPONENTS, KINDS, NUMBERS, SAMPLES, describe, edge_patches
+from rumu.assessment.edges import (
+    AMOUNTS,
+    COMPONENTS,
+    KINDS,
+    NUMBERS,
+    SAMPLES,
+    amount,
+    describe,
+    edge_patches,
+    sense,
+)
 from rumu.registration.points import canvas_ink
 
 WORK = "regular-shu"
@@ -26,7 +36,7 @@ def distance(a, b) -> float:
 
 def test_a_description_has_its_length_and_is_finite(canvas, mask):
     found = describe(canvas(mask(WORK)))
-    assert found.shape == (NUMBERS,) == (2 * (2 * COMPONENTS + 1),)
+    assert found.shape == (NUMBERS,) == (5 * (2 * COMPONENTS + 1),)  # four sides upright, one turned
     assert np.isfinite(found).all()
 
 
@@ -39,6 +49,16 @@ def test_place_and_size_do_not_matter_and_lean_is_taken_out(canvas, mask, moved)
     straightened = distance(describe(leaning, lean=10.0), own)
     assert straightened < 0.5 * distance(describe(leaning), own)
     assert straightened < 0.25 * distance(other, own)
+
+
+def test_no_side_of_the_page_is_up(canvas, mask, fault):
+    master, copy = canvas(mask(WORK)), canvas(fault(WORK, "wobble", 4).mask)
+    upright, sideways = (
+        describe(np.rot90(copy, k).copy()) - describe(np.rot90(master, k).copy()) for k in (0, 1)
+    )
+    assert amount(upright).shape == (AMOUNTS,)
+    assert distance(amount(sideways), amount(upright)) < 1e-3 * np.abs(amount(upright)).mean()
+    assert distance(sense(sideways), sense(upright)) < 1e-3 * np.abs(sense(upright)).mean()
 
 
 @pytest.mark.parametrize("name", ["wobble", "blunt", "thick", "thin"])

@@ -4,7 +4,9 @@ People mark how strokes begin, end, swell and turn as much as where they stand. 
 show that. Each is written in the principal components of patches from masters' edges (`edges.npz`, made by
 `scripts/fit_edges.py` from 250 characters of six stele works), and a picture of ink is described by the
 mean and the spread of each component. Copy and master are described alike and compared: no point of the one
-has to be found in the other. The reconstruction is ours; principal components of patches are standard.
+has to be found in the other. Upright patches are read with the page turned to each of its four sides, so that
+a mark does not depend on which side is up. The reconstruction is ours; principal components of patches are
+standard.
 """
 
 from __future__ import annotations
@@ -41,10 +43,13 @@ SAMPLES = 13
 """Samples along the side of a patch."""
 COMPONENTS = 16
 """Principal components kept of each kind."""
-NUMBERS = len(KINDS) * (2 * COMPONENTS + 1)
-"""Length of a description: of each kind the means, the log spreads and what the components leave."""
-POINTS = 300
-"""About how many points of the edge are looked at."""
+EACH = 2 * COMPONENTS + 1
+"""Numbers of one kind from one side: the means, the log spreads and what the components leave."""
+SIDES = {"upright": 4, "turned": 1}
+NUMBERS = EACH * sum(SIDES[kind.frame] for kind in KINDS)
+"""Length of a description."""
+AMOUNTS, SENSES = EACH * len(KINDS), EACH
+"""Numbers that `amount` and `sense` give."""
 SMOOTHING = 1.5
 """Pixels of the canvas over which the edge is smoothed before its direction is taken."""
 SHORTEST = 12
@@ -71,13 +76,33 @@ def describe(ink: FloatArray, *, lean: float = 0.0) -> FloatArray:
     """
     points, along = _edge(ink)
     found = []
-    for kind, basis in zip(KINDS, _bases(), strict=True):
-        left = patches(ink, points, along, kind=kind, lean=lean) - basis.mean
-        z = left @ basis.components
-        rest = np.maximum(np.sum(left * left, axis=1) - np.sum(z * z, axis=1), 0.0)
-        z = z / basis.spread
-        found += [z.mean(axis=0), np.log(z.std(axis=0) + 0.05), [np.log(rest.mean() + 1e-3)]]
-    return np.concatenate(found).astype(float)
+    for kind, bases in zip(KINDS, _bases(), strict=True):
+        cut = patches(ink, points, along, kind=kind, lean=lean)
+        found += [_in_components(cut, basis) for basis in bases]
+    return np.concatenate(found)
+
+
+def amount(difference: FloatArray) -> FloatArray:
+    """(NUMBERS,) difference of two descriptions -> (AMOUNTS,) how much they differ, whichever side is up."""
+    sided = np.abs(difference).reshape(-1, EACH)
+    ends = np.cumsum([SIDES[kind.frame] for kind in KINDS])
+    return np.concatenate([part.mean(axis=0) for part in np.split(sided, ends[:-1])])
+
+
+def sense(difference: FloatArray) -> FloatArray:
+    """(NUMBERS,) -> (SENSES,) which way the patches that are turned with the edge differ."""
+    return np.asarray(difference[-EACH:], dtype=float)
+
+
+def _in_components(cut: FloatArray, basis: Basis) -> FloatArray:
+    """(N, SAMPLES**2) patches -> (EACH,) float64."""
+    left = cut - basis.mean
+    z = left @ basis.components
+    rest = np.maximum(np.sum(left * left, axis=1) - np.sum(z * z, axis=1), 0.0)
+    z = z / basis.spread
+    return np.concatenate(
+        [z.mean(axis=0), np.log(z.std(axis=0) + 0.05), [np.log(rest.mean() + 1e-3)]]
+    ).astype(float)
 
 
 def patches(
@@ -107,7 +132,10 @@ def edge_patches(ink: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def _edge(ink: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """About POINTS points of the edge, evenly spaced, and its direction there: complex columns + 1j rows."""
+    """All points of the edge, so that no choice of them moves a mark, and its direction there.
+
+    (N,) each, complex columns + 1j rows.
+    """
     import cv2
 
     full = ink > 0.5 * min(float(ink.max()), 1.0)
@@ -115,8 +143,7 @@ def _edge(ink: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     long = [c for c in outlines if len(c) >= SHORTEST] or list(outlines)
     smooth = [_smooth(c[:, 0, 0] + 1j * c[:, 0, 1]) for c in long]
     points, along = (np.concatenate([pair[k] for pair in smooth]) for k in (0, 1))
-    chosen = np.linspace(0, len(points) - 1, min(POINTS, len(points))).round().astype(int)
-    return points[chosen], (along / np.maximum(np.abs(along), 1e-6))[chosen]
+    return points, along / np.maximum(np.abs(along), 1e-6)
 
 
 def _smooth(outline: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
@@ -127,9 +154,21 @@ def _smooth(outline: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
 
 
 @lru_cache(maxsize=1)
-def _bases() -> tuple[Basis, ...]:
+def _bases() -> tuple[tuple[Basis, ...], ...]:
+    """Of each kind a basis for each side."""
     with (files("rumu.assessment") / "edges.npz").open("rb") as stream, np.load(stream) as plain:
         return tuple(
-            Basis(*(plain[f"{kind.frame}_{name}"] for name in ("mean", "components", "spread")))
+            tuple(
+                _rotated(
+                    Basis(*(plain[f"{kind.frame}_{name}"] for name in ("mean", "components", "spread"))), k
+                )
+                for k in range(SIDES[kind.frame])
+            )
             for kind in KINDS
         )
+
+
+def _rotated(basis: Basis, quarters: int) -> Basis:
+    """For patches of a page turned by so many quarters."""
+    places = np.rot90(np.arange(SAMPLES**2).reshape(SAMPLES, SAMPLES), quarters).ravel()
+    return Basis(basis.mean[places], basis.components[places], basis.spread)

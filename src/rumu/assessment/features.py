@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rumu.assessment.edges import NUMBERS
+from rumu.assessment.edges import AMOUNTS, NUMBERS, SENSES, amount, sense
 from rumu.assessment.regions import Region, find_regions
 from rumu.assessment.similarity import posed
 from rumu.values import FloatArray, Registration
@@ -31,8 +31,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "height": ("height",),
     "direction": ("direction",),
     "whole": RESIDUALS[6:],
-    "edge_amount": tuple(f"edge_amount_{k}" for k in range(NUMBERS)),
-    "edge_sense": tuple(f"edge_sense_{k}" for k in range(NUMBERS)),
+    "edge_amount": tuple(f"edge_amount_{k}" for k in range(AMOUNTS)),
+    "edge_sense": tuple(f"edge_sense_{k}" for k in range(SENSES)),
     "fullness": ("fullness",),
 }
 """All evidence that a calibration may weigh, in the order of `Features.evidence`, by what it rests on."""
@@ -98,7 +98,7 @@ class Features:
         """(len(EVIDENCE),) float64: log residuals, how much the edge differs and which way, fullness."""
         edges = np.array(self.edges)
         full = np.clip(self.size, -FULLNESS_RANGE, FULLNESS_RANGE)
-        return np.concatenate([self.residuals.logarithms(), np.abs(edges), edges, [full]])
+        return np.concatenate([self.residuals.logarithms(), amount(edges), sense(edges), [full]])
 
     @property
     def absent(self) -> float:
