@@ -8,7 +8,8 @@ from functools import lru_cache
 import numpy as np
 
 from rumu.assessment.sheets import RADIUS, SIDE, Sheet, pixels
-from rumu.assessment.strokes import Strokes, StrokeSettings, itself_of
+from rumu.assessment.stroke_measures import StrokeSettings
+from rumu.assessment.strokes import Strokes, itself_of
 from rumu.values import BoolArray, FloatArray, Surface
 
 _SWING = 5.0

@@ -9,8 +9,9 @@ import numpy as np
 
 from rumu.assessment.places import as_lines, box, towards
 from rumu.assessment.spacing import Gap, find_gaps
+from rumu.assessment.stroke_measures import StrokeFound
 from rumu.assessment.stroke_names import HORIZONTAL, RING, VERTICAL, Name, kind_of, names_of
-from rumu.assessment.strokes import StrokeFound, Strokes
+from rumu.assessment.strokes import Strokes
 from rumu.assessment.thresholds import Noticeable, severity
 from rumu.values import BoolArray, FloatArray, IntArray, Registration, Remark
 
