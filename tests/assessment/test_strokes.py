@@ -7,6 +7,7 @@ import pytest
 
 from rumu.assessment.comparison import compare
 from rumu.assessment.inkwork import measure_ink
+from rumu.assessment.pose import robust_pose
 from rumu.assessment.strokes import find_strokes
 from rumu.simulation.glyph import Glyph
 
@@ -54,6 +55,38 @@ def test_a_turned_stroke_turns_by_what_was_done_and_the_others_stay(*, found, fa
     assert turned.turn == pytest.approx(done.size, rel=0.55), "positive is clockwise"
     others = [s.turn for s in strokes.strokes if s is not turned and s.weight > 0.1]
     assert max(abs(turn) for turn in others) < 2.5
+
+
+@pytest.mark.parametrize("work", ["clerical-shui", "cursive-shu", "regular-shu", "seal-tian"])
+def test_a_horizontal_that_leans_is_not_drawn_back_by_its_neighbours(*, found, fault, mask, work):
+    done = fault(work, "horizontal", 3, 2)
+    strokes = found(done.mask, mask(work))
+    turned = struck(strokes, Glyph(mask(work)), done.strokes[0])
+    assert turned.turn == pytest.approx(done.size, abs=1.8)
+
+
+@pytest.fixture
+def ren():
+    """Points of two long strokes, and which stroke each is of."""
+    along = np.linspace(0.0, 1.0, 40)[:, None]
+    first = np.array([0.2, -1.2]) + along * np.array([-1.3, 2.2])
+    second = np.array([-0.1, -0.4]) + along * np.array([1.2, 1.3])
+    return np.concatenate([first, second]), np.repeat([0, 1], 40)
+
+
+def test_one_of_two_strokes_that_was_pushed_is_no_pose(ren):
+    points, owner = ren
+    pushed = points + np.where(owner[:, None] == 0, [0.09, 0.03], 0.0)
+    pose = robust_pose(points, pushed, owner=owner)
+    np.testing.assert_array_equal(pose.linear, np.eye(2))
+    np.testing.assert_array_equal(pose.shift, 0.0)
+
+
+def test_two_strokes_that_lean_together_are_a_pose(ren):
+    points, owner = ren
+    c, s = np.cos(np.radians(6.0)), np.sin(np.radians(6.0))
+    pose = robust_pose(points, points @ np.array([[c, s], [-s, c]]), owner=owner)
+    assert pose.angle == pytest.approx(6.0, abs=0.3)
 
 
 @pytest.mark.parametrize("seed", [1, 3])
