@@ -97,7 +97,7 @@ def itself_of(sheet: Sheet, settings: StrokeSettings | None = None) -> Strokes:
 class _Doubt:
     """How much a stroke of a master differs from itself where nothing was changed.
 
-    shift: rms radii; turn: degrees; ratios: largest logarithm by name of the field, NaN where it
+    shift: rms radii; turn: degrees; ratios: logarithm by name of the field, NaN where it
     was not always seen.
     """
 
@@ -108,7 +108,7 @@ class _Doubt:
 
 @lru_cache(maxsize=4)  # many copies of one master come in a row
 def _doubts(sheet: Sheet, settings: StrokeSettings) -> tuple[_Doubt, ...]:
-    """The doubt of each stroke: the larger of what two small changes of size bring about."""
+    """The doubt of each stroke: what two small changes of size bring about, one on top of the other."""
     itself = itself_of(sheet, settings).strokes
     shaken = [_shaken(sheet, settings, scale=scale, grain=grain).strokes for scale, grain in _SHAKEN]
     return tuple(
@@ -119,9 +119,9 @@ def _doubts(sheet: Sheet, settings: StrokeSettings) -> tuple[_Doubt, ...]:
 def _doubt(shaken: list[StrokeFound]) -> _Doubt:
     ratios = {name: [_log(getattr(s, name)) for s in shaken] for name in _RATIOS}
     return _Doubt(
-        shift=max(float(np.hypot(*s.shift)) for s in shaken),
-        turn=max(abs(s.turn) for s in shaken),
-        ratios={name: float(np.max(np.abs(logs))) for name, logs in ratios.items()},
+        shift=sum(float(np.hypot(*s.shift)) for s in shaken),
+        turn=sum(abs(s.turn) for s in shaken),
+        ratios={name: float(np.sum(np.abs(logs))) for name, logs in ratios.items()},
     )
 
 
