@@ -189,6 +189,7 @@ def _length(said: _Said) -> Iterator[Remark]:
     change, limits = said.stroke.length - 1.0, said.limits
     free = sum(said.stroke.line.free)
     least = limits.length * (1.0, 1.0, 1.6)[2 - free] * (1.0 if said.slim > 4.0 else 1.6)
+    least += 2.0 * said.grain / max(said.slim, 1e-9)  # a pixel of the coarser picture
     if abs(change) < least or said.kind == RING:
         return
     kind, zh, en, do_zh, do_en = (
