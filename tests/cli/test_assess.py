@@ -168,12 +168,12 @@ def told(rumu, desk, *options: object) -> dict:
 
 @pytest.mark.parametrize("by", ["words", "file"])
 def test_a_teacher_weighs_the_parts(rumu, desk, by):
-    (desk / "mine.json").write_text('{"ink": 1, "brushwork": 0, "structure": 3}')
-    weights = desk / "mine.json" if by == "file" else " structure=3, ink=1,brushwork=0"
+    (desk / "mine.json").write_text('{"ink": 3, "brushwork": 0, "structure": 1}')
+    weights = desk / "mine.json" if by == "file" else " structure=1, ink=3,brushwork=0"
     facts = told(rumu, desk, "--weights", weights)
     parts = facts["parts"]
-    assert facts["weights"] == {"brushwork": 0, "structure": 3, "ink": 1}
-    assert facts["score"] == pytest.approx((3 * parts["structure"] + parts["ink"]) / 4)
+    assert facts["weights"] == {"brushwork": 0, "structure": 1, "ink": 3}
+    assert facts["score"] == pytest.approx((parts["structure"] + 3 * parts["ink"]) / 4)
     assert facts["score"] != pytest.approx(told(rumu, desk)["score"], abs=0.1)
     assert "only a guide" in facts["interval_note"] and "僅供參考" in facts["interval_note_zh"]
 

@@ -127,7 +127,7 @@ def stroke_direction(ink: FloatArray) -> FloatArray:
 
 
 def canvas_ink(surface: Surface) -> FloatArray:
-    """(CANVAS, CANVAS) float32 in [0, 1]: the ink of a surface on the common canvas, size and place taken out.
+    """(CANVAS, CANVAS) float32 in [0, 1]: ink on the common canvas, size and place taken out.
 
     Raises RegistrationError when the surface holds too little ink.
     """
