@@ -9,7 +9,7 @@ import os
 import pytest
 
 from rumu.errors import RumuError
-from rumu.processes import cores, in_order
+from rumu.processes import by_group, cores, in_order
 
 
 @pytest.mark.parametrize("processes", [1, 2])
@@ -31,6 +31,20 @@ def test_one_process_does_the_work_here():
     seen = []
     assert list(in_order(seen.append, range(3), processes=1)) == [None] * 3  # no other process could fill it
     assert seen == [0, 1, 2]
+
+
+def test_groups_are_worked_on_together_and_answered_in_order():
+    seen, steps = [], []
+    answers = by_group(
+        lambda word: seen.append(word) or word.upper(),
+        ["b1", "a1", "b2", "a2"],
+        group=lambda word: word[0],
+        processes=1,
+        advance=lambda: steps.append(len(seen)),
+    )
+    assert answers == ["B1", "A1", "B2", "A2"]
+    assert seen == ["a1", "a2", "b1", "b2"]
+    assert steps == [1, 2, 3, 4]
 
 
 def test_an_error_of_the_work_is_raised_here():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
 from rumu.errors import RumuError
@@ -51,6 +51,27 @@ def in_order(
             raise RumuError("a process was ended from outside (out of memory?); try fewer --jobs") from error
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
+
+
+def by_group(
+    work: Callable[[Item], Answer],
+    items: Sequence[Item],
+    *,
+    group: Callable[[Item], str],
+    processes: int | None = None,
+    advance: Callable[[], object] = lambda: None,
+) -> list[Answer]:
+    """`work` of each item, in order, but worked on group by group: what a group shares is then loaded once.
+
+    advance: called after each. Raises as `in_order` does.
+    """
+    order = sorted(range(len(items)), key=lambda k: group(items[k]))
+    answers: dict[int, Answer] = {}
+    worked = in_order(work, (items[k] for k in order), processes=processes)
+    for k, answer in zip(order, worked, strict=True):
+        answers[k] = answer
+        advance()
+    return [answers[k] for k in range(len(items))]
 
 
 def _pool(processes: int) -> ProcessPoolExecutor:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import functools
+import itertools
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +16,7 @@ from rumu.cli.options import AsJson, ask_for_file, master_path, not_an_input
 from rumu.cli.outcome import Outcome, ends_well
 from rumu.cli.progress import bar, working
 from rumu.errors import CalibrationError, RumuError
-from rumu.processes import cores, in_order
+from rumu.processes import by_group, cores
 
 if TYPE_CHECKING:
     from rumu.assessment.features import Features
@@ -146,14 +147,14 @@ def _master(path: Path) -> Surface:
 
 def _looks(rows: Sequence[Marked], *, root: Path, jobs: int | None, advance: Advance) -> list[Looked]:
     """What each row holds, in order; looked at master by master, so that a master is read once."""
-    order = sorted(range(len(rows)), key=lambda k: rows[k].reference)
-    work, processes = functools.partial(look, root=root), min(jobs or cores(), len(rows))
-    answers = in_order(work, (rows[k] for k in order), processes=processes)
-    found: dict[int, Looked] = {}
-    for k, looked in zip(order, answers, strict=True):
-        found[k] = looked
-        advance(len(found), len(rows))
-    return [found[k] for k in range(len(rows))]
+    done = itertools.count(1)
+    return by_group(
+        functools.partial(look, root=root),
+        rows,
+        group=lambda row: row.reference,
+        processes=min(jobs or cores(), len(rows)),
+        advance=lambda: advance(next(done), len(rows)),
+    )
 
 
 def _fitted(rows: Sequence[Marked], found: Sequence[Looked], *, name: str) -> TeacherFit:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from rumu.cli.options import master_path, master_script
 from rumu.errors import ImageError, RumuError
 from rumu.outputs import whole_file
-from rumu.processes import cores, in_order
+from rumu.processes import by_group, cores
 
 if TYPE_CHECKING:
     from rumu.cli.progress import Advance
@@ -69,17 +69,17 @@ def assess_pairs(
         writer.writeheader()
         work = functools.partial(mark_row, root=root, terms=terms)
         processes = min(jobs or cores(), total)
-        done = 0
+        done = itertools.count(1)
         for window in _windows(read_pairs(pairs)):
-            order = sorted(range(len(window)), key=lambda k: window[k].reference or "")  # a master once
-            rows: dict[int, dict[str, Any]] = {}
-            for k, row in zip(
-                order, in_order(work, (window[k] for k in order), processes=processes), strict=True
-            ):
-                rows[k] = row
-                marked += row["refused"] == ""
-                advance(done := done + 1, total)
-            writer.writerows(rows[k] for k in range(len(window)))
+            rows = by_group(
+                work,
+                window,
+                group=lambda pair: pair.reference or "",  # a master is read once
+                processes=processes,
+                advance=lambda: advance(next(done), total),
+            )
+            marked += sum(row["refused"] == "" for row in rows)
+            writer.writerows(rows)
     return marked, total - marked
 
 

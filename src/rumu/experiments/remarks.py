@@ -9,16 +9,17 @@ of the remarks were set on the masters that are 'seen'; the others took no part,
 from __future__ import annotations
 
 import csv
+import functools
 import zlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rumu.errors import CalibrationError, RumuError, SurfaceError
+from rumu.processes import in_order
 from rumu.simulation.faults import Faulted, apply
 from rumu.simulation.glyph import Glyph
 from rumu.values import BoolArray, Remark
@@ -139,15 +140,13 @@ def run(
     data: holds e3c and masters/regular. out: a folder for remarks.csv, one row a copy. masters: others than
     the standard ones. Raises CalibrationError when the data is not there.
     """
-    from concurrent.futures import ProcessPoolExecutor
-
     chosen = list(masters) if masters is not None else standard_masters(Path(data))
     told: list[Told] = []
-    with ProcessPoolExecutor() as pool:
-        for done, some in enumerate(pool.map(_told_of_master, chosen, [severities] * len(chosen)), start=1):
-            told += some
-            if progress:
-                progress(done, len(chosen))
+    work = functools.partial(_told_of_master, severities=severities)
+    for done, some in enumerate(in_order(work, chosen), start=1):
+        told += some
+        if progress:
+            progress(done, len(chosen))
     result = Result(tuple(told), figures(told))
     if out is not None:
         write_table(result, Path(out) / "remarks.csv")
@@ -247,7 +246,7 @@ def _remarks(copy: np.ndarray, master: np.ndarray) -> tuple[Remark, ...]:
     return pipeline.assess(copy, _surface(master.tobytes(), master.shape)).remarks
 
 
-@lru_cache(maxsize=2)
+@functools.lru_cache(maxsize=2)
 def _surface(data: bytes, shape: tuple[int, ...]) -> Any:
     from rumu import pipeline
 
