@@ -19,7 +19,7 @@ import numpy as np
 
 from rumu.assessment.features import EVIDENCE, RESIDUALS, Features
 from rumu.errors import CalibrationError
-from rumu.values import Level
+from rumu.values import FloatArray, Level
 
 Cuts = Mapping[Level, float]
 Weights = Mapping[str, float]
@@ -94,8 +94,12 @@ class Scale:
 
     def weigh(self, features: Features) -> float:
         """The sum before it is anchored; without bounds."""
+        return self.sum_of(features.evidence())
+
+    def sum_of(self, evidence: FloatArray) -> float:
+        """The same of (len(EVIDENCE),) evidence that was measured before."""
         chosen = [_PLACE[name] for name in self.names]
-        z = (features.evidence()[chosen] - np.array(self.centre)) / np.array(self.spread)
+        z = (evidence[chosen] - np.array(self.centre)) / np.array(self.spread)
         far = np.where([name in RESIDUALS for name in self.names], np.inf, FARTHEST)
         return float(self.mean + np.clip(z, -far, far) @ np.array(self.weights))
 

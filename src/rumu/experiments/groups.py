@@ -6,7 +6,7 @@ anew on the other characters for every variant, as the mark's own are.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -61,19 +61,9 @@ def predictions(
         for character in np.unique(characters):
             own = characters == character
             scale = fit_scale(evidence[~own], marks[~own], characters[~own].tolist(), names=weighed)
-            given[own] = [scale.weigh(_Told(row)) for row in evidence[own]]  # type: ignore[arg-type]
+            given[own] = [scale.sum_of(row) for row in evidence[own]]
         found[name] = np.clip(given, 0.0, 100.0)
     return found
-
-
-class _Told:
-    """Evidence that was measured before, in the place of the features it came from."""
-
-    def __init__(self, row: FloatArray) -> None:
-        self._row = row
-
-    def evidence(self) -> FloatArray:
-        return self._row
 
 
 def group_rows(
@@ -100,8 +90,3 @@ def _gain(more: Mapping[str, float], less: Mapping[str, float], setting: Setting
     low, high = cluster_interval(gain, list(more), **draw)
     clear = "helps" if low > 0 else "harms" if high < 0 else "not shown"
     return {"n": len(gain), "gain": float(gain.mean()), "low": low, "high": high, "clear": clear}
-
-
-def groups_used() -> Sequence[str]:
-    """The groups that the mark weighs, as the code names them."""
-    return [name.removeprefix("without ") for name in variants() if name.startswith("without ")]
