@@ -1,0 +1,1 @@
+"""What rumu remembers: tables, the engine that reaches them, and their migrations."""

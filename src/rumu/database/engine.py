@@ -1,0 +1,119 @@
+"""One way to the database: SQLite in a file by default, PostgreSQL by its URL; its tables brought up to date."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Engine, create_engine, event
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError, NoSuchModuleError, OperationalError
+from sqlalchemy.orm import Session, sessionmaker
+
+from rumu.errors import GalleryError
+
+_WRITES = "rumu_writes"
+_PATIENCE = 30  # seconds that a writer waits for another on SQLite
+
+
+@dataclass(frozen=True, slots=True)
+class Database:
+    """engine: for SQLAlchemy. reading() and writing(): a transaction that is kept when its block ends well."""
+
+    engine: Engine
+    _read: sessionmaker[Session]
+    _write: sessionmaker[Session]
+
+    @contextmanager
+    def reading(self) -> Iterator[Session]:
+        with self._read.begin() as session:
+            yield session
+
+    @contextmanager
+    def writing(self) -> Iterator[Session]:
+        """Takes SQLite's one write lock at its start: a reader that turns writer half-way would be refused."""
+        with self._write.begin() as session:
+            yield session
+
+    def close(self) -> None:
+        self.engine.dispose()
+
+
+def open_database(url: str | Path) -> Database:
+    """The database at a URL (`sqlite:///FILE`, `postgresql://...`) or a file of SQLite, its tables up to date.
+
+    Raises GalleryError for a URL of another kind, or a database that cannot be reached.
+    """
+    engine = _engine(_address(url))
+    try:
+        _upgrade(engine)
+    except OperationalError as error:
+        engine.dispose()
+        raise GalleryError(f"{_hidden(url)}: cannot be opened ({str(error.orig).strip()})") from error
+    writer = engine.execution_options(**{_WRITES: True})
+    return Database(
+        engine, sessionmaker(engine, expire_on_commit=False), sessionmaker(writer, expire_on_commit=False)
+    )
+
+
+def _address(url: str | Path) -> str:
+    text = str(url)
+    if "://" not in text:
+        path = Path(text)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return f"sqlite:///{path}"
+    # the driver is ours to choose: people write postgresql:// as psql does
+    return text.replace("postgresql://", "postgresql+psycopg://", 1).replace(
+        "postgres://", "postgresql+psycopg://", 1
+    )
+
+
+def _engine(address: str) -> Engine:
+    try:
+        name = make_url(address).get_backend_name()
+        if name not in ("sqlite", "postgresql"):
+            raise GalleryError(f"expected a database sqlite:///FILE or postgresql://..., got {name}")
+        if name == "sqlite":
+            engine = create_engine(address, connect_args={"timeout": _PATIENCE})
+            event.listen(engine, "connect", _prepare_sqlite)
+            event.listen(engine, "begin", _begin_sqlite)
+            return engine
+        return create_engine(address, pool_size=10, max_overflow=20, pool_pre_ping=True)
+    except (ArgumentError, NoSuchModuleError) as error:
+        raise GalleryError(
+            f"expected a database sqlite:///FILE or postgresql://..., got {address!r}"
+        ) from error
+    except ModuleNotFoundError as error:
+        raise GalleryError(f"PostgreSQL needs: pip install 'rumu[postgresql]' ({error})") from error
+
+
+def _prepare_sqlite(connection: Any, _: Any) -> None:
+    connection.isolation_level = None  # SQLAlchemy says BEGIN itself, see _begin_sqlite
+    for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON"):
+        connection.execute(f"PRAGMA {pragma}")
+
+
+def _begin_sqlite(connection: Any) -> None:
+    writes = connection.get_execution_options().get(_WRITES, False)
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+
+def _upgrade(engine: Engine) -> None:
+    from alembic import command
+    from alembic.config import Config
+
+    config = Config()
+    config.set_main_option("script_location", str(resources.files("rumu.database").joinpath("migrations")))
+    with engine.execution_options(**{_WRITES: True}).begin() as connection:
+        config.attributes["connection"] = connection
+        command.upgrade(config, "head")
+
+
+def _hidden(url: str | Path) -> str:
+    """Without its password."""
+    text = str(url)
+    return make_url(text).render_as_string(hide_password=True) if "://" in text else text

@@ -1,0 +1,16 @@
+"""How Alembic reaches the database: the connection is given, see rumu.database.engine."""
+
+from __future__ import annotations
+
+from alembic import context
+
+from rumu.database.tables import Base
+
+context.configure(
+    connection=context.config.attributes["connection"],
+    target_metadata=Base.metadata,
+    render_as_batch=True,
+    compare_type=True,
+)
+with context.begin_transaction():
+    context.run_migrations()

@@ -1,0 +1,325 @@
+"""Every table, once. Pictures, surfaces and other files lie in the store; a table holds their keys.
+
+Works and what is said of them: collections, works, annotations, tours.
+People and what they do: people, invitations, classes, memberships, tasks, attempts, teacher_marks, comparisons.
+The service: jobs, settings.
+
+Times are UTC. Texts in two languages stand in two columns, `_zh` (traditional Chinese) and `_en`. Positions on a
+work are fractions of its width and height, origin top left.
+"""
+
+from __future__ import annotations
+
+import uuid
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import JSON, DateTime, Float, ForeignKey, Index, Integer, String, Text, UniqueConstraint
+from sqlalchemy.engine import Dialect
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+from sqlalchemy.types import TypeDecorator
+
+
+def new_id() -> str:
+    """32 hexadecimal digits that nobody can guess."""
+    return uuid.uuid4().hex
+
+
+def now() -> datetime:
+    return datetime.now(UTC)
+
+
+class UtcTime(TypeDecorator[datetime]):
+    """A time with its zone, also on SQLite, which forgets zones."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        if value is None:
+            return None
+        if value.tzinfo is None:
+            raise ValueError(f"expected a time with its zone, got {value}")
+        return value.astimezone(UTC)
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        return None if value is None else value.replace(tzinfo=value.tzinfo or UTC)
+
+
+class Base(DeclarativeBase):
+    """Names of constraints are fixed, so that a migration can speak of them on any database."""
+
+    type_annotation_map = {datetime: UtcTime, dict[str, Any]: JSON, list[Any]: JSON}  # noqa: RUF012
+
+
+Base.metadata.naming_convention = {
+    "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+    "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+    "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+    "pk": "pk_%(table_name)s",
+}
+
+Id = String(64)
+
+
+class Collection(Base):
+    """Works that belong together: the starter gallery, a stele, a scroll. id: ASCII slug."""
+
+    __tablename__ = "collections"
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True)
+    title_zh: Mapped[str] = mapped_column(String(200))
+    title_en: Mapped[str] = mapped_column(String(200))
+    note_zh: Mapped[str] = mapped_column(Text, default="")
+    note_en: Mapped[str] = mapped_column(Text, default="")
+    source: Mapped[str] = mapped_column(Text, default="")
+    licence: Mapped[str] = mapped_column(String(200), default="")
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class Work(Base):
+    """One work: a character, or a sheet.
+
+    id: ASCII slug. character: '' for a sheet of several. script: seal, clerical, regular, running, cursive, or ''
+    where nobody said. hand: who wrote it. dynasty: key for browsing, e.g. 'Tang', '' unknown; period: in words.
+    kind: 'image' (one picture; its height is computed) or 'capture' (photographs under several lamps).
+    height_source: 'photometric', 'inflation' or 'density'. picture: store key of the picture as it came;
+    surface: store key of the folder of a reconstructed surface, None when it is computed from the picture.
+    capture: store key of the photographs of a capture, None for an image. digest: sha256 of content and label:
+    the same picture under the same label is never kept twice. origin: where it was imported from, within its
+    collection. spacing: mm per pixel, None unknown. search: what a search looks through, lower case.
+    """
+
+    __tablename__ = "works"
+    __table_args__ = (
+        Index(None, "script", "position"),
+        Index(None, "character"),
+        Index(None, "collection_id", "position"),
+    )
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True)
+    collection_id: Mapped[str] = mapped_column(ForeignKey("collections.id", ondelete="CASCADE"))
+    position: Mapped[int] = mapped_column(Integer, default=0)
+    title_zh: Mapped[str] = mapped_column(String(200))
+    title_en: Mapped[str] = mapped_column(String(200))
+    character: Mapped[str] = mapped_column(String(16), default="")
+    script: Mapped[str] = mapped_column(String(16), default="")
+    hand_zh: Mapped[str] = mapped_column(String(200), default="")
+    hand_en: Mapped[str] = mapped_column(String(200), default="")
+    dynasty: Mapped[str] = mapped_column(String(40), default="")
+    period_zh: Mapped[str] = mapped_column(String(200), default="")
+    period_en: Mapped[str] = mapped_column(String(200), default="")
+    material_zh: Mapped[str] = mapped_column(Text, default="")
+    material_en: Mapped[str] = mapped_column(Text, default="")
+    source: Mapped[str] = mapped_column(Text, default="")
+    licence: Mapped[str] = mapped_column(String(200), default="")
+    attribution: Mapped[str] = mapped_column(Text, default="")
+    kind: Mapped[str] = mapped_column(String(16), default="image")
+    height_source: Mapped[str] = mapped_column(String(16), default="inflation")
+    picture: Mapped[str] = mapped_column(String(300))
+    surface: Mapped[str | None] = mapped_column(String(300), default=None)
+    capture: Mapped[str | None] = mapped_column(String(300), default=None)
+    digest: Mapped[str] = mapped_column(String(64), unique=True)
+    origin: Mapped[str] = mapped_column(String(500), default="")
+    width: Mapped[int] = mapped_column(Integer)
+    height: Mapped[int] = mapped_column(Integer)
+    spacing: Mapped[float | None] = mapped_column(Float, default=None)
+    search: Mapped[str] = mapped_column(Text, default="")
+    created: Mapped[datetime] = mapped_column(default=now)
+    changed: Mapped[datetime] = mapped_column(default=now, onupdate=now)
+
+
+class Annotation(Base):
+    """Something said of a point of a work. x, y: fractions of the picture, origin top left."""
+
+    __tablename__ = "annotations"
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True, default=new_id)
+    work_id: Mapped[str] = mapped_column(ForeignKey("works.id", ondelete="CASCADE"), index=True)
+    x: Mapped[float] = mapped_column(Float)
+    y: Mapped[float] = mapped_column(Float)
+    title_zh: Mapped[str] = mapped_column(String(200), default="")
+    title_en: Mapped[str] = mapped_column(String(200), default="")
+    text_zh: Mapped[str] = mapped_column(Text, default="")
+    text_en: Mapped[str] = mapped_column(Text, default="")
+    position: Mapped[int] = mapped_column(Integer, default=0)
+    author_id: Mapped[str | None] = mapped_column(ForeignKey("people.id", ondelete="SET NULL"), default=None)
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class Tour(Base):
+    """A guided walk. steps: a list of {work, view, title_zh, title_en, text_zh, text_en}; view is the state of the
+    viewer as a permalink's query string."""
+
+    __tablename__ = "tours"
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True, default=new_id)
+    title_zh: Mapped[str] = mapped_column(String(200))
+    title_en: Mapped[str] = mapped_column(String(200))
+    steps: Mapped[list[Any]] = mapped_column(default=list)
+    position: Mapped[int] = mapped_column(Integer, default=0)
+    author_id: Mapped[str | None] = mapped_column(ForeignKey("people.id", ondelete="SET NULL"), default=None)
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class Person(Base):
+    """Somebody with a login. role: owner, teacher or pupil. password: an Argon2 hash, None until it is chosen.
+
+    epoch: rises when the password changes or the person signs out everywhere; older sessions end with it.
+    """
+
+    __tablename__ = "people"
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True, default=new_id)
+    name: Mapped[str] = mapped_column(String(80))
+    name_key: Mapped[str] = mapped_column(String(80), unique=True)
+    role: Mapped[str] = mapped_column(String(16))
+    password: Mapped[str | None] = mapped_column(String(200), default=None)
+    language: Mapped[str] = mapped_column(String(8), default="zh")
+    epoch: Mapped[int] = mapped_column(Integer, default=0)
+    active: Mapped[bool] = mapped_column(default=True)
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class Invitation(Base):
+    """A link that makes one login, once. token: sha256 of what stands in the link."""
+
+    __tablename__ = "invitations"
+
+    token: Mapped[str] = mapped_column(String(64), primary_key=True)
+    role: Mapped[str] = mapped_column(String(16))
+    class_id: Mapped[str | None] = mapped_column(ForeignKey("classes.id", ondelete="CASCADE"), default=None)
+    author_id: Mapped[str | None] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"), default=None)
+    expires: Mapped[datetime]
+    used: Mapped[datetime | None] = mapped_column(default=None)
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class SchoolClass(Base):
+    """A teacher's class."""
+
+    __tablename__ = "classes"
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True, default=new_id)
+    name: Mapped[str] = mapped_column(String(120))
+    teacher_id: Mapped[str] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"), index=True)
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class Membership(Base):
+    """A pupil of a class."""
+
+    __tablename__ = "memberships"
+
+    class_id: Mapped[str] = mapped_column(ForeignKey("classes.id", ondelete="CASCADE"), primary_key=True)
+    person_id: Mapped[str] = mapped_column(
+        ForeignKey("people.id", ondelete="CASCADE"), primary_key=True, index=True
+    )
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class Task(Base):
+    """What a class is to write: one master, by one day."""
+
+    __tablename__ = "tasks"
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True, default=new_id)
+    class_id: Mapped[str] = mapped_column(ForeignKey("classes.id", ondelete="CASCADE"), index=True)
+    work_id: Mapped[str] = mapped_column(ForeignKey("works.id", ondelete="CASCADE"))
+    title: Mapped[str] = mapped_column(String(200), default="")
+    note: Mapped[str] = mapped_column(Text, default="")
+    due: Mapped[datetime | None] = mapped_column(default=None)
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class Attempt(Base):
+    """One copy that somebody wrote, with its mark.
+
+    person_id: None for the simulated samples, which nobody wrote. kind: 'photo', 'pen' or 'simulated'.
+    grid: what was under the pen: 'mi' (米字格), 'jiu' (九宮格), 'tian' (田字格) or ''. picture: store key;
+    strokes: store key of the pen's path as JSON, None for a photo. mark: the mark as the service told it;
+    score: 0-100, None when it was refused. version: of the rumu that marked it.
+    """
+
+    __tablename__ = "attempts"
+    __table_args__ = (Index(None, "person_id", "created"), Index(None, "work_id", "created"))
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True, default=new_id)
+    person_id: Mapped[str | None] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"), default=None)
+    work_id: Mapped[str] = mapped_column(ForeignKey("works.id", ondelete="CASCADE"))
+    task_id: Mapped[str | None] = mapped_column(
+        ForeignKey("tasks.id", ondelete="SET NULL"), default=None, index=True
+    )
+    kind: Mapped[str] = mapped_column(String(16))
+    grid: Mapped[str] = mapped_column(String(8), default="")
+    picture: Mapped[str] = mapped_column(String(300))
+    strokes: Mapped[str | None] = mapped_column(String(300), default=None)
+    score: Mapped[float | None] = mapped_column(Float, default=None)
+    level: Mapped[str | None] = mapped_column(String(16), default=None)
+    mark: Mapped[dict[str, Any]] = mapped_column(default=dict)
+    version: Mapped[str] = mapped_column(String(20))
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class TeacherMark(Base):
+    """A teacher's own mark of an attempt, 0-100."""
+
+    __tablename__ = "teacher_marks"
+
+    attempt_id: Mapped[str] = mapped_column(ForeignKey("attempts.id", ondelete="CASCADE"), primary_key=True)
+    teacher_id: Mapped[str] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"), primary_key=True)
+    mark: Mapped[float] = mapped_column(Float)
+    note: Mapped[str] = mapped_column(Text, default="")
+    created: Mapped[datetime] = mapped_column(default=now, onupdate=now)
+
+
+class Comparison(Base):
+    """Which of two copies of one master is better. winner: 'left', 'right' or 'same'.
+
+    A judge sees a pair once: first and second are the attempts' ids in alphabetical order, left says which one
+    stood on the left.
+    """
+
+    __tablename__ = "comparisons"
+    __table_args__ = (UniqueConstraint("judge_id", "first_id", "second_id"),)
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True, default=new_id)
+    judge_id: Mapped[str] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"), index=True)
+    work_id: Mapped[str] = mapped_column(ForeignKey("works.id", ondelete="CASCADE"))
+    first_id: Mapped[str] = mapped_column(ForeignKey("attempts.id", ondelete="CASCADE"))
+    second_id: Mapped[str] = mapped_column(ForeignKey("attempts.id", ondelete="CASCADE"))
+    left_id: Mapped[str] = mapped_column(ForeignKey("attempts.id", ondelete="CASCADE"))
+    winner: Mapped[str] = mapped_column(String(8))
+    seconds: Mapped[float | None] = mapped_column(Float, default=None)
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class Job(Base):
+    """Long work. state: queued, running, done, failed or cancelled. payload: what is needed to do it again after
+    a restart. done, total: progress; total 0 while unknown."""
+
+    __tablename__ = "jobs"
+    __table_args__ = (Index(None, "state", "created"),)
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True, default=new_id)
+    kind: Mapped[str] = mapped_column(String(40))
+    payload: Mapped[dict[str, Any]] = mapped_column(default=dict)
+    state: Mapped[str] = mapped_column(String(16), default="queued")
+    done: Mapped[int] = mapped_column(Integer, default=0)
+    total: Mapped[int] = mapped_column(Integer, default=0)
+    message: Mapped[str] = mapped_column(Text, default="")
+    result: Mapped[dict[str, Any]] = mapped_column(default=dict)
+    error: Mapped[str] = mapped_column(Text, default="")
+    tries: Mapped[int] = mapped_column(Integer, default=0)
+    person_id: Mapped[str | None] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"), default=None)
+    created: Mapped[datetime] = mapped_column(default=now)
+    changed: Mapped[datetime] = mapped_column(default=now, onupdate=now)
+
+
+class Setting(Base):
+    """What the service keeps for itself, such as the key that signs its cookies."""
+
+    __tablename__ = "settings"
+
+    name: Mapped[str] = mapped_column(String(80), primary_key=True)
+    value: Mapped[str] = mapped_column(Text)
