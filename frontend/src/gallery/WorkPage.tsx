@@ -1,0 +1,5 @@
+import type { PageProps } from "../router";
+
+export default function WorkPage(_: PageProps) {
+  return null;
+}

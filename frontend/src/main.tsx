@@ -1,0 +1,9 @@
+import { render } from "preact";
+import { refreshSession } from "./api";
+import { App } from "./app";
+import "./style/tokens.css";
+import "./style/base.css";
+
+void refreshSession().catch(() => undefined); // the gallery is open without a session; what needs one says so
+const root = document.getElementById("app");
+if (root) render(<App />, root);

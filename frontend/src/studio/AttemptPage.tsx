@@ -1,0 +1,5 @@
+import type { PageProps } from "../router";
+
+export default function AttemptPage(_: PageProps) {
+  return null;
+}

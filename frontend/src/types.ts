@@ -1,0 +1,125 @@
+// What the service says, as docs/service.md and /api/openapi.json have it.
+
+export type Language = "zh" | "en";
+export type Text = { zh: string; en: string };
+export type Role = "owner" | "teacher" | "pupil";
+export type HeightSource = "photometric" | "inflation" | "density";
+
+export type Person = { id: string; name: string; role: Role; language: Language };
+export type SessionFacts = { person: Person | null; csrf: string; owner_exists: boolean; version: string };
+
+export type WorkCard = {
+  id: string;
+  title: Text;
+  character: string;
+  script: string;
+  hand: Text;
+  dynasty: string;
+  period: Text;
+  collection: string;
+  kind: "image" | "capture";
+  height_source: HeightSource;
+  width: number;
+  height: number;
+  thumb: string;
+  thumb_normals: string;
+};
+
+export type Annotation = { id: string; x: number; y: number; title: Text; text: Text };
+
+export type Work = WorkCard & {
+  material: Text;
+  source: string;
+  licence: string;
+  attribution: string;
+  collection_title: Text;
+  files: Record<"picture" | "albedo" | "normals" | "normals16" | "height" | "glb" | "stl" | "ply" | "manifest", string>;
+  annotations: Annotation[];
+  spacing: number | null;
+  previous: string | null;
+  next: string | null;
+};
+
+export type Facet = { value: string; zh: string; en: string; count: number };
+export type Facets = Record<"script" | "dynasty" | "hand" | "character" | "collection", Facet[]>;
+export type Page<T> = { total: number; items: T[] };
+
+/** What the viewer needs of a surface, be it a work or a learner's copy. */
+export type ViewerFacts = {
+  width: number;
+  height: number;
+  unit: "mm" | "px";
+  spacing: number;
+  source: HeightSource;
+  source_text: Text;
+  /** Raw float32, little endian, row by row from the top, in `unit`. */
+  heights: { url: string; width: number; height: number; min: number; max: number };
+  normals: string;
+  albedo: string;
+  picture: string;
+  mask: string;
+  three_lamps: null | { a: string; b: string; c: string; slant: number };
+  glb: string;
+};
+
+export type TourStep = { work: string; view: string; title: Text; text: Text };
+export type Tour = { id: string; title: Text; steps: TourStep[] };
+
+export type Part = { name: string; zh: string; en: string; score: number; meaning: Text };
+export type Remark = {
+  kind: string;
+  zh: string;
+  en: string;
+  severity: number;
+  size: number;
+  unit: string;
+  region: [number, number, number, number] | null;
+  outline: [number, number][][];
+};
+
+export type Mark = {
+  score: number | null;
+  level: "excellent" | "good" | "medium" | "bad" | null;
+  level_text: Text | null;
+  interval: [number, number] | null;
+  interval_note: Text | null;
+  parts: Part[];
+  remarks: Remark[];
+  similarity: number | null;
+  sim_paper: number | null;
+  pose: { angle: number; scale: number; shift: [number, number] } | null;
+  refused: null | (Text & { code: string });
+  source: [HeightSource, HeightSource] | null;
+  source_text: Text | null;
+  /** Maps fractions of the copy's cell to fractions of the master's, origin top left: x' = a x + c y + e, y' = b x + d y + f. */
+  align: { matrix: [number, number, number, number, number, number] } | null;
+  /** [x, y, r]: fractions of the own cell; r 0 on the line to 1 far off. */
+  residual: { copy: [number, number, number][]; master: [number, number, number][] } | null;
+  seconds: number;
+};
+
+export type TeacherMark = { teacher: string; mark: number; note: string };
+export type Attempt = {
+  id: string | null;
+  work: WorkCard;
+  person: { id: string; name: string } | null;
+  kind: "pen" | "photo" | "simulated";
+  grid: Grid;
+  created: string;
+  task: string | null;
+  picture: string | null;
+  mark: Mark;
+  teacher_marks: TeacherMark[];
+};
+export type Grid = "mi" | "jiu" | "tian" | "";
+
+export type Job = {
+  id: string;
+  kind: string;
+  state: "queued" | "running" | "done" | "failed" | "cancelled";
+  done: number;
+  total: number;
+  message: string;
+  result: Record<string, unknown>;
+  error: string;
+};

@@ -1,0 +1,16 @@
+import preact from "@preact/preset-vite";
+import { defineConfig } from "vitest/config";
+
+// The pages of `rumu serve`. Built into the package; not committed.
+export default defineConfig({
+  plugins: [preact()],
+  build: {
+    outDir: "../src/rumu/web/static",
+    emptyOutDir: true,
+    modulePreload: { polyfill: false },
+    assetsInlineLimit: 0, // the service's Content-Security-Policy wants files
+    chunkSizeWarningLimit: 900,
+  },
+  server: { proxy: { "/api": "http://127.0.0.1:8000", "/iiif": "http://127.0.0.1:8000" } },
+  test: { environment: "happy-dom", include: ["tests/**/*.test.{ts,tsx}"] },
+});
