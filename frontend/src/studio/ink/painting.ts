@@ -1,0 +1,35 @@
+// Footprints -> pixels. The same strokes give the same picture on any screen.
+
+import { BRUSH, shape, type BrushSettings, type Stamp } from "./shaping";
+import type { Stroke } from "./stroke";
+
+type Context = CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D;
+
+/** side: pixels of the cell. */
+export function stampOn(context: Context, stamps: readonly Stamp[], side: number): void {
+  context.beginPath();
+  for (const { x, y, a, b, angle } of stamps) {
+    context.moveTo(x * side + a * side * Math.cos(angle), y * side + a * side * Math.sin(angle));
+    context.ellipse(x * side, y * side, Math.max(a * side, 0.25), Math.max(b * side, 0.25), angle, 0, 2 * Math.PI);
+  }
+  context.fill("nonzero");
+}
+
+export function paint(context: Context, strokes: readonly Stroke[], side: number, brush: BrushSettings = BRUSH): void {
+  for (const stroke of strokes) stampOn(context, shape(stroke, brush), side);
+}
+
+/** Black on white: what is marked. side: pixels. */
+export async function picture(strokes: readonly Stroke[], side = 512): Promise<Blob> {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = side;
+  const context = canvas.getContext("2d");
+  if (!context) throw new Error("expected a canvas to draw on, got none");
+  context.fillStyle = "#fff";
+  context.fillRect(0, 0, side, side);
+  context.fillStyle = "#000";
+  paint(context, strokes, side);
+  return new Promise((done, fail) =>
+    canvas.toBlob((blob) => (blob ? done(blob) : fail(new Error("expected a picture, got none"))), "image/png"),
+  );
+}
