@@ -1,0 +1,93 @@
+// Heights over the sheet: looked up anywhere, along a line, or under a ray from the eye.
+
+import type { ViewerFacts } from "../types";
+import { bilinear, type Vec3 } from "./arithmetic";
+import type { Line } from "./state";
+
+export type ProfilePoint = { distance: number; height: number };
+
+export class HeightField {
+  /** Size of the sheet where its longer side is 1. */
+  readonly wide: number;
+  readonly tall: number;
+  /** What 1 means in `unit`. */
+  readonly scale: number;
+
+  constructor(
+    readonly values: Float32Array,
+    readonly width: number,
+    readonly height: number,
+    readonly min: number,
+    readonly max: number,
+    readonly sheet: { width: number; height: number; spacing: number; unit: "mm" | "px" },
+  ) {
+    if (values.length !== width * height) {
+      throw new Error(`expected ${width} x ${height} heights, got ${values.length}`);
+    }
+    const longest = Math.max(sheet.width, sheet.height);
+    this.wide = sheet.width / longest;
+    this.tall = sheet.height / longest;
+    this.scale = longest * sheet.spacing;
+  }
+
+  static from(facts: ViewerFacts, values: Float32Array): HeightField {
+    const { width, height, min, max } = facts.heights;
+    return new HeightField(values, width, height, min, max, facts);
+  }
+
+  /** Height in `unit` at fractions of the sheet, origin top left. */
+  at(u: number, v: number): number {
+    return bilinear(u, v, this.width, this.height, (c, r) => this.values[r * this.width + c]!);
+  }
+
+  /** Length in `unit` of a line of fractions, along the sheet. */
+  length([x0, y0, x1, y1]: Line): number {
+    return Math.hypot((x1 - x0) * this.wide, (y1 - y0) * this.tall) * this.scale;
+  }
+
+  /** `count` heights along the line, both ends included; distance from its first point; both in `unit`. */
+  section(line: Line, count = 256): ProfilePoint[] {
+    const [x0, y0, x1, y1] = line;
+    const whole = this.length(line);
+    return Array.from({ length: count }, (_, k) => {
+      const t = k / (count - 1);
+      return { distance: whole * t, height: this.at(x0 + (x1 - x0) * t, y0 + (y1 - y0) * t) };
+    });
+  }
+
+  /** The point of the scene over fractions (u, v), `lift` times as high as it is. */
+  point(u: number, v: number, lift: number): Vec3 {
+    return [(u - 0.5) * this.wide, (0.5 - v) * this.tall, lift === 0 ? 0 : (this.at(u, v) / this.scale) * lift];
+  }
+
+  /** Fractions of the first point that a ray meets, or null beside the sheet. */
+  meet(origin: Vec3, direction: Vec3, lift: number, steps = 400): { u: number; v: number } | null {
+    const bound = (Math.max(Math.abs(this.min), Math.abs(this.max)) / this.scale) * lift + 1e-4;
+    if (Math.abs(direction[2]) < 1e-9) return null;
+    const [near, far] = [(bound - origin[2]) / direction[2], (-bound - origin[2]) / direction[2]].sort((a, b) => a - b) as [number, number];
+    if (far < 0) return null;
+    const fractions = (t: number) => ({
+      u: (origin[0] + direction[0] * t) / this.wide + 0.5,
+      v: 0.5 - (origin[1] + direction[1] * t) / this.tall,
+    });
+    const inside = ({ u, v }: { u: number; v: number }) => u >= 0 && u <= 1 && v >= 0 && v <= 1;
+    if (lift === 0) {
+      const found = fractions(-origin[2] / direction[2]);
+      return inside(found) ? found : null;
+    }
+    const start = Math.max(near, 0);
+    let before: number | null = null;
+    for (let k = 0; k <= steps; k++) {
+      const t = start + ((far - start) * k) / steps;
+      const found = fractions(t);
+      if (!inside(found)) {
+        before = null;
+        continue;
+      }
+      const above = origin[2] + direction[2] * t - this.point(found.u, found.v, lift)[2];
+      if (before !== null && Math.sign(above) !== Math.sign(before)) return found;
+      before = above === 0 ? 1e-12 : above;
+    }
+    return null;
+  }
+}

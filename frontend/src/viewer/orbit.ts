@@ -1,0 +1,58 @@
+// Moving the eye: around the sheet, along it, nearer. The sheet is never seen from behind or upside down.
+
+import { clamp, type Camera, type Mode } from "./state";
+
+export const FIELD_OF_VIEW = 28;
+const SIDE = (84 * Math.PI) / 180;
+const NEAREST = 0.04;
+const FARTHEST = 8;
+/** Where the eye stands at first over a surface: degrees to the right, degrees below. */
+const ASIDE: [number, number] = [16, -34];
+
+/** The whole sheet in view: straight on, or aside for the modes that show depth. */
+export function fit(mode: Mode, sheet: { wide: number; tall: number }, aspect: number): Camera {
+  const half = Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180));
+  const aslant = mode === "surface" || mode === "mesh";
+  const distance = (Math.max(sheet.tall, sheet.wide / aspect) / 2 / half) * (aslant ? 1.12 : 1.06);
+  const straight: Camera = [0, 0, distance, 0, 0, 0];
+  return aslant ? orbit(straight, (ASIDE[0] * Math.PI) / 180, (ASIDE[1] * Math.PI) / 180) : straight;
+}
+
+/** Turns the eye around what it looks at: `right` about the upright, `up` about the level; radians. */
+export function orbit(camera: Camera, right: number, up: number): Camera {
+  const [x, y, z, tx, ty, tz] = camera;
+  const [dx, dy, dz] = [x - tx, y - ty, z - tz];
+  const distance = Math.hypot(dx, dy, dz);
+  const azimuth = clamp(Math.atan2(dx, dz) + right, -SIDE, SIDE);
+  const elevation = clamp(Math.asin(clamp(dy / distance, -1, 1)) + up, -SIDE, SIDE);
+  const level = Math.cos(elevation) * distance;
+  return [tx + Math.sin(azimuth) * level, ty + Math.sin(elevation) * distance, tz + Math.cos(azimuth) * level, tx, ty, tz];
+}
+
+/** Moves eye and aim along the picture; `right` and `up` in fractions of its height. */
+export function pan(camera: Camera, right: number, up: number): Camera {
+  const [x, y, z, tx, ty, tz] = camera;
+  const back = [x - tx, y - ty, z - tz] as const;
+  const distance = Math.hypot(...back);
+  const whole = 2 * distance * Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180));
+  const level = Math.hypot(back[0], back[2]) || 1;
+  const sideways = [back[2] / level, 0, -back[0] / level] as const;
+  const upward = [(-back[0] * back[1]) / (level * distance), level / distance, (-back[2] * back[1]) / (level * distance)] as const;
+  const by = [0, 1, 2].map((k) => (sideways[k]! * right + upward[k]! * up) * whole);
+  const aim = [clamp(tx + by[0]!, -1, 1), clamp(ty + by[1]!, -1, 1), clamp(tz + by[2]!, -0.5, 0.5)] as const;
+  return [aim[0] + back[0], aim[1] + back[1], aim[2] + back[2], ...aim];
+}
+
+/** Nearer (factor under 1) or farther, towards `right`, `up`: where the pointer is, in fractions of the height from the middle. */
+export function zoom(camera: Camera, factor: number, right = 0, up = 0): Camera {
+  const [x, y, z, tx, ty, tz] = camera;
+  const distance = Math.hypot(x - tx, y - ty, z - tz);
+  const kept = clamp(distance * factor, NEAREST, FARTHEST) / distance;
+  const moved = pan(camera, right * (1 - kept), up * (1 - kept));
+  const [mx, my, mz] = [moved[3], moved[4], moved[5]];
+  return [mx + (x - tx) * kept, my + (y - ty) * kept, mz + (z - tz) * kept, mx, my, mz];
+}
+
+export function between(from: Camera, to: Camera, t: number): Camera {
+  return from.map((value, k) => value + (to[k]! - value) * t) as Camera;
+}

@@ -1,0 +1,243 @@
+// One sheet on a GPU: textures, mesh, one material for every mode. Draws when told to, never by itself.
+
+import {
+  BufferAttribute,
+  BufferGeometry,
+  ClampToEdgeWrapping,
+  Color,
+  DataTexture,
+  DoubleSide,
+  FloatType,
+  GLSL3,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  Mesh,
+  NearestFilter,
+  NoColorSpace,
+  OrthographicCamera,
+  PerspectiveCamera,
+  RawShaderMaterial,
+  RedFormat,
+  Scene,
+  SRGBColorSpace,
+  Texture,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  WebGLRenderTarget,
+} from "three";
+import { lamp, mixtureWeights } from "./arithmetic";
+import { niceStep } from "./colours";
+import { fragment, vertex } from "./glsl";
+import type { HeightField } from "./heightfield";
+import { fit, FIELD_OF_VIEW } from "./orbit";
+import type { Camera, Lens, Mode, ViewState } from "./state";
+
+/** Decoded pictures of one sheet; `lamps` where three photographs are there. */
+export type Maps = {
+  albedo: ImageBitmap;
+  normals: ImageBitmap;
+  photo: ImageBitmap;
+  lamps: null | { a: ImageBitmap; b: ImageBitmap; c: ImageBitmap; slant: number };
+};
+
+const WHAT: Record<Mode | Exclude<Lens, "none" | "heights">, number> = {
+  sheet: 0,
+  surface: 0,
+  mesh: 1,
+  heights: 2,
+  contours: 3,
+  picture: 4,
+  normals: 5,
+  magnify: 6,
+};
+/** Squares along the longer side: fine for a surface, coarse enough to be seen in the picture of the mesh. */
+const FINE = 384;
+const COARSE = 96;
+const CONTOURS = 14;
+
+export class Stage {
+  readonly renderer: WebGLRenderer;
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 30);
+  readonly sheet: Mesh<BufferGeometry, RawShaderMaterial>;
+  /** Units of height between two contour lines. */
+  readonly interval: number;
+  private readonly textures: Texture[] = [];
+  private readonly fine: BufferGeometry;
+  private coarse: BufferGeometry | null = null;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    readonly field: HeightField,
+    private readonly maps: Maps,
+  ) {
+    this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
+    this.renderer.setClearColor(0, 0);
+    this.interval = niceStep(field.max - field.min, CONTOURS);
+    this.fine = grid(field, FINE);
+    this.sheet = new Mesh(this.fine, this.material());
+    this.sheet.frustumCulled = false; // heights are only known on the GPU
+    this.scene.add(this.sheet);
+  }
+
+  resize(width: number, height: number, ratio: number): void {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / Math.max(height, 1);
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** The camera that is meant when the state names none. */
+  home(mode: Mode): Camera {
+    return fit(mode, this.field, this.camera.aspect);
+  }
+
+  draw(state: ViewState, lensPlace: { u: number; v: number; radius: number } | null): void {
+    this.prepare(state, lensPlace);
+    const [x, y, z, tx, ty, tz] = state.camera ?? this.home(state.mode);
+    this.camera.position.set(x, y, z);
+    this.camera.lookAt(tx, ty, tz);
+    this.camera.updateMatrixWorld();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** The flat sheet under the state's lamp, one pixel for each texel of the albedo: RGBA rows from the top. */
+  flat(state: ViewState): { width: number; height: number; pixels: Uint8ClampedArray<ArrayBuffer> } {
+    const { width, height } = this.maps.albedo;
+    const target = new WebGLRenderTarget(width, height, { depthBuffer: false });
+    const { wide, tall } = this.field;
+    const camera = new OrthographicCamera(-wide / 2, wide / 2, tall / 2, -tall / 2, 0.1, 10);
+    camera.position.z = 2;
+    this.prepare({ ...state, mode: "sheet", lens: "none" }, null);
+    this.renderer.setRenderTarget(target);
+    this.renderer.render(this.scene, camera);
+    const found = new Uint8Array(width * height * 4);
+    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, found);
+    this.renderer.setRenderTarget(null);
+    target.dispose();
+    return { width, height, pixels: upright(found, width, height) };
+  }
+
+  dispose(): void {
+    this.textures.forEach((texture) => texture.dispose());
+    this.fine.dispose();
+    this.coarse?.dispose();
+    this.sheet.material.dispose();
+    const { albedo, normals, photo, lamps } = this.maps;
+    [albedo, normals, photo, lamps?.a, lamps?.b, lamps?.c].forEach((bitmap) => bitmap?.close());
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+  }
+
+  private prepare(state: ViewState, lensPlace: { u: number; v: number; radius: number } | null): void {
+    if (state.mode === "mesh") this.coarse ??= grid(this.field, COARSE);
+    this.sheet.geometry = state.mode === "mesh" && this.coarse ? this.coarse : this.fine;
+    const is = (name: string) => this.sheet.material.uniforms[name]!;
+    is("mode").value = WHAT[state.mode];
+    is("lens").value = state.lens === "none" || !lensPlace ? -1 : WHAT[state.lens];
+    is("lensPlace").value.set(lensPlace?.u ?? 0, lensPlace?.v ?? 0, lensPlace?.radius ?? 0);
+    is("light").value.set(...lamp(state.tilt, state.slant));
+    is("lift").value = state.mode === "sheet" ? 0 : state.exaggeration / this.field.scale;
+    is("exaggeration").value = state.exaggeration;
+    is("cells").value.set(...squares(this.field, state.mode === "mesh" ? COARSE : FINE));
+    const { lamps } = this.maps;
+    is("mixture").value.set(...(state.mixture && lamps ? mixtureWeights(state.tilt, state.slant, lamps.slant) : [0, 0, 0]));
+    const style = getComputedStyle(this.canvas);
+    const paint = (name: string, token: string) => {
+      const colour = new Color().setStyle(style.getPropertyValue(token).trim() || "#888", NoColorSpace);
+      is(name).value.set(colour.r, colour.g, colour.b);
+    };
+    paint("inkColour", "--ink");
+    paint("paperColour", "--sheet");
+  }
+
+  private material(): RawShaderMaterial {
+    const { field, maps } = this;
+    const heights = new DataTexture(field.values as Float32Array<ArrayBuffer>, field.width, field.height, RedFormat, FloatType);
+    heights.minFilter = heights.magFilter = NearestFilter;
+    heights.needsUpdate = true;
+    this.textures.push(heights);
+    const albedo = this.texture(maps.albedo, true);
+    const { lamps } = maps;
+    return new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: vertex,
+      fragmentShader: fragment,
+      side: DoubleSide,
+      uniforms: {
+        heights: { value: heights },
+        albedo: { value: albedo },
+        normals: { value: this.texture(maps.normals, false) },
+        photo: { value: this.texture(maps.photo, true) },
+        lampA: { value: lamps ? this.texture(lamps.a, true) : albedo },
+        lampB: { value: lamps ? this.texture(lamps.b, true) : albedo },
+        lampC: { value: lamps ? this.texture(lamps.c, true) : albedo },
+        mode: { value: 0 },
+        lens: { value: -1 },
+        lensPlace: { value: new Vector3() },
+        sheet: { value: new Vector2(field.wide, field.tall) },
+        light: { value: new Vector3(0, 0, 1) },
+        mixture: { value: new Vector3() },
+        exaggeration: { value: 1 },
+        lift: { value: 0 },
+        cells: { value: new Vector2(1, 1) },
+        range: { value: new Vector2(field.min, field.max) },
+        interval: { value: this.interval },
+        scaleOfOne: { value: field.scale },
+        inkColour: { value: new Vector3() },
+        paperColour: { value: new Vector3(1, 1, 1) },
+      },
+    });
+  }
+
+  private texture(bitmap: ImageBitmap, encoded: boolean): Texture {
+    const texture = new Texture(bitmap);
+    texture.flipY = false; // first row on top, as everywhere here
+    texture.colorSpace = encoded ? SRGBColorSpace : NoColorSpace;
+    texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
+    texture.magFilter = LinearFilter;
+    texture.minFilter = LinearMipmapLinearFilter;
+    texture.anisotropy = Math.min(8, this.renderer.capabilities.getMaxAnisotropy());
+    texture.needsUpdate = true;
+    this.textures.push(texture);
+    return texture;
+  }
+}
+
+function squares(field: HeightField, longest: number): [number, number] {
+  return [Math.max(2, Math.round(field.wide * longest)), Math.max(2, Math.round(field.tall * longest))];
+}
+
+/** A flat grid over the sheet, y up, with fractions (origin top left) as its texture coordinates; faces look to +z. */
+export function grid(field: { wide: number; tall: number }, longest: number): BufferGeometry {
+  const [columns, rows] = squares(field as HeightField, longest);
+  const positions = new Float32Array((columns + 1) * (rows + 1) * 3);
+  const fractions = new Float32Array((columns + 1) * (rows + 1) * 2);
+  for (let r = 0, k = 0; r <= rows; r++) {
+    for (let c = 0; c <= columns; c++, k++) {
+      const [u, v] = [c / columns, r / rows];
+      positions.set([(u - 0.5) * field.wide, (0.5 - v) * field.tall, 0], k * 3);
+      fractions.set([u, v], k * 2);
+    }
+  }
+  const faces = new Uint32Array(columns * rows * 6);
+  for (let r = 0, k = 0; r < rows; r++) {
+    for (let c = 0; c < columns; c++, k += 6) {
+      const a = r * (columns + 1) + c;
+      const below = a + columns + 1;
+      faces.set([a, below, a + 1, a + 1, below, below + 1], k);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(positions, 3));
+  geometry.setAttribute("uv", new BufferAttribute(fractions, 2));
+  geometry.setIndex(new BufferAttribute(faces, 1));
+  return geometry;
+}
+
+function upright(rows: Uint8Array, width: number, height: number): Uint8ClampedArray<ArrayBuffer> {
+  const pixels = new Uint8ClampedArray(rows.length);
+  for (let r = 0; r < height; r++) pixels.set(rows.subarray(r * width * 4, (r + 1) * width * 4), (height - 1 - r) * width * 4);
+  return pixels;
+}

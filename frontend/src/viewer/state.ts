@@ -1,0 +1,107 @@
+// A view in a few numbers: what is shown, from where, under which light. A permalink is nothing but this.
+
+export const MODES = ["sheet", "surface", "mesh", "heights", "contours"] as const;
+export type Mode = (typeof MODES)[number];
+export const LENSES = ["none", "magnify", "picture", "heights", "normals"] as const;
+export type Lens = (typeof LENSES)[number];
+export type Line = [number, number, number, number];
+/** Where the eye is, then what it looks at; the longer side of the sheet is 1, x right, y up, z to the eye. */
+export type Camera = [number, number, number, number, number, number];
+
+export type ViewState = {
+  mode: Mode;
+  /** Degrees counter-clockwise from +x: 0 right, 90 top. */
+  tilt: number;
+  /** Degrees from +z: 0 straight above the sheet, 90 along it. */
+  slant: number;
+  /** 1 is as it is. */
+  exaggeration: number;
+  /** null: the whole sheet, seen as the mode sees it. */
+  camera: Camera | null;
+  /** A line over the sheet, x0 y0 x1 y1 as fractions, origin top left. */
+  section: Line | null;
+  ruler: Line | null;
+  lens: Lens;
+  /** Mix the three photographs instead of shading the normals, where there are three. */
+  mixture: boolean;
+};
+
+export const START: ViewState = {
+  mode: "sheet",
+  tilt: 135,
+  slant: 45,
+  exaggeration: 1,
+  camera: null,
+  section: null,
+  ruler: null,
+  lens: "none",
+  mixture: false,
+};
+
+/** Highest exaggeration that the slider offers. */
+export const MOST_EXAGGERATION = 10;
+/** A lamp lower than this lights nothing but edges. */
+export const MOST_SLANT = 88;
+
+/** Any numbers become a state that can be shown: angles turned into range, the rest clamped. */
+export function sane(state: ViewState): ViewState {
+  return {
+    ...state,
+    tilt: ((state.tilt % 360) + 360) % 360,
+    slant: clamp(state.slant, 0, MOST_SLANT),
+    exaggeration: clamp(state.exaggeration, 0, MOST_EXAGGERATION),
+    section: state.section && (state.section.map((v) => clamp(v, 0, 1)) as Line),
+    ruler: state.ruler && (state.ruler.map((v) => clamp(v, 0, 1)) as Line),
+  };
+}
+
+/** Only what differs from the start is said, so that links stay short. */
+export function stateToQuery(state: ViewState): URLSearchParams {
+  const query = new URLSearchParams();
+  if (state.mode !== START.mode) query.set("mode", state.mode);
+  if (state.tilt !== START.tilt) query.set("tilt", short(state.tilt, 1));
+  if (state.slant !== START.slant) query.set("slant", short(state.slant, 1));
+  if (state.exaggeration !== START.exaggeration) query.set("ex", short(state.exaggeration, 2));
+  if (state.camera) query.set("cam", state.camera.map((v) => short(v, 3)).join(","));
+  if (state.section) query.set("sec", state.section.map((v) => short(v, 3)).join(","));
+  if (state.ruler) query.set("rule", state.ruler.map((v) => short(v, 3)).join(","));
+  if (state.lens !== START.lens) query.set("lens", state.lens);
+  if (state.mixture) query.set("lamps", "3");
+  return query;
+}
+
+/** What cannot be read is left as at the start: a link that was cut still opens. */
+export function stateFromQuery(query: URLSearchParams): ViewState {
+  return sane({
+    mode: oneOf(MODES, query.get("mode"), START.mode),
+    tilt: number(query.get("tilt"), START.tilt),
+    slant: number(query.get("slant"), START.slant),
+    exaggeration: number(query.get("ex"), START.exaggeration),
+    camera: numbers(query.get("cam"), 6) as Camera | null,
+    section: numbers(query.get("sec"), 4) as Line | null,
+    ruler: numbers(query.get("rule"), 4) as Line | null,
+    lens: oneOf(LENSES, query.get("lens"), START.lens),
+    mixture: query.get("lamps") === "3",
+  });
+}
+
+export function clamp(value: number, low: number, high: number): number {
+  return Math.min(high, Math.max(low, value));
+}
+
+const short = (value: number, digits: number): string => String(Number(value.toFixed(digits)));
+
+function oneOf<T extends string>(names: readonly T[], text: string | null, otherwise: T): T {
+  return names.find((name) => name === text) ?? otherwise;
+}
+
+function number(text: string | null, otherwise: number): number {
+  if (text === null || text.trim() === "") return otherwise;
+  const value = Number(text);
+  return Number.isFinite(value) ? value : otherwise;
+}
+
+function numbers(text: string | null, count: number): number[] | null {
+  const values = (text ?? "").split(",").map(Number);
+  return text && values.length === count && values.every(Number.isFinite) ? values : null;
+}

@@ -1,0 +1,356 @@
+// A viewer in a page: a stage, its state, what pointer and keys do to it. What surrounds it (buttons, plots) is in panel.tsx.
+
+import { Vector3 } from "three";
+import type { ViewerFacts } from "../types";
+import { listen, type Action } from "./controls";
+import { HeightField, type ProfilePoint } from "./heightfield";
+import * as loading from "./loading";
+import { between, orbit, pan, zoom } from "./orbit";
+import { hasWebGL2, pictureOnly } from "./picture";
+import { Stage } from "./stage";
+import { MOST_SLANT, sane, START, type Camera, type Line, type ViewState } from "./state";
+
+export type Tool = "light" | "move" | "section" | "ruler" | "pin";
+export type Place = { x: number; y: number; height: number };
+
+export type ViewerOptions = Partial<Omit<ViewState, "camera">> & {
+  camera?: Camera | null;
+  /** false: no pointer, no keys; a picture that others move. */
+  interactive?: boolean;
+  onChange?: (state: ViewState) => void;
+  /** With the tool `pin`: where a point was set, as fractions of the sheet. */
+  onPoint?: (place: Place) => void;
+  signal?: AbortSignal;
+};
+
+export interface Viewer {
+  readonly facts: ViewerFacts;
+  readonly state: ViewState;
+  /** null where there is no WebGL2: the host then shows the picture and says so. */
+  readonly field: HeightField | null;
+  readonly canvas: HTMLCanvasElement | null;
+  /** Units of height between two contour lines. */
+  readonly interval: number;
+  tool: Tool;
+  set(partial: Partial<ViewState>): void;
+  /** As `set`, but gently; at once for those who asked for less motion. */
+  glide(partial: Partial<ViewState>, milliseconds?: number): void;
+  /** Shares mode, light, exaggeration and camera with another, both ways; null parts them. */
+  link(other: Viewer | null): void;
+  /** The view as a PNG. */
+  snapshot(): Promise<Blob>;
+  /** The whole flat sheet under the present light, at the size of its maps, as a PNG. */
+  relit(): Promise<Blob>;
+  resize(): void;
+  dispose(): void;
+  /** What lies under (x, y), CSS pixels from the host's top left: fractions of the sheet and the height there. */
+  pick(x: number, y: number): Place | null;
+  section(line: Line): ProfilePoint[];
+  /** CSS pixels from the host's top left of a point of the sheet. */
+  project(u: number, v: number): { x: number; y: number } | null;
+  /** Called after each drawing; the answer stops it. */
+  onDraw(listener: () => void): () => void;
+  /** Enters immersive VR or AR where the browser has it. */
+  immerse(kind: "immersive-vr" | "immersive-ar"): Promise<void>;
+}
+
+const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera"] as const;
+const KEY_STEP = 5;
+const LENS_RADIUS = 90;
+
+/** Fills `host` with a viewer. Without WebGL2 it shows the picture and a message. Rejects when a file cannot be read. */
+export async function createViewer(host: HTMLElement, facts: ViewerFacts, options: ViewerOptions = {}): Promise<Viewer> {
+  if (!hasWebGL2()) return pictureOnly(host, facts);
+  const { signal } = options;
+  const lamps = facts.three_lamps;
+  const [values, albedo, normals, photo, three] = await Promise.all([
+    loading.heights(facts.heights.url, facts.heights.width * facts.heights.height, signal),
+    loading.picture(facts.albedo, signal),
+    loading.picture(facts.normals, signal),
+    loading.picture(facts.picture, signal),
+    lamps && Promise.all([lamps.a, lamps.b, lamps.c].map((url) => loading.picture(url, signal))),
+  ]);
+  signal?.throwIfAborted();
+  const [a, b, c] = three ?? [];
+  const maps = { albedo, normals, photo, lamps: lamps && a && b && c ? { a, b, c, slant: lamps.slant } : null };
+  return new SheetViewer(host, facts, HeightField.from(facts, values), maps, options);
+}
+
+class SheetViewer implements Viewer {
+  readonly canvas = document.createElement("canvas");
+  state: ViewState;
+  tool: Tool = "light";
+  private readonly stage: Stage;
+  private readonly listeners = new Set<() => void>();
+  private readonly ends: (() => void)[] = [];
+  private other: Viewer | null = null;
+  private passing = false;
+  private frame = 0;
+  private gliding = 0;
+  private lens: { x: number; y: number } | null = null;
+  private drawn: { line: "section" | "ruler"; from: { x: number; y: number } } | null = null;
+
+  constructor(
+    private readonly host: HTMLElement,
+    readonly facts: ViewerFacts,
+    readonly field: HeightField,
+    maps: ConstructorParameters<typeof Stage>[2],
+    private readonly options: ViewerOptions,
+  ) {
+    const { interactive = true, onChange: _c, onPoint: _p, signal: _s, ...wanted } = options;
+    const given = Object.fromEntries(Object.entries(wanted).filter(([, value]) => value !== undefined));
+    this.state = sane({ ...START, ...given });
+    this.canvas.className = "viewer-canvas";
+    this.host.append(this.canvas);
+    this.stage = new Stage(this.canvas, field, maps);
+    if (interactive) this.listen();
+    const watch = new ResizeObserver(() => this.resize());
+    watch.observe(host);
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    const repaint = () => this.invalidate();
+    dark.addEventListener("change", repaint);
+    this.canvas.addEventListener("webglcontextrestored", repaint);
+    this.ends.push(
+      () => watch.disconnect(),
+      () => dark.removeEventListener("change", repaint),
+    );
+    this.resize();
+  }
+
+  get interval(): number {
+    return this.stage.interval;
+  }
+
+  set(partial: Partial<ViewState>): void {
+    cancelAnimationFrame(this.gliding);
+    this.change(partial);
+  }
+
+  glide(partial: Partial<ViewState>, milliseconds = 1100): void {
+    cancelAnimationFrame(this.gliding);
+    const target = sane({ ...this.state, ...partial });
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) return this.change(target);
+    const from = this.state;
+    const [start, end] = [this.cameraNow(), target.camera ?? this.stage.home(target.mode)];
+    const turn = ((target.tilt - from.tilt + 540) % 360) - 180;
+    this.change({ ...target, tilt: from.tilt, slant: from.slant, exaggeration: from.exaggeration, camera: start });
+    let first: number | null = null;
+    const step = (now: number) => {
+      first ??= now;
+      const t = Math.min(1, (now - first) / milliseconds);
+      const s = t * t * (3 - 2 * t);
+      if (t === 1) return this.change({ ...target });
+      this.change({
+        tilt: from.tilt + turn * s,
+        slant: from.slant + (target.slant - from.slant) * s,
+        exaggeration: from.exaggeration + (target.exaggeration - from.exaggeration) * s,
+        camera: between(start, end, s),
+      });
+      this.gliding = requestAnimationFrame(step);
+    };
+    this.gliding = requestAnimationFrame(step);
+  }
+
+  link(other: Viewer | null): void {
+    if (this.other === other) return;
+    const before = this.other;
+    this.other = other;
+    before?.link(null);
+    if (!other) return;
+    other.link(this);
+    this.pass(Object.fromEntries(SHARED.map((name) => [name, this.state[name]])));
+  }
+
+  async snapshot(): Promise<Blob> {
+    this.draw();
+    const { width, height } = this.canvas;
+    const sheet = new OffscreenCanvas(width, height);
+    const pen = sheet.getContext("2d");
+    if (!pen) throw new Error("no 2-D canvas");
+    pen.fillStyle = getComputedStyle(this.host).getPropertyValue("--paper").trim() || "#fff";
+    pen.fillRect(0, 0, width, height);
+    pen.drawImage(this.canvas, 0, 0); // in the same task as the drawing: the buffer is not kept
+    return sheet.convertToBlob({ type: "image/png" });
+  }
+
+  async relit(): Promise<Blob> {
+    const { width, height, pixels } = this.stage.flat(this.state);
+    const sheet = new OffscreenCanvas(width, height);
+    sheet.getContext("2d")?.putImageData(new ImageData(pixels, width, height), 0, 0);
+    this.invalidate();
+    return sheet.convertToBlob({ type: "image/png" });
+  }
+
+  resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.host;
+    if (!width || !height) return;
+    this.stage.resize(width, height, Math.min(devicePixelRatio || 1, 2));
+    this.draw();
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.frame);
+    cancelAnimationFrame(this.gliding);
+    this.link(null);
+    this.ends.forEach((end) => end());
+    this.listeners.clear();
+    this.stage.dispose();
+    this.canvas.remove();
+  }
+
+  pick(x: number, y: number): Place | null {
+    const { clientWidth: width, clientHeight: height } = this.host;
+    const through = new Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5).unproject(this.stage.camera);
+    const eye = this.stage.camera.position;
+    const direction = through.sub(eye).normalize();
+    const found = this.field.meet(eye.toArray(), direction.toArray(), this.lift());
+    return found && { x: found.u, y: found.v, height: this.field.at(found.u, found.v) };
+  }
+
+  section(line: Line): ProfilePoint[] {
+    return this.field.section(line);
+  }
+
+  project(u: number, v: number): { x: number; y: number } | null {
+    const point = new Vector3(...this.field.point(u, v, this.lift())).project(this.stage.camera);
+    if (point.z > 1) return null;
+    return { x: ((point.x + 1) / 2) * this.host.clientWidth, y: ((1 - point.y) / 2) * this.host.clientHeight };
+  }
+
+  onDraw(listener: () => void): () => void {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+
+  async immerse(kind: "immersive-vr" | "immersive-ar"): Promise<void> {
+    const { immerse } = await import("./immersion");
+    await immerse(this.stage, () => this.state, kind);
+    this.resize();
+  }
+
+  private lift(): number {
+    return this.state.mode === "sheet" ? 0 : this.state.exaggeration;
+  }
+
+  private cameraNow(): Camera {
+    return this.state.camera ?? this.stage.home(this.state.mode);
+  }
+
+  private change(partial: Partial<ViewState>): void {
+    this.state = sane({ ...this.state, ...partial });
+    this.invalidate();
+    this.options.onChange?.(this.state);
+    this.pass(partial);
+  }
+
+  /** What both share goes to the other one, and is not sent back. */
+  private pass(partial: Partial<ViewState>): void {
+    const shared = Object.fromEntries(SHARED.filter((name) => name in partial).map((name) => [name, partial[name]]));
+    if (!this.other || this.passing || !Object.keys(shared).length) return;
+    this.passing = true;
+    this.other.set(shared);
+    this.passing = false;
+  }
+
+  private invalidate(): void {
+    this.frame ||= requestAnimationFrame(() => this.draw());
+  }
+
+  private draw(): void {
+    cancelAnimationFrame(this.frame);
+    this.frame = 0;
+    this.stage.draw(this.state, this.lensPlace());
+    this.listeners.forEach((listener) => listener());
+  }
+
+  private lensPlace(): { u: number; v: number; radius: number } | null {
+    if (this.state.lens === "none") return null;
+    const middle = { x: this.host.clientWidth / 2, y: this.host.clientHeight / 2 };
+    const place = this.lens ?? middle;
+    const [centre, edge] = [this.pick(place.x, place.y), this.pick(place.x + 1, place.y)];
+    if (!centre) return null;
+    // How much of the sheet lies under a pixel here makes the lens as large on the screen anywhere.
+    const per = edge ? Math.abs(edge.x - centre.x) * this.field.wide : 1 / this.host.clientHeight;
+    return { u: centre.x, v: centre.y, radius: Math.max(per, 1e-4) * LENS_RADIUS };
+  }
+
+  private listen(): void {
+    this.host.tabIndex = 0;
+    const size = () => ({ width: this.host.clientWidth, height: this.host.clientHeight });
+    const off = listen(this.host, {
+      action: () => this.action(),
+      light: (x, y) => this.set(lightAt(x, y, size())),
+      orbit: (dx, dy) => this.set({ camera: orbit(this.cameraNow(), -dx * 0.008, dy * 0.008) }),
+      pan: (dx, dy) => this.set({ camera: pan(this.cameraNow(), -dx / size().height, dy / size().height) }),
+      zoom: (factor, x, y) => {
+        const { width, height } = size();
+        this.set({ camera: zoom(this.cameraNow(), factor, (x - width / 2) / height, (height / 2 - y) / height) });
+      },
+      line: (phase, x, y) => this.line(phase, x, y),
+      point: (x, y) => {
+        const place = this.pick(x, y);
+        if (place) this.options.onPoint?.(place);
+      },
+      hover: (place) => {
+        if (place) this.lens = place;
+        if (this.state.lens !== "none") this.invalidate();
+      },
+      key: (event) => this.key(event),
+    });
+    this.ends.push(off);
+  }
+
+  private action(): Action {
+    if (this.tool === "section" || this.tool === "ruler") return "line";
+    if (this.tool === "pin") return "point";
+    if (this.tool === "light") return "light";
+    return this.state.mode === "sheet" ? "pan" : "orbit";
+  }
+
+  private line(phase: "start" | "move" | "end", x: number, y: number): void {
+    const kind = this.tool === "ruler" ? "ruler" : "section";
+    const place = this.pick(x, y);
+    if (phase === "start") this.drawn = place && { line: kind, from: place };
+    else if (this.drawn && place) this.set({ [this.drawn.line]: [this.drawn.from.x, this.drawn.from.y, place.x, place.y] });
+    if (phase === "end") this.drawn = null;
+  }
+
+  private key(event: KeyboardEvent): boolean {
+    if (event.ctrlKey || event.metaKey || event.altKey) return false;
+    const { tilt, slant } = this.state;
+    const camera = this.cameraNow();
+    const turns: Record<string, () => Partial<ViewState>> = event.shiftKey
+      ? {
+          ArrowLeft: () => ({ camera: orbit(camera, -0.1, 0) }),
+          ArrowRight: () => ({ camera: orbit(camera, 0.1, 0) }),
+          ArrowUp: () => ({ camera: orbit(camera, 0, 0.1) }),
+          ArrowDown: () => ({ camera: orbit(camera, 0, -0.1) }),
+        }
+      : {
+          ArrowLeft: () => ({ tilt: tilt + KEY_STEP }),
+          ArrowRight: () => ({ tilt: tilt - KEY_STEP }),
+          ArrowUp: () => ({ slant: slant - KEY_STEP }),
+          ArrowDown: () => ({ slant: slant + KEY_STEP }),
+        };
+    const common: Record<string, () => Partial<ViewState>> = {
+      "+": () => ({ camera: zoom(camera, 0.85) }),
+      "=": () => ({ camera: zoom(camera, 0.85) }),
+      "-": () => ({ camera: zoom(camera, 1 / 0.85) }),
+      "0": () => ({ camera: null }),
+    };
+    const found = (turns[event.key] ?? common[event.key])?.();
+    if (found) this.set(found);
+    return found !== undefined;
+  }
+}
+
+/** The lamp over (x, y): the middle is straight above, the edge of the largest circle is along the sheet. */
+export function lightAt(x: number, y: number, size: { width: number; height: number }): { tilt: number; slant: number } {
+  const radius = Math.min(size.width, size.height) / 2;
+  const [right, up] = [(x - size.width / 2) / radius, (size.height / 2 - y) / radius];
+  const away = Math.min(Math.hypot(right, up), 1);
+  return {
+    tilt: ((Math.atan2(up, right) * 180) / Math.PI + 360) % 360,
+    slant: Math.min((Math.asin(away) * 180) / Math.PI, MOST_SLANT),
+  };
+}
