@@ -1,4 +1,4 @@
-"""One way to the database: SQLite in a file by default, PostgreSQL by its URL; its tables brought up to date."""
+"""One way to the database: SQLite in a file by default, PostgreSQL by its URL; its tables up to date."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PATIENCE = 30  # seconds that a writer waits for another on SQLite
 
 @dataclass(frozen=True, slots=True)
 class Database:
-    """engine: for SQLAlchemy. reading() and writing(): a transaction that is kept when its block ends well."""
+    """engine: for SQLAlchemy. reading() and writing(): a transaction that is kept if its block ends well."""
 
     engine: Engine
     _read: sessionmaker[Session]
@@ -35,7 +35,7 @@ class Database:
 
     @contextmanager
     def writing(self) -> Iterator[Session]:
-        """Takes SQLite's one write lock at its start: a reader that turns writer half-way would be refused."""
+        """Takes SQLite's one write lock at its start: a reader turned writer half-way would be refused."""
         with self._write.begin() as session:
             yield session
 
@@ -44,7 +44,7 @@ class Database:
 
 
 def open_database(url: str | Path) -> Database:
-    """The database at a URL (`sqlite:///FILE`, `postgresql://...`) or a file of SQLite, its tables up to date.
+    """The database at a URL (`sqlite:///FILE`, `postgresql://...`) or a file of SQLite, with all its tables.
 
     Raises GalleryError for a URL of another kind, or a database that cannot be reached.
     """

@@ -1,11 +1,12 @@
 """Every table, once. Pictures, surfaces and other files lie in the store; a table holds their keys.
 
 Works and what is said of them: collections, works, annotations, tours.
-People and what they do: people, invitations, classes, memberships, tasks, attempts, teacher_marks, comparisons.
+People and what they do: people, invitations, classes, memberships, tasks, attempts, teacher_marks,
+comparisons.
 The service: jobs, settings.
 
-Times are UTC. Texts in two languages stand in two columns, `_zh` (traditional Chinese) and `_en`. Positions on a
-work are fractions of its width and height, origin top left.
+Times are UTC. Texts in two languages stand in two columns, `_zh` (traditional Chinese) and `_en`. Positions
+on a work are fractions of its width and height, origin top left.
 """
 
 from __future__ import annotations
@@ -80,14 +81,15 @@ class Collection(Base):
 class Work(Base):
     """One work: a character, or a sheet.
 
-    id: ASCII slug. character: '' for a sheet of several. script: seal, clerical, regular, running, cursive, or ''
-    where nobody said. hand: who wrote it. dynasty: key for browsing, e.g. 'Tang', '' unknown; period: in words.
-    kind: 'image' (one picture; its height is computed) or 'capture' (photographs under several lamps).
-    height_source: 'photometric', 'inflation' or 'density'. picture: store key of the picture as it came;
-    surface: store key of the folder of a reconstructed surface, None when it is computed from the picture.
-    capture: store key of the photographs of a capture, None for an image. digest: sha256 of content and label:
-    the same picture under the same label is never kept twice. origin: where it was imported from, within its
-    collection. spacing: mm per pixel, None unknown. search: what a search looks through, lower case.
+    id: ASCII slug. character: '' for a sheet of several. script: seal, clerical, regular, running, cursive,
+    or '' where nobody said. hand: who wrote it. dynasty: key for browsing, e.g. 'Tang', '' unknown; period:
+    in words. kind: 'image' (one picture; its height is computed) or 'capture' (photographs under several
+    lamps). height_source: 'photometric', 'inflation' or 'density'. picture: store key of the picture as it
+    came; surface: store key of the folder of a reconstructed surface, None when it is computed from the
+    picture. capture: store key of the photographs of a capture, None for an image. digest: sha256 of content
+    and label: the same picture under the same label is never kept twice. origin: where it was imported from,
+    within its collection. spacing: mm per pixel, None unknown. search: what a search looks through, lower
+    case.
     """
 
     __tablename__ = "works"
@@ -148,8 +150,8 @@ class Annotation(Base):
 
 
 class Tour(Base):
-    """A guided walk. steps: a list of {work, view, title_zh, title_en, text_zh, text_en}; view is the state of the
-    viewer as a permalink's query string."""
+    """A guided walk. steps: a list of {work, view, title_zh, title_en, text_zh, text_en}; view is the state
+    of the viewer as a permalink's query string."""
 
     __tablename__ = "tours"
 
@@ -163,7 +165,8 @@ class Tour(Base):
 
 
 class Person(Base):
-    """Somebody with a login. role: owner, teacher or pupil. password: an Argon2 hash, None until it is chosen.
+    """Somebody with a login. role: owner, teacher or pupil. password: an Argon2 hash, None before one is
+    chosen.
 
     epoch: rises when the password changes or the person signs out everywhere; older sessions end with it.
     """
@@ -276,8 +279,8 @@ class TeacherMark(Base):
 class Comparison(Base):
     """Which of two copies of one master is better. winner: 'left', 'right' or 'same'.
 
-    A judge sees a pair once: first and second are the attempts' ids in alphabetical order, left says which one
-    stood on the left.
+    A judge sees a pair once: first and second are the attempts' ids in alphabetical order, left says which
+    one stood on the left.
     """
 
     __tablename__ = "comparisons"
@@ -295,8 +298,8 @@ class Comparison(Base):
 
 
 class Job(Base):
-    """Long work. state: queued, running, done, failed or cancelled. payload: what is needed to do it again after
-    a restart. done, total: progress; total 0 while unknown."""
+    """Long work. state: queued, running, done, failed or cancelled. payload: what is needed to do it again
+    after a restart. done, total: progress; total 0 while unknown."""
 
     __tablename__ = "jobs"
     __table_args__ = (Index(None, "state", "created"),)

@@ -1,0 +1,101 @@
+"""What is said of points of a work, in both languages."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from sqlalchemy import func, select
+
+from rumu.database.tables import Annotation
+from rumu.errors import GalleryError
+from rumu.gallery.catalog import Gallery, work
+
+TEXTS = ("title_zh", "title_en", "text_zh", "text_en")
+_LONGEST = {"title_zh": 200, "title_en": 200, "text_zh": 5000, "text_en": 5000}
+_FACTS = frozenset({"x", "y", "position", *TEXTS})
+
+
+def annotations(gallery: Gallery, work_id: str) -> tuple[Annotation, ...]:
+    """Those of a work, in order. Raises GalleryError when there is no such work."""
+    work(gallery, work_id)
+    with gallery.database.reading() as session:
+        found = select(Annotation).where(Annotation.work_id == work_id)
+        return tuple(session.scalars(found.order_by(Annotation.position, Annotation.id)))
+
+
+def add_annotation(
+    gallery: Gallery, work_id: str, facts: Mapping[str, Any], *, author: str | None = None
+) -> Annotation:
+    """Say something of a point of a work, after what was said before.
+
+    facts: x and y (fractions of the picture, origin top left), title_zh, title_en, text_zh, text_en; at least
+        one text. author: id of a person.
+    Raises GalleryError for facts that are none of these, or no such work.
+    """
+    _check(facts)
+    if not {"x", "y"} <= set(facts):
+        raise GalleryError(f"expected x and y of an annotation, got {', '.join(sorted(facts)) or 'nothing'}")
+    _check_said({name: facts.get(name, "") for name in TEXTS})
+    work(gallery, work_id)
+    with gallery.database.writing() as session:
+        last = session.scalar(select(func.max(Annotation.position)).where(Annotation.work_id == work_id))
+        place = {"position": 0 if last is None else last + 1}
+        new = Annotation(work_id=work_id, author_id=author, **place | dict(facts))
+        session.add(new)
+        session.flush()
+        return new
+
+
+def change_annotation(
+    gallery: Gallery, annotation_id: str, facts: Mapping[str, Any], *, of: str | None = None
+) -> Annotation:
+    """Change some facts of an annotation; of: the work that it must belong to. Raises GalleryError."""
+    _check(facts)
+    with gallery.database.writing() as session:
+        found = session.get(Annotation, annotation_id)
+        if found is None or of not in (None, found.work_id):
+            raise GalleryError(f"no annotation {annotation_id!r}" + (f" of work {of!r}" if of else ""))
+        for name, value in facts.items():
+            setattr(found, name, value)
+        _check_said({name: getattr(found, name) for name in TEXTS})
+        return found
+
+
+def delete_annotation(gallery: Gallery, annotation_id: str, *, of: str | None = None) -> None:
+    """of: the work that it must belong to. Raises GalleryError when there is none."""
+    with gallery.database.writing() as session:
+        found = session.get(Annotation, annotation_id)
+        if found is None or of not in (None, found.work_id):
+            raise GalleryError(f"no annotation {annotation_id!r}" + (f" of work {of!r}" if of else ""))
+        session.delete(found)
+
+
+def _check(facts: Mapping[str, Any]) -> None:
+    stray = sorted(set(facts) - _FACTS)
+    if stray:
+        raise GalleryError(f"expected facts among {', '.join(sorted(_FACTS))}, got {', '.join(stray)}")
+    for name in ("x", "y"):
+        value = facts.get(name, 0.0)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise GalleryError(f"expected {name} as a number, got {value!r}")
+        if not 0 <= value <= 1:
+            raise GalleryError(f"expected {name} as a fraction of the picture, 0 to 1, got {value}")
+    check_texts(facts, _LONGEST)
+    if not isinstance(facts.get("position", 0), int):
+        raise GalleryError(f"expected position as a whole number, got {facts['position']!r}")
+
+
+def check_texts(facts: Mapping[str, Any], longest: Mapping[str, int]) -> None:
+    """Raise GalleryError for a text that is none or too long. longest: characters, by name."""
+    for name, most in longest.items():
+        text = facts.get(name, "")
+        if not isinstance(text, str) or len(text) > most:
+            got = f"{len(text)} characters" if isinstance(text, str) else repr(text)
+            raise GalleryError(f"expected {name} as a text of at most {most} characters, got {got}")
+
+
+def _check_said(texts: Mapping[str, str]) -> None:
+    if not any(text.strip() for text in texts.values()):
+        raise GalleryError("expected an annotation to say something, got four empty texts")

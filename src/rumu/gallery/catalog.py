@@ -1,0 +1,375 @@
+"""The catalogue: which works there are, found by what is known of them, and changed.
+
+A Gallery is a database for what is known and a store for the files. Every function is safe to call from many
+threads, and from several processes on one database.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from sqlalchemy import ColumnElement, and_, delete, func, or_, select
+from sqlalchemy.orm import Session
+
+from rumu.assessment.scripts import SCRIPTS
+from rumu.database.engine import Database, open_database
+from rumu.database.tables import Collection, Work
+from rumu.errors import GalleryError
+from rumu.gallery.entries import search_text
+from rumu.gallery.home import user_home
+from rumu.gallery.store import Store
+from rumu.gallery.terms import UNKNOWN, dynasty_name, script_name
+from rumu.gallery.variants import folded, forms
+from rumu.gallery.works import Bilingual
+
+if TYPE_CHECKING:
+    from rumu.values import Surface
+
+Row = TypeVar("Row")
+
+FACETS = ("script", "dynasty", "hand", "character", "collection")
+MOST_VALUES = 500  # of one facet: a list longer than this helps nobody to choose
+
+
+@dataclass(frozen=True, slots=True)
+class Gallery:
+    """database: what is known of the works. store: their files."""
+
+    database: Database
+    store: Store
+
+
+@dataclass(frozen=True, slots=True)
+class Page(Generic[Row]):
+    """items: a part of all that match, in order. total: how many match."""
+
+    items: tuple[Row, ...]
+    total: int
+
+
+@dataclass(frozen=True, slots=True)
+class FacetValue:
+    """One choice of a facet: what to ask for, its name in both languages, how many works it leaves."""
+
+    value: str
+    zh: str
+    en: str
+    count: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Filters:
+    """What works are asked for; None asks nothing. 'none' as script, dynasty or hand:
+    those of whom it is not known.
+
+    character: in any of its forms, traditional or simplified. hand: as a facet names it, in Chinese or
+    English. query: words that all must occur in title, character, hand, collection, dynasty or script.
+    """
+
+    script: str | None = None
+    dynasty: str | None = None
+    hand: str | None = None
+    character: str | None = None
+    collection: str | None = None
+    query: str | None = None
+
+
+def open_gallery(*, database: str | Path | None = None, files: str | Path | None = None) -> Gallery:
+    """The gallery of this person; where there are no works yet, with the starter gallery in it.
+
+    database: a file of SQLite or a URL; else RUMU_DATABASE, else rumu.sqlite in RUMU_HOME.
+    files: a folder or a URL of fsspec; else RUMU_FILES, else files/ in RUMU_HOME.
+    Raises GalleryError when either cannot be opened.
+    """
+    from rumu.gallery.starting import put_starter
+
+    gallery = Gallery(
+        open_database(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite"),
+        Store.open(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
+    )
+    put_starter(gallery)
+    return gallery
+
+
+# --- looking ---------------------------------------------------------------------------------------
+
+
+def works(
+    gallery: Gallery,
+    *,
+    script: str | None = None,
+    dynasty: str | None = None,
+    hand: str | None = None,
+    character: str | None = None,
+    collection: str | None = None,
+    query: str | None = None,
+    offset: int = 0,
+    limit: int = 60,
+) -> Page[Work]:
+    """The works that match all that is asked (see Filters), by collection, the starter gallery first.
+
+    Raises GalleryError for an unknown script, or a page that cannot be.
+    """
+    if offset < 0 or limit < 0:
+        raise GalleryError(f"expected offset and limit of 0 or more, got {offset} and {limit}")
+    asked = _conditions(
+        Filters(
+            script=script, dynasty=dynasty, hand=hand, character=character, collection=collection, query=query
+        )
+    )
+    with gallery.database.reading() as session:
+        total = session.scalar(select(func.count()).select_from(Work).where(*asked.values())) or 0
+        found = select(Work).where(*asked.values()).order_by(*_ORDER).offset(offset).limit(limit)
+        return Page(tuple(session.scalars(found)), total)
+
+
+def facets(
+    gallery: Gallery,
+    *,
+    script: str | None = None,
+    dynasty: str | None = None,
+    hand: str | None = None,
+    character: str | None = None,
+    collection: str | None = None,
+    query: str | None = None,
+) -> dict[str, tuple[FacetValue, ...]]:
+    """For each of FACETS its values, most works first, at most MOST_VALUES.
+
+    The counts of a facet heed every other choice but its own, so that another value of it can be chosen.
+    """
+    asked = _conditions(
+        Filters(
+            script=script, dynasty=dynasty, hand=hand, character=character, collection=collection, query=query
+        )
+    )
+    with gallery.database.reading() as session:
+        return {
+            name: _facet(session, name, [condition for of, condition in asked.items() if of != name])
+            for name in FACETS
+        }
+
+
+def work(gallery: Gallery, work_id: str) -> Work:
+    """The work with this id. Raises GalleryError that names the closest ids when there is none."""
+    with gallery.database.reading() as session:
+        found = session.get(Work, work_id)
+        if found is not None:
+            return found
+        raise GalleryError(f"no work {work_id!r} in the gallery{_hint(session, work_id)}")
+
+
+def neighbours(gallery: Gallery, work_id: str) -> tuple[str | None, str | None]:
+    """The ids of the works before and after one in its collection."""
+    here = work(gallery, work_id)
+    place = (here.position, here.id)
+    same = Work.collection_id == here.collection_id
+    before = or_(Work.position < place[0], and_(Work.position == place[0], Work.id < place[1]))
+    after = or_(Work.position > place[0], and_(Work.position == place[0], Work.id > place[1]))
+    down, up = (Work.position.desc(), Work.id.desc()), (Work.position, Work.id)
+    with gallery.database.reading() as session:
+        return (
+            session.scalar(select(Work.id).where(same, before).order_by(*down).limit(1)),
+            session.scalar(select(Work.id).where(same, after).order_by(*up).limit(1)),
+        )
+
+
+def collections(gallery: Gallery) -> tuple[tuple[Collection, int], ...]:
+    """Every collection with the number of its works, the starter gallery first."""
+    count = func.count(Work.id)
+    with gallery.database.reading() as session:
+        found = session.execute(
+            select(Collection, count)
+            .outerjoin(Work, Work.collection_id == Collection.id)
+            .group_by(Collection.id)
+            .order_by(Collection.id != "starter", Collection.id)
+        )
+        return tuple((row[0], row[1]) for row in found)
+
+
+def collection(gallery: Gallery, collection_id: str) -> Collection:
+    """The collection with this id. Raises GalleryError that names those there are."""
+    with gallery.database.reading() as session:
+        found = session.get(Collection, collection_id)
+        if found is not None:
+            return found
+        known = ", ".join(session.scalars(select(Collection.id).order_by(Collection.id).limit(10)))
+        raise GalleryError(f"no collection {collection_id!r} in the gallery; there are {known}")
+
+
+def surface(gallery: Gallery, work_id: str) -> Surface:
+    """The surface of a work: the reconstructed one that was kept, or the relief of its picture.
+
+    The last few stay in memory. Raises GalleryError when there is no such work or its files are gone,
+    ImageError or RefusedImage when its picture cannot be used.
+    """
+    from rumu.gallery.originals import original_of
+
+    return original_of(gallery, work_id).surface()
+
+
+# --- changing --------------------------------------------------------------------------------------
+
+CHANGEABLE = frozenset(
+    {
+        *(
+            f"{name}_{language}"
+            for name in ("title", "hand", "period", "material")
+            for language in ("zh", "en")
+        ),
+        *("character", "script", "dynasty", "source", "licence", "attribution", "position", "spacing"),
+    }
+)
+
+
+def change_work(gallery: Gallery, work_id: str, changes: Mapping[str, Any]) -> Work:
+    """Change what is known of a work: columns of CHANGEABLE. Raises GalleryError for others, or no such
+    work."""
+    stray = sorted(set(changes) - CHANGEABLE)
+    if stray:
+        raise GalleryError(f"expected facts among {', '.join(sorted(CHANGEABLE))}, got {', '.join(stray)}")
+    _check_script(changes.get("script"))
+    with gallery.database.writing() as session:
+        found = session.get(Work, work_id)
+        if found is None:
+            raise GalleryError(f"no work {work_id!r} in the gallery{_hint(session, work_id)}")
+        for name, value in changes.items():
+            setattr(found, name, value)
+        _index_again(session, [found])
+        return found
+
+
+def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str, str]) -> Collection:
+    """Change title_zh, title_en, note_zh, note_en, source or licence. Raises GalleryError for others, or
+    none."""
+    known = {"title_zh", "title_en", "note_zh", "note_en", "source", "licence"}
+    if not set(changes) <= known:
+        raise GalleryError(
+            f"expected facts among {', '.join(sorted(known))}, got {', '.join(sorted(changes))}"
+        )
+    collection(gallery, collection_id)
+    with gallery.database.writing() as session:
+        found = session.get_one(Collection, collection_id)
+        for name, value in changes.items():
+            setattr(found, name, value)
+        _index_again(session, session.scalars(select(Work).where(Work.collection_id == collection_id)).all())
+        return found
+
+
+def delete_work(gallery: Gallery, work_id: str) -> None:
+    """Forget a work with all that hangs on it, and the files that no other work shares.
+
+    Raises GalleryError when there is no such work.
+    """
+    from rumu.gallery.originals import forget_files
+
+    gone = work(gallery, work_id)
+    with gallery.database.writing() as session:
+        session.execute(delete(Work).where(Work.id == work_id))
+    forget_files(gallery, gone)
+
+
+def delete_collection(gallery: Gallery, collection_id: str) -> int:
+    """Forget a collection and its works; how many works there were. Raises GalleryError when there is
+    none."""
+    from rumu.gallery.originals import forget_files
+
+    collection(gallery, collection_id)
+    with gallery.database.writing() as session:
+        gone = session.scalars(select(Work).where(Work.collection_id == collection_id)).all()
+        session.execute(delete(Work).where(Work.collection_id == collection_id))
+        session.execute(delete(Collection).where(Collection.id == collection_id))
+    for row in gone:
+        forget_files(gallery, row)
+    return len(gone)
+
+
+# --- within ----------------------------------------------------------------------------------------
+
+_ORDER: Sequence[ColumnElement[Any]] = (
+    Work.collection_id != "starter",
+    Work.collection_id.expression,
+    Work.position.expression,
+    Work.id.expression,
+)
+
+
+def _check_script(script: str | None) -> None:
+    if script not in (None, "", "none", *SCRIPTS):
+        raise GalleryError(f"expected a script among {', '.join(SCRIPTS)}, got {script!r}")
+
+
+def _conditions(filters: Filters) -> dict[str, ColumnElement[bool]]:
+    """What each choice asks of a row, by the name of its facet."""
+    _check_script(filters.script)
+    asked: dict[str, ColumnElement[bool]] = {}
+    if filters.script:
+        asked["script"] = Work.script == ("" if filters.script == "none" else filters.script)
+    if filters.dynasty:
+        asked["dynasty"] = Work.dynasty == ("" if filters.dynasty == "none" else filters.dynasty)
+    if filters.hand:
+        hand = "" if filters.hand == "none" else filters.hand
+        asked["hand"] = or_(Work.hand_zh == hand, and_(Work.hand_en == hand, Work.hand_en != ""))
+    if filters.character:
+        asked["character"] = Work.character.in_(forms(filters.character))
+    if filters.collection:
+        asked["collection"] = Work.collection_id == filters.collection
+    if filters.query and filters.query.split():
+        words = [Work.search.contains(word, autoescape=True) for word in folded(filters.query).split()]
+        asked["query"] = and_(*words)
+    return asked
+
+
+def _facet(session: Session, name: str, asked: Sequence[ColumnElement[bool]]) -> tuple[FacetValue, ...]:
+    columns: Sequence[Any] = {
+        "script": (Work.script,),
+        "dynasty": (Work.dynasty,),
+        "hand": (Work.hand_zh, Work.hand_en),
+        "character": (Work.character,),
+        "collection": (Work.collection_id, Collection.title_zh, Collection.title_en),
+    }[name]
+    count = func.count().label("works")
+    chosen = select(*columns, count).select_from(Work).where(*asked)
+    if name == "collection":
+        chosen = chosen.join(Collection, Collection.id == Work.collection_id)
+    rows = session.execute(
+        chosen.group_by(*columns).order_by(count.desc(), *columns).limit(MOST_VALUES)
+    ).all()
+    return tuple(_facet_value(name, row[:-1], row[-1]) for row in rows if name != "character" or row[0])
+
+
+def _facet_value(name: str, values: Sequence[str], count: int) -> FacetValue:
+    if name in ("script", "dynasty"):
+        label = (script_name if name == "script" else dynasty_name)(values[0])
+        return FacetValue(values[0] or "none", label.zh, label.en, count)
+    if name == "character":
+        return FacetValue(values[0], values[0], values[0], count)
+    if name == "hand":
+        label = Bilingual(zh=values[0] or values[1], en=values[1] or values[0])
+        return FacetValue(label.zh or "none", label.zh or UNKNOWN.zh, label.en or UNKNOWN.en, count)
+    return FacetValue(values[0], values[1], values[2], count)
+
+
+def _index_again(session: Session, rows: Sequence[Work]) -> None:
+    """The text that searches look through follows the facts it was made of."""
+    titles: dict[str, Bilingual] = {}
+    for row in rows:
+        if row.collection_id not in titles:
+            of = session.get_one(Collection, row.collection_id)
+            titles[row.collection_id] = Bilingual(zh=of.title_zh, en=of.title_en)
+        columns = {column.name: getattr(row, column.name) for column in Work.__table__.columns}
+        row.search = search_text(columns, collection=titles[row.collection_id])
+
+
+def _hint(session: Session, asked: str) -> str:
+    known = list(session.scalars(select(Work.id)))
+    close = difflib.get_close_matches(asked, known, n=3, cutoff=0.5)
+    if not close:  # an id seldom holds the character itself, but a person may well type it
+        close = list(
+            session.scalars(select(Work.id).where(Work.character == asked).order_by(*_ORDER).limit(5))
+        )
+    return f"; did you mean {', '.join(close)}?" if close else f"; there are {', '.join(known[:5])}, ..."
