@@ -68,6 +68,8 @@ export type Tour = { id: string; title: Text; steps: TourStep[] };
 export type Part = { name: string; zh: string; en: string; score: number; meaning: Text };
 export type Remark = {
   kind: string;
+  /** The kind in words. */
+  name?: Text;
   zh: string;
   en: string;
   severity: number;
@@ -81,6 +83,8 @@ export type Mark = {
   score: number | null;
   level: "excellent" | "good" | "medium" | "bad" | null;
   level_text: Text | null;
+  /** The lowest score of each level; below the last is bad. */
+  cuts?: { excellent: number; good: number; medium: number } | null;
   interval: [number, number] | null;
   interval_note: Text | null;
   parts: Part[];
@@ -95,6 +99,8 @@ export type Mark = {
   align: { matrix: [number, number, number, number, number, number] } | null;
   /** [x, y, r]: fractions of the own cell; r 0 on the line to 1 far off. */
   residual: { copy: [number, number, number][]; master: [number, number, number][] } | null;
+  /** What another calibration than the panel's was fitted on. */
+  calibration?: string | null;
   seconds: number;
 };
 

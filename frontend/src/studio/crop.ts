@@ -1,0 +1,39 @@
+// The square of a photograph that is the cell. All in pixels of the picture.
+
+export type Square = { x: number; y: number; side: number };
+export type Size = { width: number; height: number };
+export type Handle = "nw" | "ne" | "sw" | "se";
+export const HANDLES: Handle[] = ["nw", "ne", "sw", "se"];
+
+const LEAST = 32; // pixels; nothing smaller can be marked
+
+export function firstSquare({ width, height }: Size): Square {
+  const side = Math.round(Math.min(width, height) * 0.9);
+  return { x: (width - side) / 2, y: (height - side) / 2, side };
+}
+
+export function shifted(square: Square, dx: number, dy: number, size: Size): Square {
+  const clamp = (value: number, most: number) => Math.min(Math.max(0, value), Math.max(0, most));
+  return {
+    x: clamp(square.x + dx, size.width - square.side),
+    y: clamp(square.y + dy, size.height - square.side),
+    side: square.side,
+  };
+}
+
+/** The corner `handle` goes to (x, y) as nearly as a square within the picture can; the opposite corner stays. */
+export function resized(square: Square, handle: Handle, x: number, y: number, size: Size): Square {
+  const [west, north] = [handle.endsWith("w"), handle.startsWith("n")];
+  const fixed = { x: square.x + (west ? square.side : 0), y: square.y + (north ? square.side : 0) };
+  const room = Math.min(west ? fixed.x : size.width - fixed.x, north ? fixed.y : size.height - fixed.y);
+  const wanted = Math.max(west ? fixed.x - x : x - fixed.x, north ? fixed.y - y : y - fixed.y);
+  const side = Math.min(room, Math.max(Math.min(LEAST, room), wanted));
+  return { x: west ? fixed.x - side : fixed.x, y: north ? fixed.y - side : fixed.y, side };
+}
+
+/** Larger or smaller about its middle, as far as the picture goes. */
+export function grown(square: Square, by: number, size: Size): Square {
+  const side = Math.min(size.width, size.height, Math.max(LEAST, square.side + by));
+  const shift = (square.side - side) / 2;
+  return shifted({ x: square.x + shift, y: square.y + shift, side }, 0, 0, size);
+}

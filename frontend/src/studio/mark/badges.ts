@@ -1,0 +1,41 @@
+// Where the number of a remark stands on the copy.
+
+import type { Remark } from "../../types";
+
+export type Badge = { x: number; y: number };
+type Box = readonly [x0: number, y0: number, x1: number, y1: number];
+
+/** What a remark points at, in fractions of the cell; null where it speaks of the whole. */
+export function placeOf(remark: Pick<Remark, "region" | "outline">): Box | null {
+  const points = remark.outline.flat();
+  if (points.length) {
+    const [xs, ys] = [points.map((p) => p[0]), points.map((p) => p[1])];
+    return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+  }
+  return remark.region;
+}
+
+/** One badge a remark: at the upper left of its place, or along the top edge for the whole; apart by `gap`, within the cell. */
+export function badges(remarks: readonly Pick<Remark, "region" | "outline">[], gap = 0.075): Badge[] {
+  const set: Badge[] = [];
+  for (const remark of remarks) {
+    const box = placeOf(remark);
+    const wanted = box ? { x: within(box[0]), y: within(box[1]) } : { x: 0.05, y: 0.05 };
+    set.push(free(wanted, set, gap));
+  }
+  return set;
+}
+
+const within = (value: number): number => Math.min(0.95, Math.max(0.05, value));
+
+/** The nearest place on widening rings that is clear of the others. */
+function free(wanted: Badge, taken: readonly Badge[], gap: number): Badge {
+  for (let ring = 0; ring < 12; ring++) {
+    for (let k = 0; k < Math.max(1, 8 * ring); k++) {
+      const turn = (2 * Math.PI * k) / Math.max(1, 8 * ring);
+      const at = { x: within(wanted.x + ring * gap * 0.5 * Math.cos(turn)), y: within(wanted.y + ring * gap * 0.5 * Math.sin(turn)) };
+      if (taken.every((other) => Math.hypot(other.x - at.x, other.y - at.y) >= gap)) return at;
+    }
+  }
+  return wanted;
+}
