@@ -1,0 +1,73 @@
+"""Who sees what: a pupil their own, a teacher those of the pupils of their classes, an owner all."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sqlalchemy import ColumnElement, Select, false, or_, select, true
+from sqlalchemy.orm import Session
+
+from rumu.database.tables import Attempt, Membership, Person, SchoolClass, Task
+from rumu.studio.errors import Missing
+from rumu.studio.people import Identity
+
+
+def pupils_of(teacher_id: str) -> Select[Any]:
+    """The ids of all pupils in the classes of a teacher."""
+    return (
+        select(Membership.person_id)
+        .join(SchoolClass, SchoolClass.id == Membership.class_id)
+        .where(SchoolClass.teacher_id == teacher_id)
+    )
+
+
+def people_of(who: Identity) -> ColumnElement[bool]:
+    """A condition on Person: whom this person may look at."""
+    return _within(who, Person.id)
+
+
+def attempts_of(who: Identity, *, simulated: bool = True) -> ColumnElement[bool]:
+    """A condition on Attempt: which this person may see. Nobody wrote the simulated ones; they are for
+    all."""
+    seen = _within(who, Attempt.person_id)
+    return or_(seen, Attempt.kind == "simulated") if simulated else seen
+
+
+def classes_of(who: Identity) -> ColumnElement[bool]:
+    """A condition on SchoolClass: those that this person teaches or learns in; an owner sees all."""
+    if who.owns:
+        return true()
+    if who.teaches:
+        return SchoolClass.teacher_id == who.id
+    return SchoolClass.id.in_(select(Membership.class_id).where(Membership.person_id == who.id))
+
+
+def tasks_of(who: Identity) -> ColumnElement[bool]:
+    """A condition on Task: those of the classes that this person sees."""
+    return Task.class_id.in_(select(SchoolClass.id).where(classes_of(who)))
+
+
+def seen_person(session: Session, person_id: str, *, who: Identity) -> Person:
+    """Raises Missing also where the person exists but is not for these eyes: an id tells nothing."""
+    person = session.scalar(select(Person).where(Person.id == person_id, people_of(who)))
+    if person is None:
+        raise Missing("沒有這個人。", "There is no such person.")
+    return person
+
+
+def seen_attempt(session: Session, attempt_id: str, *, who: Identity | None) -> Attempt:
+    """Raises Missing also where the attempt exists but is not for these eyes."""
+    allowed = Attempt.kind == "simulated" if who is None else attempts_of(who)
+    attempt = session.scalar(select(Attempt).where(Attempt.id == attempt_id, allowed))
+    if attempt is None:
+        raise Missing("沒有這張臨作。", "There is no such copy.")
+    return attempt
+
+
+def _within(who: Identity, column: object) -> ColumnElement[bool]:
+    if who.owns:
+        return true()
+    own: ColumnElement[bool] = column == who.id  # type: ignore[assignment]
+    if who.teaches:
+        return or_(own, column.in_(pupils_of(who.id)))  # type: ignore[attr-defined]
+    return own if who.role == "pupil" else false()

@@ -1,0 +1,205 @@
+"""Attempts: a copy that somebody wrote, kept with its mark."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from rumu import __version__
+from rumu.database.tables import Attempt, Membership, Person, Task, TeacherMark, Work, new_id, now
+from rumu.gallery.catalog import Gallery
+from rumu.gallery.store import Store
+from rumu.studio.access import attempts_of, seen_attempt
+from rumu.studio.classes import found_task
+from rumu.studio.errors import NotAllowed, Unusable
+from rumu.studio.people import Identity
+from rumu.studio.worker import Marked
+
+KINDS = ("pen", "photo")
+GRIDS = ("", "mi", "jiu", "tian")
+MOST_STROKES = 2**20  # characters of JSON
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """An attempt with what stands around it. person: None where nobody wrote it."""
+
+    attempt: Attempt
+    work: Work
+    person: Person | None
+    teacher_marks: tuple[tuple[Person, TeacherMark], ...]
+
+
+def checked_strokes(text: str) -> str:
+    """The pen's path as it will be kept: a list of strokes, each an object with a list of points of 2 to 5
+    numbers.
+
+    Raises Unusable.
+    """
+    try:
+        held = json.loads(text)
+        strokes = held["strokes"] if isinstance(held, dict) else held
+        whole = isinstance(strokes, list) and all(_is_stroke(stroke) for stroke in strokes)
+    except (ValueError, KeyError, RecursionError, TypeError):
+        whole = False
+    if not whole or len(text) > MOST_STROKES:
+        raise Unusable("strokes", zh="筆跡的格式不對。", en="Expected strokes as a list of lists of points.")
+    return json.dumps(held, separators=(",", ":"), allow_nan=False)
+
+
+def _is_stroke(stroke: Any) -> bool:
+    points = stroke.get("points") if isinstance(stroke, dict) else stroke
+    return isinstance(points, list) and all(_is_point(point) for point in points)
+
+
+def _is_point(point: Any) -> bool:
+    numbers = list(point.values()) if isinstance(point, dict) else point
+    return (
+        isinstance(numbers, list)
+        and 2 <= len(numbers) <= 6
+        and all(isinstance(n, int | float) and not isinstance(n, bool) and abs(n) < 1e12 for n in numbers)
+    )
+
+
+def task_for(session: Session, task_id: str, *, who: Identity, work_id: str) -> Task:
+    """The task an attempt is for. Raises Missing, NotAllowed for somebody outside of the class, Unusable for
+    another work than the task's."""
+    task = found_task(session, task_id, who=who)
+    if session.get(Membership, (task.class_id, who.id)) is None:
+        raise NotAllowed("這項作業是給班上學生的。", "This task is for the pupils of the class.")
+    if task.work_id != work_id:
+        raise Unusable("task", zh="這項作業臨的是另一件作品。", en="This task is about another work.")
+    return task
+
+
+def keep(
+    gallery: Gallery,
+    marked: Marked,
+    *,
+    work_id: str,
+    person_id: str | None,
+    kind: str,
+    grid: str = "",
+    strokes: str | None = None,
+    task_id: str | None = None,
+    attempt_id: str | None = None,
+) -> Attempt:
+    """Files first, then the row: what is listed is whole, and what was answered for is kept."""
+    one = attempt_id or new_id()
+    folder = f"attempts/{one}"
+    picture = f"{folder}/picture.{marked.picture.ending}"
+    gallery.store.write(picture, marked.picture.data)
+    if marked.residual is not None:
+        gallery.store.write(f"{folder}/residual.json", json.dumps(marked.residual).encode())
+    if strokes is not None:
+        gallery.store.write(f"{folder}/strokes.json", strokes.encode())
+    attempt = Attempt(
+        id=one,
+        person_id=person_id,
+        work_id=work_id,
+        task_id=task_id,
+        kind=kind,
+        grid=grid,
+        picture=picture,
+        strokes=None if strokes is None else f"{folder}/strokes.json",
+        score=marked.facts["score"],
+        level=marked.facts["level"],
+        mark=marked.facts,
+        version=__version__,
+        created=now(),
+    )
+    with gallery.database.writing() as session:
+        session.add(attempt)
+    return attempt
+
+
+def residual(store: Store, attempt: Attempt) -> dict[str, Any] | None:
+    """The residual points of an attempt, see marking.residual_facts; None when it was refused."""
+    key = f"attempts/{attempt.id}/residual.json"
+    if not store.exists(key):
+        return None
+    held: dict[str, Any] = json.loads(store.read(key))
+    return held
+
+
+def listed(
+    session: Session,
+    who: Identity,
+    *,
+    work_id: str | None = None,
+    person_id: str | None = None,
+    task_id: str | None = None,
+    offset: int = 0,
+    limit: int = 60,
+) -> tuple[list[Shown], int]:
+    """(attempts of people that this person sees, newest first; how many there are)."""
+    asked = [attempts_of(who, simulated=False)]
+    for column, value in (
+        (Attempt.work_id, work_id),
+        (Attempt.person_id, person_id),
+        (Attempt.task_id, task_id),
+    ):
+        if value is not None:
+            asked.append(column == value)
+    total = session.scalar(select(func.count()).select_from(Attempt).where(*asked)) or 0
+    wanted = select(Attempt).where(*asked).order_by(Attempt.created.desc(), Attempt.id)
+    return shown(session, session.scalars(wanted.offset(offset).limit(limit)).all()), total
+
+
+def shown(session: Session, attempts: Sequence[Attempt]) -> list[Shown]:
+    """Attempts with their works, writers and teachers' marks, in few questions to the database."""
+    ids = [attempt.id for attempt in attempts]
+    marks = session.execute(
+        select(TeacherMark, Person)
+        .join(Person, Person.id == TeacherMark.teacher_id)
+        .where(TeacherMark.attempt_id.in_(ids))
+        .order_by(TeacherMark.created)
+    ).all()
+    works = _by_id(session, Work, {attempt.work_id for attempt in attempts})
+    people = _by_id(session, Person, {attempt.person_id for attempt in attempts if attempt.person_id})
+    return [
+        Shown(
+            attempt,
+            works[attempt.work_id],
+            people.get(attempt.person_id or ""),
+            tuple((person, mark) for mark, person in marks if mark.attempt_id == attempt.id),
+        )
+        for attempt in attempts
+    ]
+
+
+def _by_id(session: Session, table: Any, ids: set[str]) -> dict[str, Any]:
+    return {row.id: row for row in session.scalars(select(table).where(table.id.in_(ids)))} if ids else {}
+
+
+def delete(gallery: Gallery, attempt_id: str, *, who: Identity) -> None:
+    """By who wrote it, or by an owner. Raises Missing, or NotAllowed for a simulated one and for teachers."""
+    with gallery.database.writing() as session:
+        attempt = seen_attempt(session, attempt_id, who=who)
+        if attempt.kind == "simulated" or not (who.owns or attempt.person_id == who.id):
+            raise NotAllowed()
+        session.delete(attempt)
+    gallery.store.delete(f"attempts/{attempt_id}")
+
+
+def mark_by_teacher(
+    session: Session, attempt_id: str, *, who: Identity, mark: float, note: str
+) -> TeacherMark:
+    """Keep or change a teacher's own mark. Raises Missing, or NotAllowed for a pupil or a simulated
+    attempt."""
+    attempt = seen_attempt(session, attempt_id, who=who)
+    if not who.teaches or attempt.kind == "simulated":
+        raise NotAllowed()
+    row = session.get(TeacherMark, (attempt_id, who.id))
+    if row is None:
+        row = TeacherMark(attempt_id=attempt_id, teacher_id=who.id, mark=mark, note=note)
+        session.add(row)
+    else:
+        row.mark, row.note = mark, note
+    session.flush()
+    return row

@@ -1,0 +1,161 @@
+"""Classes: who teaches whom, what is to be written, and how it went."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+from sqlalchemy import delete, func, select
+from sqlalchemy.orm import Session
+
+from rumu.database.tables import Attempt, Membership, Person, SchoolClass, Task, TeacherMark, Work
+from rumu.studio.access import attempts_of, classes_of, tasks_of
+from rumu.studio.errors import Missing, NotAllowed
+from rumu.studio.people import Identity
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One pupil in the table of a task. attempts: how many; best, last: scores, None where none was marked;
+    last_id: the newest attempt; teacher_mark: the teacher's newest mark of this pupil's attempts."""
+
+    person: Person
+    attempts: int
+    best: float | None
+    last: float | None
+    last_id: str | None
+    teacher_mark: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class CommonRemark:
+    """count: in how many pupils' latest attempts a remark of this kind stands."""
+
+    kind: str
+    count: int
+
+
+def create_class(session: Session, who: Identity, *, name: str) -> SchoolClass:
+    """A class of this teacher. Raises NotAllowed for a pupil."""
+    if not who.teaches:
+        raise NotAllowed()
+    school_class = SchoolClass(name=name, teacher_id=who.id)
+    session.add(school_class)
+    session.flush()
+    return school_class
+
+
+def classes(session: Session, who: Identity) -> list[SchoolClass]:
+    """Those that this person teaches or learns in."""
+    return list(session.scalars(select(SchoolClass).where(classes_of(who)).order_by(SchoolClass.created)))
+
+
+def found_class(session: Session, class_id: str, *, who: Identity, to_teach: bool = False) -> SchoolClass:
+    """Raises Missing where there is none that this person sees, NotAllowed for a pupil where `to_teach`."""
+    found = session.scalar(select(SchoolClass).where(SchoolClass.id == class_id, classes_of(who)))
+    if found is None:
+        raise Missing("沒有這個班。", "There is no such class.")
+    if to_teach and not who.teaches:
+        raise NotAllowed()
+    return found
+
+
+def pupils(session: Session, class_id: str) -> list[Person]:
+    """The pupils of a class, by name."""
+    members = select(Membership.person_id).where(Membership.class_id == class_id)
+    return list(session.scalars(select(Person).where(Person.id.in_(members)).order_by(Person.name_key)))
+
+
+def take_out(session: Session, class_id: str, person_id: str) -> None:
+    """A pupil leaves a class; what they wrote stays theirs."""
+    session.execute(
+        delete(Membership).where(Membership.class_id == class_id, Membership.person_id == person_id)
+    )
+
+
+def tasks(session: Session, class_id: str) -> list[Task]:
+    """What a class is to write, newest first."""
+    return list(session.scalars(select(Task).where(Task.class_id == class_id).order_by(Task.created.desc())))
+
+
+def add_task(
+    session: Session,
+    school_class: SchoolClass,
+    *,
+    work_id: str,
+    title: str,
+    note: str = "",
+    due: datetime | None = None,
+) -> Task:
+    """Raises Missing for an unknown work."""
+    if session.get(Work, work_id) is None:
+        raise Missing("沒有這件作品。", "There is no such work.")
+    task = Task(class_id=school_class.id, work_id=work_id, title=title, note=note, due=due)
+    session.add(task)
+    session.flush()
+    return task
+
+
+def found_task(session: Session, task_id: str, *, who: Identity, to_teach: bool = False) -> Task:
+    """Raises Missing where there is none that this person sees, NotAllowed for a pupil where `to_teach`."""
+    task = session.scalar(select(Task).where(Task.id == task_id, tasks_of(who)))
+    if task is None:
+        raise Missing("沒有這項作業。", "There is no such task.")
+    if to_teach and not who.teaches:
+        raise NotAllowed()
+    return task
+
+
+def attempts_at(session: Session, task: Task, *, who: Identity) -> list[Attempt]:
+    """The attempts at a task that this person sees, oldest first."""
+    wanted = select(Attempt).where(Attempt.task_id == task.id, attempts_of(who, simulated=False))
+    return list(session.scalars(wanted.order_by(Attempt.created)))
+
+
+def table(session: Session, task: Task, *, who: Identity) -> list[Row]:
+    """One row a pupil; to a pupil their own alone."""
+    people = [p for p in pupils(session, task.class_id) if who.teaches or p.id == who.id]
+    attempts = attempts_at(session, task, who=who)
+    here = {person.id for person in people}
+    gone = {a.person_id for a in attempts if a.person_id is not None} - here
+    people += list(session.scalars(select(Person).where(Person.id.in_(gone)))) if gone else []
+    marks = _teacher_marks(session, [attempt.id for attempt in attempts])
+    return [_row(person, [a for a in attempts if a.person_id == person.id], marks) for person in people]
+
+
+def _row(person: Person, attempts: Sequence[Attempt], marks: dict[str, TeacherMark]) -> Row:
+    scores = [attempt.score for attempt in attempts if attempt.score is not None]
+    given = sorted((marks[a.id] for a in attempts if a.id in marks), key=lambda mark: mark.created)
+    return Row(
+        person=person,
+        attempts=len(attempts),
+        best=max(scores, default=None),
+        last=scores[-1] if scores else None,
+        last_id=attempts[-1].id if attempts else None,
+        teacher_mark=given[-1].mark if given else None,
+    )
+
+
+def common_remarks(session: Session, task: Task, *, who: Identity) -> list[CommonRemark]:
+    """What many got wrong: kinds of remarks in each pupil's latest attempt, the commonest first."""
+    latest = {attempt.person_id: attempt for attempt in attempts_at(session, task, who=who)}
+    kinds: Counter[str] = Counter()
+    for attempt in latest.values():
+        kinds.update({remark["kind"] for remark in attempt.mark.get("remarks", ())})
+    return [CommonRemark(kind, count) for kind, count in kinds.most_common()]
+
+
+def counts(session: Session, class_ids: Sequence[str]) -> dict[str, tuple[int, int]]:
+    """(pupils, tasks) of each class."""
+    members = select(Membership.class_id, func.count()).where(Membership.class_id.in_(class_ids))
+    given = select(Task.class_id, func.count()).where(Task.class_id.in_(class_ids))
+    many = dict(session.execute(members.group_by(Membership.class_id)).all())  # type: ignore[arg-type]
+    tasks_in = dict(session.execute(given.group_by(Task.class_id)).all())  # type: ignore[arg-type]
+    return {one: (many.get(one, 0), tasks_in.get(one, 0)) for one in class_ids}
+
+
+def _teacher_marks(session: Session, attempt_ids: Sequence[str]) -> dict[str, TeacherMark]:
+    wanted = select(TeacherMark).where(TeacherMark.attempt_id.in_(attempt_ids)).order_by(TeacherMark.created)
+    return {mark.attempt_id: mark for mark in session.scalars(wanted)}

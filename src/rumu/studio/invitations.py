@@ -1,0 +1,98 @@
+"""Links that make one login, once: the owner's at the first start, a teacher's for a class."""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+from datetime import timedelta
+
+from sqlalchemy import delete, update
+from sqlalchemy.orm import Session
+
+from rumu.database.tables import Invitation, Membership, Person, SchoolClass, now
+from rumu.studio.classes import found_class
+from rumu.studio.errors import Clash, Missing, NotAllowed
+from rumu.studio.people import Identity, Role, create_person, known_by, owner_exists
+
+DAYS = 14
+
+
+def first_owner(session: Session) -> str | None:
+    """The token of a link for the first owner, or None when there is one. Earlier such links end."""
+    if owner_exists(session):
+        return None
+    session.execute(delete(Invitation).where(Invitation.role == "owner", Invitation.author_id.is_(None)))
+    return _written(session, role="owner", class_id=None, author_id=None)[0]
+
+
+def invite(
+    session: Session, who: Identity, *, role: Role, class_id: str | None = None
+) -> tuple[str, Invitation]:
+    """(token, row). An owner invites anybody, a teacher pupils into a class of theirs.
+
+    Raises NotAllowed, or Missing for a class that is not theirs.
+    """
+    if not (who.owns or (who.role == "teacher" and role == "pupil" and class_id is not None)):
+        raise NotAllowed(
+            "老師只能邀請學生進自己的班。", "A teacher may invite pupils into their own classes only."
+        )
+    if class_id is not None:
+        found_class(session, class_id, who=who, to_teach=True)
+        if role != "pupil":
+            raise NotAllowed("班級只收學生。", "Only pupils are invited into a class.")
+    return _written(session, role=role, class_id=class_id, author_id=who.id)
+
+
+def _written(
+    session: Session, *, role: Role, class_id: str | None, author_id: str | None
+) -> tuple[str, Invitation]:
+    token = secrets.token_urlsafe(24)
+    row = Invitation(
+        token=_digest(token),
+        role=role,
+        class_id=class_id,
+        author_id=author_id,
+        expires=now() + timedelta(days=DAYS),
+    )
+    session.add(row)
+    session.flush()
+    return token, row
+
+
+def looked_at(session: Session, token: str) -> tuple[Invitation, SchoolClass | None]:
+    """The open invitation and its class. Raises Missing when it is unknown, used or too old."""
+    row = session.get(Invitation, _digest(token))
+    if row is None or row.used is not None or row.expires < now():
+        raise Missing(
+            "這個邀請連結無效，或者已經用過、過期了。", "This invitation is unknown, used or out of date."
+        )
+    if row.role == "owner" and row.author_id is None and owner_exists(session):
+        raise Missing("已經有館主了。", "There is an owner already.")
+    return row, session.get(SchoolClass, row.class_id) if row.class_id else None
+
+
+def accept(session: Session, token: str, *, name: str, password: str) -> Person:
+    """Make the login of an invitation, or let a pupil with a login into one more class.
+
+    Raises Missing, Clash when the name is taken, Unusable for a name or password that will not do.
+    """
+    row, school_class = looked_at(session, token)
+    taken = update(Invitation).where(Invitation.token == row.token, Invitation.used.is_(None))
+    if session.execute(taken.values(used=now())).rowcount != 1:  # type: ignore[attr-defined]
+        raise Missing("這個邀請連結已經用過了。", "This invitation has been used.")
+    person = None
+    if school_class is not None:
+        person = known_by(session, name=name, password=password)
+        if person is not None and person.role != "pupil":
+            raise Clash("name_taken", zh="這個名字不是學生。", en="That name is not a pupil's.")
+    if person is None:
+        role: Role = row.role  # type: ignore[assignment]
+        person = create_person(session, name=name, password=password, role=role)
+    if school_class is not None and session.get(Membership, (school_class.id, person.id)) is None:
+        session.add(Membership(class_id=school_class.id, person_id=person.id))
+        session.flush()
+    return person
+
+
+def _digest(token: str) -> str:
+    return hashlib.sha256(token.encode()).hexdigest()

@@ -1,0 +1,190 @@
+"""Chinese and English on a PDF page without a font file of our own.
+
+Latin is set in Helvetica, which every reader has. Chinese is drawn as outlines of a font of this machine,
+so that the
+page prints anywhere; where the machine has none it is set in a font that readers bring themselves
+(MSung-Light).
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from reportlab.pdfgen.canvas import Canvas
+
+_FACES = (
+    *(
+        "NotoSansCJK-Regular.ttc",
+        "NotoSansTC-Regular.otf",
+        "NotoSansTC-Regular.ttf",
+        "NotoSerifCJK-Regular.ttc",
+    ),
+    *(
+        "SourceHanSansTC-Regular.otf",
+        "NotoSansCJKtc-Regular.otf",
+        "PingFang.ttc",
+        "Songti.ttc",
+        "STHeiti Light.ttc",
+    ),
+    *("msjh.ttc", "mingliu.ttc", "wqy-zenhei.ttc", "wqy-microhei.ttc", "uming.ttc", "ukai.ttc"),
+    *("DroidSansFallbackFull.ttf", "NotoSerifCJK-Bold.ttc", "NotoSansCJK-Bold.ttc"),
+)
+_ROOMS = (
+    *("/usr/share/fonts", "/usr/local/share/fonts", "~/.fonts", "~/.local/share/fonts"),
+    *("/System/Library/Fonts", "/Library/Fonts", "~/Library/Fonts", "C:/Windows/Fonts"),
+)
+_LATIN, _BOLD, _READERS = "Helvetica", "Helvetica-Bold", "MSung-Light"
+_EM = 1000.0
+
+
+def text_width(text: str, size: float, *, bold: bool = False) -> float:
+    """Points that `text` takes in one line."""
+    return sum(_advance(run, size, chinese=chinese, bold=bold) for chinese, run in runs(text))
+
+
+def draw_text(canvas: Canvas, x: float, y: float, text: str, size: float, *, bold: bool = False) -> float:
+    """Draw one line from (x, y) on its baseline, in the fill colour; x of its end, in points."""
+    for chinese, run in runs(text):
+        if chinese and chinese_face() is not None:
+            _draw_outlines(canvas, x, y, run, size)
+        else:
+            canvas.setFont(_readers_font() if chinese else _BOLD if bold else _LATIN, size)
+            canvas.drawString(x, y, run)
+        x += _advance(run, size, chinese=chinese, bold=bold)
+    return x
+
+
+def lines(text: str, size: float, *, width: float) -> list[str]:
+    """`text` broken to `width` points: between words, and between any two Chinese characters but before a
+    stop."""
+    done, line = [], ""
+    for piece in _pieces(text):
+        if (
+            line
+            and text_width(line + piece.rstrip(), size) > width
+            and piece[0] not in "，。、；：！？）」』%"
+        ):
+            done.append(line.rstrip())
+            line = ""
+        line += piece if line or not piece.isspace() else ""
+    return [*done, line.rstrip()] if line.strip() else done
+
+
+def runs(text: str) -> Iterator[tuple[bool, str]]:
+    """(whether it is beyond Latin, the part of `text`), in order."""
+    start = 0
+    for at in range(1, len(text) + 1):
+        if at == len(text) or _beyond_latin(text[at]) != _beyond_latin(text[start]):
+            yield _beyond_latin(text[start]), text[start:at]
+            start = at
+
+
+@functools.cache
+def chinese_face() -> Path | None:
+    """A font of this machine with Chinese in it: RUMU_FONT, or one of the common ones; None when there is
+    none."""
+    chosen = os.environ.get("RUMU_FONT")
+    if chosen and Path(chosen).is_file():
+        return Path(chosen)
+    rooms = [Path(room).expanduser() for room in _ROOMS]
+    found = {path.name: path for room in rooms if room.is_dir() for path in room.rglob("*.[to]t[fc]")}
+    return next((found[name] for name in _FACES if name in found), None)
+
+
+def _pieces(text: str) -> Iterator[str]:
+    word = ""
+    for letter in text:
+        if _beyond_latin(letter) or letter.isspace():
+            if word:
+                yield word
+            word = ""
+            yield letter
+        else:
+            word += letter
+    if word:
+        yield word
+
+
+def _beyond_latin(letter: str) -> bool:
+    try:
+        letter.encode("cp1252")
+    except UnicodeEncodeError:
+        return True
+    return False
+
+
+def _advance(run: str, size: float, *, chinese: bool, bold: bool) -> float:
+    from reportlab.pdfbase.pdfmetrics import stringWidth
+
+    if not chinese:
+        return float(stringWidth(run, _BOLD if bold else _LATIN, size))
+    if chinese_face() is None:
+        return len(run) * size
+    return sum(_glyph(letter)[2] for letter in run) * size / _EM
+
+
+def _draw_outlines(canvas: Canvas, x: float, y: float, run: str, size: float) -> None:
+    scale = size / _EM
+    path = canvas.beginPath()
+    for letter in run:
+        points, codes, advance = _glyph(letter)
+        _trace(path, np.asarray(points) * scale + (x, y), codes)
+        x += advance * scale
+    canvas.drawPath(path, stroke=0, fill=1)
+
+
+def _trace(path: Any, points: Any, codes: Any) -> None:
+    """Move, line, curves of two and three points, close, as FreeType tells them."""
+    at, k = (0.0, 0.0), 0
+    while k < len(codes):
+        code = codes[k]
+        if code == 1:
+            path.moveTo(*points[k])
+        elif code == 2:
+            path.lineTo(*points[k])
+        elif code == 3:  # a quadratic curve as a cubic
+            control, end = points[k], points[k + 1]
+            path.curveTo(*(at + 2 / 3 * (control - at)), *(end + 2 / 3 * (control - end)), *end)
+            k += 1
+        elif code == 4:
+            path.curveTo(*points[k], *points[k + 1], *points[k + 2])
+            k += 2
+        else:
+            path.close()
+        at = points[k]
+        k += 1
+
+
+@functools.lru_cache(maxsize=4000)
+def _glyph(letter: str) -> tuple[Any, Any, float]:
+    """(outline in thousandths of an em, its codes, its advance)."""
+    face, unhinted = _face()
+    glyph = face.load_char(ord(letter), flags=unhinted)
+    points, codes = face.get_path()
+    return np.asarray(points, dtype=float), np.asarray(codes), glyph.linearHoriAdvance / 65536
+
+
+@functools.cache
+def _face() -> tuple[Any, Any]:
+    from matplotlib import ft2font
+
+    face = ft2font.FT2Font(str(chinese_face()))
+    face.set_size(_EM, 72)  # so many pixels to the em
+    flags: Any = getattr(ft2font, "LoadFlags", None)
+    return face, flags.NO_HINTING if flags else vars(ft2font)["LOAD_NO_HINTING"]  # before matplotlib 3.10
+
+
+@functools.cache
+def _readers_font() -> str:
+    from reportlab.pdfbase.cidfonts import UnicodeCIDFont
+    from reportlab.pdfbase.pdfmetrics import registerFont
+
+    registerFont(UnicodeCIDFont(_READERS))
+    return _READERS

@@ -1,0 +1,167 @@
+"""A mark as the service tells it: in both languages, with where the copy lies on the master and how far it
+strays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from rumu.registration.points import RADIUS
+from rumu.report.overlay import OverlaySettings
+from rumu.report.wording import LEVELS, PARTS, SOURCES, kind_name
+from rumu.values import Assessment, FloatArray, IntArray, PointSet, Registration, Remark
+
+POINTS = 1500  # of a cell, in what is sent
+_LOUDEST = OverlaySettings().full  # rms radii at which a point counts as far off
+
+
+def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
+    """Everything of a mark that a page shows, as JSON can say it, but for the residual points."""
+    return {
+        "score": _rounded(mark.score, 2),
+        "level": mark.level,
+        "level_text": None if mark.level is None else LEVELS[mark.level]._asdict(),
+        "interval": None if mark.interval is None else [_rounded(bound, 2) for bound in mark.interval],
+        "interval_note": _note(mark),
+        "parts": [_part(name, score) for name, score in mark.parts.items()],
+        "remarks": [_remark(remark) for remark in mark.remarks],
+        "similarity": _rounded(mark.similarity, 4),
+        "sim_paper": _rounded(mark.sim_paper, 4),
+        "pose": None if mark.registration is None else _pose(mark.registration),
+        "refused": _refused(mark),
+        "source": None if mark.source is None else list(mark.source),
+        "source_text": _source_text(mark),
+        "calibration": mark.calibration,
+        "align": None if mark.registration is None else {"matrix": alignment(mark.registration)},
+        "seconds": round(seconds, 3),
+    }
+
+
+def residual_facts(registration: Registration) -> dict[str, list[list[float]]]:
+    """{'copy', 'master'}: [[x, y, r], ...], at most POINTS each.
+
+    x, y: fractions of the own cell, origin top left. r: distance in the plane to the nearest point of the
+    other
+    once the copy is laid on the master, 0 on the line to 1 at a distance of 0.3 rms radii or more.
+    """
+    copy, master = _planar(registration)
+    sides = (
+        ("copy", registration.probe, copy, master),
+        ("master", registration.reference, master, copy),
+    )
+    told = {}
+    for name, points, own, other in sides:
+        chosen = _spread(own)
+        stray = np.clip(cKDTree(other).query(own[chosen])[0] / _LOUDEST, 0, 1)
+        at = in_cell(points)[chosen]
+        told[name] = np.round(np.column_stack([at, stray]), 4).tolist()
+    return told
+
+
+def alignment(registration: Registration) -> list[float]:
+    """[a, b, c, d, e, f] with x' = a x + c y + e, y' = b x + d y + f: fractions of the copy's cell, origin
+    top
+    left, to fractions of the master's, as a page's transform takes them."""
+    probe, reference = registration.probe, registration.reference
+    pose = registration.T_reference_probe
+    turn, shift = pose[:2, :2], pose[:2, 3]
+    to_points = _linear(probe) / probe.radius
+    linear = np.linalg.inv(_linear(reference)) * reference.radius @ turn @ to_points
+    half = np.array([0.5, 0.5])
+    centre = np.zeros(2) - probe.centre / probe.radius  # the middle of the copy's cell, among its points
+    moved = reference.radius * (turn @ centre + shift) + reference.centre
+    offset = np.linalg.inv(_linear(reference)) @ moved + half - linear @ half
+    (a, c), (b, d) = linear
+    return [round(float(value), 6) for value in (a, b, c, d, *offset)]
+
+
+def in_cell(points: PointSet) -> FloatArray:
+    """(N, 2): where the points stand, in fractions of their cell, origin top left."""
+    from_middle = points.xyz[:, :2] * points.radius + points.centre
+    return np.asarray(from_middle @ np.linalg.inv(_linear(points)).T + 0.5)
+
+
+def _linear(points: PointSet) -> FloatArray:
+    """(2, 2): fractions of the cell, y down -> fractions of its longer side, y up."""
+    width, height = points.cell
+    return np.array([[width, 0.0], [0.0, -height]])
+
+
+def _planar(registration: Registration) -> tuple[FloatArray, FloatArray]:
+    pose = registration.T_reference_probe
+    copy = registration.probe.xyz @ pose[:3, :3].T + pose[:3, 3]
+    return np.asarray(copy[:, :2]), registration.reference.xyz[:, :2]
+
+
+def _spread(points: FloatArray) -> IntArray:
+    """Indices of at most POINTS, one in each square of a grid that is just wide enough."""
+    side = 1.0 / RADIUS  # a pixel of the canvas they were taken from: all of them
+    while True:
+        square = np.floor(points / side).astype(np.int64)
+        _, first = np.unique(square, axis=0, return_index=True)
+        if len(first) <= POINTS:
+            return np.sort(first)
+        side *= 1.1
+
+
+def _part(name: str, score: float) -> dict[str, Any]:
+    title, meaning = PARTS[name]
+    return {"name": name, "zh": title.zh, "en": title.en, "score": _rounded(score, 2)} | {
+        "meaning": meaning._asdict()
+    }
+
+
+def _remark(remark: Remark) -> dict[str, Any]:
+    name = kind_name(remark.kind)
+    return {
+        "kind": remark.kind,
+        "name": name._asdict(),
+        "zh": remark.zh,
+        "en": remark.en,
+        "severity": _rounded(remark.severity, 3),
+        "size": _rounded(remark.size, 4),
+        "unit": remark.unit,
+        "region": None if remark.region is None else [_rounded(edge, 4) for edge in remark.region],
+        "outline": [[[_rounded(x, 4), _rounded(y, 4)] for x, y in line] for line in remark.outline],
+    }
+
+
+def _pose(registration: Registration) -> dict[str, Any]:
+    return {
+        "angle": _rounded(registration.angle, 3),
+        "scale": _rounded(registration.scale, 4),
+        "shift": [_rounded(float(part), 4) for part in registration.shift],
+    }
+
+
+def _refused(mark: Assessment) -> dict[str, str] | None:
+    if mark.refused is None:
+        return None
+    code, _, sentence = mark.refused.partition(": ")
+    return {"code": code, "zh": mark.refused_zh or sentence, "en": sentence}
+
+
+def _note(mark: Assessment) -> dict[str, str] | None:
+    if mark.interval_note is None:
+        return None
+    return {"zh": mark.interval_note_zh or mark.interval_note, "en": mark.interval_note}
+
+
+def _source_text(mark: Assessment) -> dict[str, str] | None:
+    """Where the heights come from; said once where copy and master have it from the same."""
+    if mark.source is None:
+        return None
+    texts = [SOURCES[source] for source in dict.fromkeys(mark.source)]
+    if len(texts) == 1:
+        return texts[0]._asdict()
+    (copy, master) = texts
+    return {
+        "zh": f"臨作：{copy.zh}範字：{master.zh}",
+        "en": f"The copy: {copy.en} The master: {master.en}",
+    }
+
+
+def _rounded(value: float | None, digits: int) -> float | None:
+    return None if value is None else round(float(value), digits)

@@ -1,0 +1,40 @@
+"""Where a gallery lies, in words that another process can open it by."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from rumu.database.engine import open_database
+from rumu.gallery.catalog import Gallery
+from rumu.gallery.home import user_home
+from rumu.gallery.store import Store
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """database: a file of SQLite or a URL. files: a folder or a URL of fsspec. calibration: a file that
+    `rumu calibrate` wrote, None for the panel that ships with rumu."""
+
+    database: str
+    files: str
+    calibration: Path | None = None
+
+    @staticmethod
+    def chosen(
+        *,
+        database: str | Path | None = None,
+        files: str | Path | None = None,
+        calibration: Path | None = None,
+    ) -> Place:
+        """As given, else as RUMU_DATABASE and RUMU_FILES say, else in RUMU_HOME."""
+        return Place(
+            database=str(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite"),
+            files=str(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
+            calibration=calibration,
+        )
+
+    def open(self) -> Gallery:
+        """The gallery as it is; unlike `open_gallery` this puts nothing into an empty one."""
+        return Gallery(open_database(self.database), Store.open(self.files))

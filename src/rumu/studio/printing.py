@@ -1,0 +1,220 @@
+"""A person's practice of one work on a sheet of A4: master and copies, the curve, what the last copy was
+told."""
+
+from __future__ import annotations
+
+import io
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from rumu.database.tables import Attempt
+from rumu.report.wording import LEVELS, MEANS
+from rumu.studio.lettering import draw_text, lines, text_width
+from rumu.studio.practice import Curve
+
+Language = Literal["zh", "en"]
+
+_WIDTH, _HEIGHT, _MARGIN = 595.3, 841.9, 48.0
+_INK, _GREY, _SEAL, _PALE = (0.15, 0.14, 0.13), (0.45, 0.43, 0.40), (0.69, 0.13, 0.10), (0.90, 0.87, 0.82)
+_CELL, _GAP, _SHOWN, _ROWS = 92.0, 9.75, 4, 10
+
+_WORDS: dict[str, tuple[str, str]] = {
+    "title": ("臨帖練習", "Practice"),
+    "master": ("範字", "Master"),
+    "curve": ("進步曲線（豎線為八成區間）", "Marks so far (bars: 80 % intervals)"),
+    "none": ("還沒有得分的臨作", "No copy has been marked yet"),
+    "date": ("日期", "Date"),
+    "score": ("分數", "Mark"),
+    "interval": ("八成區間", "80 % interval"),
+    "level": ("等級", "Level"),
+    "kind": ("方式", "Written with"),
+    "pen": ("筆", "pen"),
+    "photo": ("照片", "photo"),
+    "simulated": ("模擬", "simulated"),
+    "remarks": ("最近一次的評語", "What the last copy was told"),
+    "no_remarks": ("沒有要改的地方。", "Nothing to change."),
+    "refused": ("未評分", "not marked"),
+    "earlier": ("另有較早的 {} 次。", "And {} earlier ones."),
+    "best": ("最高", "best"),
+    "copies": ("次", "copies"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What is printed. pictures: of the master and of attempts by their ids, as encoded files."""
+
+    name: str
+    curve: Curve
+    master: bytes
+    pictures: dict[str, bytes]
+    language: Language = "zh"
+
+
+def shown_attempts(curve: Curve) -> tuple[Attempt, ...]:
+    """Those whose pictures are printed: the first and the latest."""
+    attempts = curve.attempts
+    return attempts if len(attempts) <= _SHOWN else (attempts[0], *attempts[-(_SHOWN - 1) :])
+
+
+def practice_pdf(sheet: Sheet) -> bytes:
+    """The sheet as a PDF of one page."""
+    from reportlab.pdfgen.canvas import Canvas
+
+    stream = io.BytesIO()
+    canvas = Canvas(stream, pagesize=(_WIDTH, _HEIGHT), pageCompression=1)
+    canvas.setTitle(f"rumu: {_title(sheet)}, {sheet.name}")
+    canvas.setAuthor("rumu")
+    y = _heading(canvas, sheet)
+    y = _cells(canvas, sheet, y)
+    y = _plot(canvas, sheet, y)
+    y = _table(canvas, sheet, y)
+    _remarks(canvas, sheet, y)
+    _foot(canvas, sheet)
+    canvas.save()
+    return stream.getvalue()
+
+
+def _word(name: str, sheet: Sheet) -> str:
+    return _WORDS[name][sheet.language == "en"]
+
+
+def _title(sheet: Sheet) -> str:
+    work = sheet.curve.work
+    return work.title_en if sheet.language == "en" else work.title_zh
+
+
+def _heading(canvas: Any, sheet: Sheet) -> float:
+    y = _HEIGHT - _MARGIN - 20
+    canvas.setFillColorRGB(*_INK)
+    draw_text(canvas, _MARGIN, y, f"{_word('title', sheet)} · {_title(sheet)}", 19, bold=True)
+    work = sheet.curve.work
+    hand = work.hand_en if sheet.language == "en" else work.hand_zh
+    scores = sheet.curve.scores
+    best = f"  ·  {_word('best', sheet)} {max(scores):.0f}" if scores else ""
+    canvas.setFillColorRGB(*_GREY)
+    told = f"{sheet.name}  ·  {hand}  ·  {len(sheet.curve.attempts)} {_word('copies', sheet)}{best}"
+    draw_text(canvas, _MARGIN, y - 20, told, 10)
+    return y - 36
+
+
+def _cells(canvas: Any, sheet: Sheet, y: float) -> float:
+    """The master, then the first and the latest copies, each with its mark below."""
+    _cell(canvas, _MARGIN, y, sheet.master, _word("master", sheet), red=True)
+    for k, attempt in enumerate(shown_attempts(sheet.curve), start=1):
+        x = _MARGIN + k * (_CELL + _GAP)
+        told = f"{attempt.created:%m-%d}  {_score(attempt, sheet)}"
+        _cell(canvas, x, y, sheet.pictures.get(attempt.id), told)
+    return y - _CELL - 34
+
+
+def _cell(canvas: Any, x: float, y: float, picture: bytes | None, told: str, *, red: bool = False) -> None:
+    from reportlab.lib.utils import ImageReader
+
+    if picture is not None:
+        canvas.drawImage(
+            ImageReader(io.BytesIO(picture)), x, y - _CELL, _CELL, _CELL, preserveAspectRatio=True
+        )
+    canvas.setStrokeColorRGB(*(_SEAL if red else _PALE))
+    canvas.setLineWidth(0.8)
+    canvas.rect(x, y - _CELL, _CELL, _CELL)
+    canvas.setFillColorRGB(*_GREY)
+    draw_text(canvas, x + (_CELL - text_width(told, 8.5)) / 2, y - _CELL - 12, told, 8.5)
+
+
+def _plot(canvas: Any, sheet: Sheet, y: float) -> float:
+    """Marks over attempts with their intervals, 0 to 100."""
+    _caption(canvas, _word("curve", sheet), y)
+    low, high, left, right = y - 148.0, y - 16.0, _MARGIN + 22.0, _WIDTH - _MARGIN
+    canvas.setLineWidth(0.4)
+    for mark in (0, 25, 50, 75, 100):
+        at = low + (high - low) * mark / 100
+        canvas.setStrokeColorRGB(*_PALE)
+        canvas.line(left, at, right, at)
+        canvas.setFillColorRGB(*_GREY)
+        draw_text(canvas, left - 6 - text_width(str(mark), 7.5), at - 2.5, str(mark), 7.5)
+    marked = [point for point in sheet.curve.points if point.score is not None]
+    step = (right - left) / max(len(marked), 2)
+    places = [
+        (left + step * (k + 0.5), low + (high - low) * (point.score or 0.0) / 100)
+        for k, point in enumerate(marked)
+    ]
+    for (x, _), point in zip(places, marked, strict=True):
+        if point.interval is not None:
+            canvas.setStrokeColorRGB(*_PALE)
+            canvas.setLineWidth(3)
+            ends = [low + (high - low) * bound / 100 for bound in point.interval]
+            canvas.line(x, ends[0], x, ends[1])
+    canvas.setStrokeColorRGB(*_SEAL)
+    canvas.setFillColorRGB(*_SEAL)
+    canvas.setLineWidth(1.1)
+    for (x0, y0), (x1, y1) in itertools.pairwise(places):
+        canvas.line(x0, y0, x1, y1)
+    for x, at in places:
+        canvas.circle(x, at, 2.2, stroke=0, fill=1)
+    if not marked:
+        canvas.setFillColorRGB(*_GREY)
+        draw_text(canvas, left + 8, (low + high) / 2, _word("none", sheet), 10)
+    return low - 26
+
+
+def _table(canvas: Any, sheet: Sheet, y: float) -> float:
+    columns = (("date", 0.0), ("score", 120.0), ("interval", 190.0), ("level", 290.0), ("kind", 380.0))
+    for name, x in columns:
+        _caption(canvas, _word(name, sheet), y, x=_MARGIN + x)
+    attempts = sheet.curve.attempts
+    for attempt in reversed(attempts[-_ROWS:]):
+        y -= 14
+        canvas.setFillColorRGB(*_INK)
+        for (_, x), told in zip(columns, _row(attempt, sheet), strict=True):
+            draw_text(canvas, _MARGIN + x, y, told, 9)
+    if len(attempts) > _ROWS:
+        y -= 14
+        canvas.setFillColorRGB(*_GREY)
+        draw_text(canvas, _MARGIN, y, _word("earlier", sheet).format(len(attempts) - _ROWS), 9)
+    return y - 28
+
+
+def _row(attempt: Attempt, sheet: Sheet) -> Sequence[str]:
+    interval = attempt.mark.get("interval")
+    between = "" if interval is None else f"{interval[0]:.0f} – {interval[1]:.0f}"
+    names = {str(level): text for level, text in LEVELS.items()}
+    level = "" if attempt.level is None else names[attempt.level][sheet.language == "en"]
+    when = f"{attempt.created:%Y-%m-%d %H:%M} UTC"
+    return when, _score(attempt, sheet), between, level, _word(attempt.kind, sheet)
+
+
+def _remarks(canvas: Any, sheet: Sheet, y: float) -> None:
+    _caption(canvas, _word("remarks", sheet), y)
+    mark = sheet.curve.attempts[-1].mark
+    refused = mark.get("refused")
+    told = [refused[sheet.language]] if refused else [r[sheet.language] for r in mark.get("remarks", ())]
+    for text in told or [_word("no_remarks", sheet)]:
+        for k, line in enumerate(lines(text, 9.5, width=_WIDTH - 2 * _MARGIN - 12)):
+            y -= 14
+            if y < _MARGIN + 52:
+                return
+            canvas.setFillColorRGB(*_INK)
+            draw_text(canvas, _MARGIN, y, "•" if k == 0 else "", 9.5)
+            draw_text(canvas, _MARGIN + 12, y, line, 9.5)
+        y -= 3
+
+
+def _foot(canvas: Any, sheet: Sheet) -> None:
+    """What a mark means, on every sheet: it travels without the page that explains it."""
+    said = " ".join(text[sheet.language == "en"] for text in MEANS[:2])
+    folded = lines(said, 7.5, width=_WIDTH - 2 * _MARGIN)
+    canvas.setFillColorRGB(*_GREY)
+    for k, line in enumerate(reversed(folded)):
+        draw_text(canvas, _MARGIN, _MARGIN - 14 + 10 * k, line, 7.5)
+
+
+def _caption(canvas: Any, text: str, y: float, *, x: float = _MARGIN) -> None:
+    canvas.setFillColorRGB(*_GREY)
+    draw_text(canvas, x, y, text, 9, bold=True)
+
+
+def _score(attempt: Attempt, sheet: Sheet) -> str:
+    return _word("refused", sheet) if attempt.score is None else f"{attempt.score:.0f}"

@@ -1,0 +1,124 @@
+"""What runs in the worker processes: marks, surfaces and jobs, so that those who browse never wait for
+them."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import threading
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from rumu.studio.pictures import Kept, kept
+from rumu.studio.place import Place
+
+if TYPE_CHECKING:
+    from rumu.assessment.calibration import Calibration
+    from rumu.gallery.catalog import Gallery
+    from rumu.values import FloatArray, Surface
+
+_MASTERS = 12  # surfaces of masters that stay in memory of each process
+
+
+@dataclass(frozen=True, slots=True)
+class Marked:
+    """A copy as it is kept, its mark (see marking.mark_facts) and its residual points, None when refused."""
+
+    picture: Kept
+    facts: dict[str, Any]
+    residual: dict[str, list[list[float]]] | None
+
+
+def begin() -> None:
+    """Of a worker process: it ends with its parent, however that ended, and leaves Ctrl-C to it."""
+    import multiprocessing
+
+    import cv2
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    cv2.setNumThreads(1)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: Any) -> None:
+    parent.join()
+    os._exit(1)
+
+
+def ready(place: Place) -> int:
+    """Load everything that a mark needs, by marking a starter work against itself; the process's id."""
+    from rumu import pipeline
+    from rumu.gallery.works import starter_works
+
+    work = starter_works(script="regular")[0]
+    pipeline.assess(work.path, work.path, calibration=_calibration(place))
+    _gallery(place)
+    return os.getpid()
+
+
+def mark(place: Place, *, data: bytes, work_id: str, digest: str, script: str) -> Marked:
+    """The mark of a picture against a work. digest: of the work, so that a changed one is read anew.
+
+    Raises Unusable for what is no picture.
+    """
+    from rumu import pipeline
+    from rumu.studio.marking import mark_facts, residual_facts
+
+    started = time.perf_counter()
+    picture = kept(data)
+    assessment = pipeline.assess(
+        _samples(picture),
+        _master(place, work_id, digest),
+        script=script or None,
+        calibration=_calibration(place),
+    )
+    registration = assessment.registration
+    residual = None if registration is None else residual_facts(registration)
+    return Marked(picture, mark_facts(assessment, seconds=time.perf_counter() - started), residual)
+
+
+def gallery_file(place: Place, *, work_id: str, kind: str) -> Any:
+    """A file derived from a work, made when it is not there yet."""
+    from rumu.gallery.derived import derived
+
+    return derived(_gallery(place), work_id, kind)
+
+
+def job(place: Place, *, job_id: str) -> None:
+    """Do a job that was taken from the queue, see rumu.studio.jobs."""
+    from rumu.studio.jobs import perform
+
+    perform(_gallery(place), job_id, place=place)
+
+
+def _samples(picture: Kept) -> FloatArray:
+    """The kept picture, as it will be seen again, as values in [0, 1]."""
+    import numpy as np
+    from PIL import Image
+
+    with Image.open(io.BytesIO(picture.data)) as image:
+        return np.asarray(image, dtype=np.float32) / np.float32(255)
+
+
+@lru_cache(maxsize=2)
+def _gallery(place: Place) -> Gallery:
+    return place.open()
+
+
+@lru_cache(maxsize=_MASTERS)
+def _master(place: Place, work_id: str, digest: str) -> Surface:
+    from rumu.gallery.catalog import surface
+
+    return surface(_gallery(place), work_id)
+
+
+@lru_cache(maxsize=2)
+def _calibration(place: Place) -> Calibration | None:
+    from rumu.assessment.calibration import load_calibration
+
+    return None if place.calibration is None else load_calibration(place.calibration)
