@@ -1,20 +1,152 @@
-"""What every test may use: the folder of real data, which is not part of the project."""
+"""What every test may use: the folder of real data, which is not part of the project; a home of its own;
+databases."""
 
 from __future__ import annotations
 
+import itertools
 import os
+import pwd
+import shutil
+import socket
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shared" / "data")).resolve()
+_numbers = itertools.count()
+
+
+def absent(what: str) -> None:
+    """Skip where something outside of the project is missing; in CI nothing may be."""
+    if os.environ.get("CI"):
+        pytest.fail(f"must be present where CI runs: {what}")
+    pytest.skip(f"absent: {what}")
 
 
 @pytest.fixture(scope="session")
 def data() -> Path:
     """The folder of real photographs and copies (RUMU_DATA, or ../shared/data beside the checkout)."""
     if not DATA.is_dir():
-        if os.environ.get("CI"):
-            pytest.fail(f"real data must be present where CI runs: {DATA}")
-        pytest.skip(f"real data is absent: {DATA} (set RUMU_DATA)")
+        absent(f"real data, {DATA} (set RUMU_DATA)")
     return DATA
+
+
+@pytest.fixture(autouse=True)
+def own_home(
+    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> Path:
+    """RUMU_HOME of this test alone, not made yet: no test may touch the gallery of the person who runs it."""
+    home = tmp_path_factory.getbasetemp() / f"home-{next(_numbers)}"
+    monkeypatch.setenv("RUMU_HOME", str(home))
+    for name in ("RUMU_DATABASE", "RUMU_FILES"):
+        monkeypatch.delenv(name, raising=False)
+    request.addfinalizer(lambda: shutil.rmtree(home, ignore_errors=True))
+    return home
+
+
+# --- databases -------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[str]:
+    """URL of a PostgreSQL server of these tests alone, without the name of a database; stopped afterwards."""
+    programs = _postgresql_programs()
+    if programs is None:
+        absent("PostgreSQL's initdb and postgres (Debian: apt install postgresql)")
+    user = _unprivileged()
+    if user is None:
+        absent("an unprivileged user for PostgreSQL, which refuses to run as root")
+    # Not in pytest's folder, which other users may not enter. The socket's path must be short.
+    folder = Path(tempfile.mkdtemp(prefix="rumu-pg-", dir="/tmp"))
+    port = _free_port()
+    try:
+        if os.geteuid() == 0:
+            os.chown(folder, user.pw_uid, user.pw_gid)
+        as_user = {"user": user.pw_uid, "group": user.pw_gid, "extra_groups": []} if os.geteuid() == 0 else {}
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "cwd": folder, **as_user}
+        utf8 = ("-E", "UTF8", "--locale=C")
+        made = subprocess.run(
+            [programs / "initdb", "-D", folder / "data", "-U", "rumu", "-A", "trust", *utf8],
+            **quiet,
+            check=False,
+            timeout=120,
+        )
+        assert made.returncode == 0, made.stderr.decode()
+        # A server for minutes: what it loses when the machine fails is of no account.
+        settings = ("fsync=off", "full_page_writes=off", "listen_addresses=127.0.0.1")
+        with (folder / "log").open("wb") as log:
+            server = subprocess.Popen(
+                [programs / "postgres", "-D", folder / "data", "-p", str(port), "-k", folder]
+                + [word for setting in settings for word in ("-c", setting)],
+                **quiet | {"stderr": log},
+            )
+        try:
+            url = f"postgresql://rumu@127.0.0.1:{port}"
+            _await(url, server, folder / "log")
+            yield url
+        finally:
+            server.terminate()
+            server.wait(30)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture
+def postgresql_url(postgresql: str) -> Iterator[str]:
+    """URL of an empty database of PostgreSQL, dropped afterwards."""
+    import psycopg
+
+    name = f"test_{next(_numbers)}"
+    with psycopg.connect(f"{postgresql}/postgres", autocommit=True) as server:
+        server.execute(f"CREATE DATABASE {name}")
+        yield f"{postgresql}/{name}"
+        server.execute(f"DROP DATABASE {name} WITH (FORCE)")
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """An empty database, of each kind in turn."""
+    if request.param == "sqlite":
+        return f"sqlite:///{tmp_path / 'rumu.sqlite'}"
+    url: str = request.getfixturevalue("postgresql_url")
+    return url
+
+
+def _postgresql_programs() -> Path | None:
+    """The folder that holds initdb and postgres, which Debian keeps off the PATH; the newest of several."""
+    found = shutil.which("initdb")
+    places = [Path(found).resolve().parent] if found else []
+    of_debian = Path("/usr/lib/postgresql").glob("*/bin")
+    places += sorted(of_debian, key=lambda place: float(place.parent.name), reverse=True)
+    return next((p for p in places if (p / "initdb").is_file() and (p / "postgres").is_file()), None)
+
+
+def _unprivileged() -> pwd.struct_passwd | None:
+    if os.geteuid() != 0:
+        return pwd.getpwuid(os.geteuid())
+    known = {user.pw_name: user for user in pwd.getpwall()}
+    return known.get("postgres") or known.get("nobody")
+
+
+def _free_port() -> int:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port: int = free.getsockname()[1]
+        return port
+
+
+def _await(url: str, server: subprocess.Popen[bytes], log: Path) -> None:
+    import psycopg
+
+    until = time.monotonic() + 60
+    while True:
+        try:
+            psycopg.connect(f"{url}/postgres", connect_timeout=5).close()
+            return
+        except psycopg.OperationalError:
+            assert server.poll() is None and time.monotonic() < until, log.read_text(errors="replace")
+            time.sleep(0.05)

@@ -9,14 +9,15 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Engine, create_engine, event
+from sqlalchemy import Engine, create_engine, event, text
 from sqlalchemy.engine import make_url
-from sqlalchemy.exc import ArgumentError, NoSuchModuleError, OperationalError
+from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.orm import Session, sessionmaker
 
 from rumu.errors import GalleryError
 
 _WRITES = "rumu_writes"
+_UPGRADES = 0x72756D75  # the advisory lock of PostgreSQL that stands for "upgrading rumu"
 _PATIENCE = 30  # seconds that a writer waits for another on SQLite
 
 
@@ -48,12 +49,17 @@ def open_database(url: str | Path) -> Database:
 
     Raises GalleryError for a URL of another kind, or a database that cannot be reached.
     """
+    from alembic.util.exc import CommandError
+
     engine = _engine(_address(url))
     try:
         _upgrade(engine)
-    except OperationalError as error:
+    except DBAPIError as error:
         engine.dispose()
         raise GalleryError(f"{_hidden(url)}: cannot be opened ({str(error.orig).strip()})") from error
+    except CommandError as error:
+        engine.dispose()
+        raise GalleryError(f"{_hidden(url)}: was written by a newer rumu ({error})") from error
     writer = engine.execution_options(**{_WRITES: True})
     return Database(
         engine, sessionmaker(engine, expire_on_commit=False), sessionmaker(writer, expire_on_commit=False)
@@ -64,7 +70,10 @@ def _address(url: str | Path) -> str:
     text = str(url)
     if "://" not in text:
         path = Path(text)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise GalleryError(f"{path}: its folder cannot be made ({error.strerror})") from error
         return f"sqlite:///{path}"
     # the driver is ours to choose: people write postgresql:// as psql does
     return text.replace("postgresql://", "postgresql+psycopg://", 1).replace(
@@ -108,7 +117,10 @@ def _upgrade(engine: Engine) -> None:
 
     config = Config()
     config.set_main_option("script_location", str(resources.files("rumu.database").joinpath("migrations")))
+    # Of several processes that start at once one makes the tables and the others wait, then find them made.
     with engine.execution_options(**{_WRITES: True}).begin() as connection:
+        if connection.dialect.name == "postgresql":
+            connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _UPGRADES})
         config.attributes["connection"] = connection
         command.upgrade(config, "head")
 

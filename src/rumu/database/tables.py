@@ -31,7 +31,7 @@ def now() -> datetime:
 
 
 class UtcTime(TypeDecorator[datetime]):
-    """A time with its zone, also on SQLite, which forgets zones."""
+    """A time in UTC, also on SQLite, which forgets zones, and on PostgreSQL, which answers in its own."""
 
     impl = DateTime(timezone=True)
     cache_ok = True
@@ -44,7 +44,9 @@ class UtcTime(TypeDecorator[datetime]):
         return value.astimezone(UTC)
 
     def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        return None if value is None else value.replace(tzinfo=value.tzinfo or UTC)
+        if value is None:
+            return None
+        return value.astimezone(UTC) if value.tzinfo else value.replace(tzinfo=UTC)
 
 
 class Base(DeclarativeBase):

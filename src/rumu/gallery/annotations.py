@@ -17,8 +17,8 @@ _LONGEST = {"title_zh": 200, "title_en": 200, "text_zh": 5000, "text_en": 5000}
 _FACTS = frozenset({"x", "y", "position", *TEXTS})
 
 
-def annotations(gallery: Gallery, work_id: str) -> tuple[Annotation, ...]:
-    """Those of a work, in order. Raises GalleryError when there is no such work."""
+def said_of(gallery: Gallery, work_id: str) -> tuple[Annotation, ...]:
+    """The annotations of a work, in order. Raises GalleryError when there is no such work."""
     work(gallery, work_id)
     with gallery.database.reading() as session:
         found = select(Annotation).where(Annotation.work_id == work_id)
