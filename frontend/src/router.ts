@@ -60,4 +60,5 @@ export function go(path: string): void {
 export function rewrite(query: URLSearchParams): void {
   const text = query.toString();
   history.replaceState(null, "", `#${place.value.path}${text ? `?${text}` : ""}`);
+  hash.value = location.hash; // replaceState tells nobody
 }

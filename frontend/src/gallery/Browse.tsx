@@ -1,5 +1,171 @@
-import type { PageProps } from "../router";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { get, query as asQuery, session } from "../api";
+import { say, words } from "../i18n";
+import { gallery as table } from "../i18n/gallery";
+import { rewrite, type PageProps } from "../router";
+import type { Facet, Facets, Page, WorkCard } from "../types";
+import { Trouble, useLoaded, Waiting } from "../ui";
+import { Icon } from "../viewer/icons";
+import { GalleryCard, scriptName } from "./Card";
+import { FILTERS, readFilters, without, writeFilters, type FilterName, type Filters } from "./filters";
+import "./gallery.css";
 
-export default function Browse(_: PageProps) {
-  return null;
+const t = words(table);
+const PAGE = 60;
+const LONGEST_LIST = 400;
+const TYPING = 250;
+
+/** The last list, so that coming back from a work finds it where it was. */
+let kept: { key: string; items: WorkCard[]; total: number; scroll: number } | null = null;
+
+export default function Browse({ query }: PageProps) {
+  const filters = readFilters(query);
+  const key = writeFilters(filters).toString();
+  const change = (next: Filters) => rewrite(writeFilters(next));
+  const facets = useLoaded((signal) => get<Facets>(`/api/facets${asQuery(filters)}`, signal), key);
+  const role = session.value?.person?.role;
+  return (
+    <div class="browse">
+      <header class="browse-head">
+        <h1><span aria-hidden="true">入木三分</span></h1>
+        <p class="lead">{t("lead")}</p>
+        <Search filters={filters} change={change} />
+        {(role === "owner" || role === "teacher") && <a class="button quiet" href="#/add"><Icon name="add" />{t("add")}</a>}
+      </header>
+      <FilterBar filters={filters} facets={facets.value} change={change} />
+      <List key={key} name={key} filters={filters} />
+    </div>
+  );
+}
+
+function Search({ filters, change }: { filters: Filters; change: (next: Filters) => void }) {
+  const [text, setText] = useState(filters.q ?? "");
+  const wait = useRef(0);
+  const latest = useRef(filters);
+  latest.current = filters;
+  useEffect(() => setText(filters.q ?? ""), [filters.q]);
+  const type = (value: string) => {
+    setText(value);
+    clearTimeout(wait.current);
+    wait.current = window.setTimeout(() => change({ ...latest.current, q: value.trim() }), TYPING);
+  };
+  return (
+    <label class="search">
+      <Icon name="search" />
+      <span class="visually-hidden">{t("search")}</span>
+      <input type="search" value={text} placeholder={t("searchHint")} onInput={(event) => type(event.currentTarget.value)} />
+    </label>
+  );
+}
+
+function FilterBar({ filters, facets, change }: { filters: Filters; facets: Facets | undefined; change: (next: Filters) => void }) {
+  const set = (name: FilterName, value: string) => change({ ...filters, [name]: value || undefined });
+  const any = FILTERS.some((name) => filters[name]) || filters.q;
+  return (
+    <div class="filters" role="group" aria-label={t("filters")}>
+      <div class="chips" role="group" aria-label={t("script")}>
+        <Chip label={t("every")} on={!filters.script} act={() => set("script", "")} />
+        {(facets?.script ?? []).map((facet) => (
+          <Chip key={facet.value} label={scriptName(facet.value) || t("every")} count={facet.count} on={filters.script === facet.value}
+            act={() => set("script", filters.script === facet.value ? "" : facet.value)} />
+        ))}
+      </div>
+      <div class="selects">
+        {FILTERS.filter((name) => name !== "script").map((name) => (
+          <Choice key={name} name={name} value={filters[name] ?? ""} facets={facets?.[name] ?? []} set={(value) => set(name, value)} />
+        ))}
+        {any && <button type="button" class="quiet" onClick={() => change({})}>{t("clear")}</button>}
+      </div>
+    </div>
+  );
+}
+
+function Chip({ label, count, on, act }: { label: string; count?: number; on: boolean; act: () => void }) {
+  return (
+    <button type="button" class="chip" aria-pressed={on} onClick={act}>
+      {label}
+      {count !== undefined && <small>{count.toLocaleString()}</small>}
+    </button>
+  );
+}
+
+function Choice({ name, value, facets, set }: { name: FilterName; value: string; facets: Facet[]; set: (value: string) => void }) {
+  const known = facets.filter((facet) => facet.value !== "");
+  if (!known.length && !value) return null;
+  const shown = known.slice(0, LONGEST_LIST);
+  return (
+    <label class={value ? "choice on" : "choice"}>
+      <span>{t(name)}</span>
+      <select value={value} onChange={(event) => set(event.currentTarget.value)}>
+        <option value="">{t("every")}</option>
+        {value && !shown.some((facet) => facet.value === value) && <option value={value}>{value}</option>}
+        {shown.map((facet) => (
+          <option key={facet.value} value={facet.value}>{say(facet)} ({facet.count})</option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function List({ name, filters }: { name: string; filters: Filters }) {
+  const known = kept?.key === name ? kept : null;
+  const [items, setItems] = useState<WorkCard[]>(known?.items ?? []);
+  const [total, setTotal] = useState<number | null>(known?.total ?? null);
+  const [error, setError] = useState<unknown>(null);
+  const busy = useRef(false);
+  const end = useRef<HTMLDivElement>(null);
+  const alive = useRef(new AbortController());
+  const more = async () => {
+    if (busy.current) return;
+    busy.current = true;
+    setError(null);
+    try {
+      const url = `/api/works${asQuery({ ...filters, offset: items.length, limit: PAGE })}`;
+      const page = await get<Page<WorkCard>>(url, alive.current.signal);
+      setItems((before) => [...before, ...page.items]);
+      setTotal(page.total);
+    } catch (problem) {
+      if (!alive.current.signal.aborted) setError(problem);
+    } finally {
+      busy.current = false;
+    }
+  };
+  const left = total === null || items.length < total;
+  useEffect(() => {
+    alive.current = new AbortController();
+    if (known) scrollTo(0, known.scroll);
+    return () => alive.current.abort();
+  }, []);
+  useEffect(() => {
+    if (total !== null) kept = { key: name, items, total, scroll: 0 };
+    const note = () => kept?.key === name && (kept.scroll = scrollY);
+    note();
+    addEventListener("scroll", note, { passive: true });
+    return () => removeEventListener("scroll", note);
+  }, [items, total]);
+  useEffect(() => {
+    if (!left || error || !end.current) return;
+    const watch = new IntersectionObserver((seen) => seen.some((s) => s.isIntersecting) && void more(), { rootMargin: "900px" });
+    watch.observe(end.current);
+    return () => watch.disconnect();
+  }, [items.length, left, error]);
+  return (
+    <>
+      <p class="count" role="status">{total === null ? "" : t(total === 1 ? "countOne" : "count", { n: total.toLocaleString() })}</p>
+      <ul class="cards">
+        {items.map((work) => (
+          <GalleryCard key={work.id} work={work} />
+        ))}
+      </ul>
+      {total === 0 && (
+        <p class="nothing">
+          {t("nothing")} {filters.q && <button type="button" class="quiet" onClick={() => rewrite(writeFilters(without(filters, "q")))}>{t("clear")}</button>}
+        </p>
+      )}
+      {error ? <Trouble error={error} again={() => void more()} /> : total === null && <Waiting />}
+      <div ref={end} class="list-end">
+        {left && total !== null && !error && <button type="button" class="quiet" onClick={() => void more()}>{t("more")}</button>}
+      </div>
+    </>
+  );
 }

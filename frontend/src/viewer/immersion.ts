@@ -1,28 +1,19 @@
 // A sheet in a headset: half a metre large, at arm's length, lit by the same lamp. Browsers load this only when asked.
 
+import type { Immersion } from "./immersion-kinds";
 import type { Stage } from "./stage";
 import type { ViewState } from "./state";
 
-export type Immersion = "immersive-vr" | "immersive-ar";
-type XRLike = {
-  isSessionSupported(kind: Immersion): Promise<boolean>;
-  requestSession(kind: Immersion, options?: object): Promise<XRSession>;
-};
-const xr = (): XRLike | undefined => (navigator as { xr?: XRLike }).xr;
+type Door = { requestSession(kind: Immersion, options?: object): Promise<XRSession> };
 
-/** Which kinds this browser can enter. */
-export async function immersions(): Promise<Immersion[]> {
-  const kinds: Immersion[] = ["immersive-vr", "immersive-ar"];
-  const can = await Promise.all(kinds.map((kind) => xr()?.isSessionSupported(kind).catch(() => false) ?? false));
-  return kinds.filter((_, k) => can[k]);
-}
-
-/** Shows the sheet until the session ends. */
+/** Shows the sheet until the session ends. Rejects when the browser or the reader refuses. */
 export async function immerse(stage: Stage, state: () => ViewState, kind: Immersion): Promise<void> {
-  const session = await xr()!.requestSession(kind, { optionalFeatures: ["local-floor"] });
+  const door = (navigator as { xr?: Door }).xr;
+  if (!door) throw new Error("this browser has no WebXR");
+  const session = await door.requestSession(kind, { optionalFeatures: ["local"] });
   const { renderer, scene, sheet, camera } = stage;
-  const shown = () => ({ ...state(), mode: state().mode === "sheet" ? ("surface" as const) : state().mode });
-  stage.draw(shown(), null);
+  const { mode } = state();
+  stage.draw({ ...state(), mode: mode === "sheet" ? "surface" : mode, lens: "none" }, null);
   renderer.xr.enabled = true;
   renderer.xr.setReferenceSpaceType("local");
   await renderer.xr.setSession(session);

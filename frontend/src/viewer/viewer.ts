@@ -4,11 +4,12 @@ import { Vector3 } from "three";
 import type { ViewerFacts } from "../types";
 import { listen, type Action } from "./controls";
 import { HeightField, type ProfilePoint } from "./heightfield";
+import { lightAt } from "./light";
 import * as loading from "./loading";
 import { between, orbit, pan, zoom } from "./orbit";
 import { hasWebGL2, pictureOnly } from "./picture";
 import { Stage } from "./stage";
-import { MOST_SLANT, sane, START, type Camera, type Line, type ViewState } from "./state";
+import { sane, START, type Camera, type Line, type ViewState } from "./state";
 
 export type Tool = "light" | "move" | "section" | "ruler" | "pin";
 export type Place = { x: number; y: number; height: number };
@@ -342,15 +343,4 @@ class SheetViewer implements Viewer {
     if (found) this.set(found);
     return found !== undefined;
   }
-}
-
-/** The lamp over (x, y): the middle is straight above, the edge of the largest circle is along the sheet. */
-export function lightAt(x: number, y: number, size: { width: number; height: number }): { tilt: number; slant: number } {
-  const radius = Math.min(size.width, size.height) / 2;
-  const [right, up] = [(x - size.width / 2) / radius, (size.height / 2 - y) / radius];
-  const away = Math.min(Math.hypot(right, up), 1);
-  return {
-    tilt: ((Math.atan2(up, right) * 180) / Math.PI + 360) % 360,
-    slant: Math.min((Math.asin(away) * 180) / Math.PI, MOST_SLANT),
-  };
 }

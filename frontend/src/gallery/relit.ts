@@ -1,0 +1,64 @@
+// A card's picture under a lamp that follows the pointer: 2-D canvas, a few milliseconds a picture, loaded when first asked for.
+
+import { decode, decodeNormal, encode, lamp, shading, type Vec3 } from "../viewer/arithmetic";
+
+export type Card = { width: number; height: number; linear: Float32Array; normals: Float32Array };
+
+const DECODED = Float32Array.from({ length: 256 }, (_, v) => decode(v / 255));
+const CODES = 4095;
+const ENCODED = Uint8Array.from({ length: CODES + 1 }, (_, v) => Math.round(encode(v / CODES) * 255));
+/** Flat paper keeps its brightness at any slant, so a card does not darken when it is touched. */
+const LOWEST = 0.35;
+
+export async function loadCard(thumb: string, normals: string): Promise<Card> {
+  const [seen, bumps] = await Promise.all([load(thumb), load(normals)]);
+  const { naturalWidth: width, naturalHeight: height } = seen;
+  const [colours, codes] = [pixels(seen, width, height), pixels(bumps, width, height)];
+  const card = { width, height, linear: new Float32Array(width * height * 3), normals: new Float32Array(width * height * 3) };
+  for (let k = 0; k < width * height; k++) {
+    const n = decodeNormal([codes[k * 4]! / 255, codes[k * 4 + 1]! / 255, codes[k * 4 + 2]! / 255]);
+    for (let c = 0; c < 3; c++) {
+      card.linear[k * 3 + c] = DECODED[colours[k * 4 + c]!]!;
+      card.normals[k * 3 + c] = n[c]!;
+    }
+  }
+  return card;
+}
+
+/** RGBA of the card under a lamp; `out` is width * height * 4. */
+export function shade(card: Card, light: Vec3, out: Uint8ClampedArray): void {
+  const bright = 1 / Math.max(light[2], LOWEST);
+  const { linear, normals } = card;
+  for (let k = 0; k < card.width * card.height; k++) {
+    const at = k * 3;
+    const s = shading([normals[at]!, normals[at + 1]!, normals[at + 2]!], light) * bright;
+    for (let c = 0; c < 3; c++) out[k * 4 + c] = ENCODED[Math.min(CODES, Math.round(linear[at + c]! * s * CODES))]!;
+    out[k * 4 + 3] = 255;
+  }
+}
+
+export function paint(canvas: HTMLCanvasElement, card: Card, tilt: number, slant: number): void {
+  const pen = canvas.getContext("2d");
+  if (!pen) return;
+  if (canvas.width !== card.width || canvas.height !== card.height) Object.assign(canvas, { width: card.width, height: card.height });
+  const image = pen.createImageData(card.width, card.height);
+  shade(card, lamp(tilt, slant), image.data);
+  pen.putImageData(image, 0, 0);
+}
+
+async function load(url: string): Promise<HTMLImageElement> {
+  const image = new Image();
+  image.src = url;
+  await image.decode();
+  return image;
+}
+
+function pixels(image: HTMLImageElement, width: number, height: number): Uint8ClampedArray {
+  const canvas = document.createElement("canvas");
+  Object.assign(canvas, { width, height });
+  const pen = canvas.getContext("2d", { willReadFrequently: true });
+  if (!pen) throw new Error("no 2-D canvas");
+  pen.imageSmoothingQuality = "high";
+  pen.drawImage(image, 0, 0, width, height);
+  return pen.getImageData(0, 0, width, height).data;
+}

@@ -1,0 +1,56 @@
+// What the colours of a height mean, and how long a length on the screen is.
+
+import { useEffect, useState } from "preact/hooks";
+import { words } from "../i18n";
+import { viewer as table } from "../i18n/viewer";
+import { ANCHORS, cssColour, levels, niceStep } from "./colours";
+import { length } from "./figures";
+import type { Viewer } from "./viewer";
+
+const t = words(table);
+const STOPS = ANCHORS.map((_, k) => cssColour(k / (ANCHORS.length - 1))).join(", ");
+
+export function Legend({ viewer }: { viewer: Viewer }) {
+  const { min, max } = viewer.facts.heights;
+  const { unit } = viewer.facts;
+  const contours = viewer.state.mode === "contours";
+  return (
+    <div class="legend" role="img" aria-label={t("legendSaid", { low: length(min, unit), high: length(max, unit) })}>
+      <span class="legend-title">{t("height")} ({unit})</span>
+      <div class="legend-bar" style={{ background: `linear-gradient(to top, ${STOPS})` }}>
+        {levels(min, max, 4).map((level) => (
+          <span key={level} class="legend-tick" style={{ bottom: `${((level - min) / (max - min || 1)) * 100}%` }}>{level}</span>
+        ))}
+      </div>
+      {contours && <span class="legend-note">{t("interval", { step: length(viewer.interval, unit) })}</span>}
+    </div>
+  );
+}
+
+/** Shown only when the eye looks straight at the sheet: aslant one bar would be true at one place only. */
+export function ScaleBar({ viewer }: { viewer: Viewer }) {
+  const [bar, setBar] = useState<{ pixels: number; long: number } | null>(null);
+  useEffect(() => {
+    const measure = () => {
+      const { camera } = viewer.state;
+      const straight = camera
+        ? Math.hypot(camera[0] - camera[3], camera[1] - camera[4]) < 0.02 * Math.abs(camera[2] - camera[5])
+        : viewer.state.mode !== "surface" && viewer.state.mode !== "mesh";
+      const [a, b] = [viewer.project(0.45, 0.5), viewer.project(0.55, 0.5)];
+      const apart = a && b ? Math.hypot(b.x - a.x, b.y - a.y) : 0;
+      if (!straight || !viewer.field || !apart) return setBar(null);
+      const perPixel = viewer.field.length([0.45, 0.5, 0.55, 0.5]) / apart;
+      const long = niceStep(perPixel * 110, 1);
+      setBar((now) => (now?.long === long && now.pixels === long / perPixel ? now : { long, pixels: long / perPixel }));
+    };
+    measure();
+    return viewer.onDraw(measure);
+  }, [viewer]);
+  if (!bar) return null;
+  return (
+    <div class="scalebar">
+      <span style={{ width: `${bar.pixels}px` }} />
+      <small>{length(bar.long, viewer.facts.unit)}</small>
+    </div>
+  );
+}

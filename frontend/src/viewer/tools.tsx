@@ -1,0 +1,187 @@
+// The bar under the stage: what is shown, what dragging does, and what can be taken home.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { ComponentChildren } from "preact";
+import { words } from "../i18n";
+import { viewer as table } from "../i18n/viewer";
+import { Icon, type IconName } from "./icons";
+import { immersions, type Immersion } from "./immersion-kinds";
+import { LENSES, MODES, MOST_EXAGGERATION, type Lens, type Mode, type ViewState } from "./state";
+import type { PanelProps } from "./panel";
+import type { Tool, Viewer } from "./viewer";
+
+const t = words(table);
+const LENS_NAMES: Record<Lens, Parameters<typeof t>[0]> = {
+  none: "lensNone",
+  magnify: "lensMagnify",
+  picture: "lensPicture",
+  heights: "lensHeights",
+  normals: "lensNormals",
+};
+
+type Props = {
+  viewer: Viewer | null;
+  state: ViewState;
+  tool: Tool;
+  pairing: boolean;
+  canPin: boolean;
+  mode: (mode: Mode) => void;
+  setTool: (tool: Tool) => void;
+  files: PanelProps["files"];
+  onPair?: (() => void) | undefined;
+  link?: (() => string) | undefined;
+  onHelp: () => void;
+  onFull: () => void;
+};
+
+export function Tools({ viewer, state, tool, pairing, canPin, mode, setTool, files, onPair, link, onHelp, onFull }: Props) {
+  if (viewer && !viewer.field) return null;
+  const off = !viewer;
+  const tools: Tool[] = canPin ? ["light", "move", "section", "ruler", "pin"] : ["light", "move", "section", "ruler"];
+  return (
+    <div class="tools" role="toolbar" aria-label={t("tools")}>
+      <div class="segments modes" role="group" aria-label={t("shownAs")}>
+        {MODES.map((name) => (
+          <Toggle key={name} icon={name} label={t(name)} on={state.mode === name} off={off} act={() => mode(name)} worded />
+        ))}
+      </div>
+      <div class="segments" role="group" aria-label={t("dragging")}>
+        {tools.map((name) => (
+          <Toggle key={name} icon={name} label={t(`tool_${name}`)} on={tool === name} off={off} act={() => setTool(name)} />
+        ))}
+      </div>
+      <label class="tool-select" title={t("lens")}>
+        <Icon name="lens" />
+        <span class="visually-hidden">{t("lens")}</span>
+        <select value={state.lens} disabled={off} onChange={(event) => viewer?.set({ lens: event.currentTarget.value as Lens })}>
+          {LENSES.map((name) => (
+            <option key={name} value={name}>{t(LENS_NAMES[name])}</option>
+          ))}
+        </select>
+      </label>
+      <label class="tool-range">
+        <span>{t("exaggeration")}</span>
+        <input type="range" min="0" max={MOST_EXAGGERATION} step="0.1" value={state.exaggeration} disabled={off}
+          onInput={(event) => viewer?.set({ exaggeration: Number(event.currentTarget.value) })} />
+        <output>×{state.exaggeration.toFixed(1)}</output>
+      </label>
+      {viewer?.facts.three_lamps && (
+        <Toggle icon="lamps" label={t("mixture")} on={state.mixture} off={off} act={() => viewer.set({ mixture: !state.mixture })} worded />
+      )}
+      <div class="tools-end">
+        <Button icon="home" label={t("reset")} off={off} act={() => viewer?.glide({ camera: null }, 500)} />
+        {onPair && <Toggle icon="pair" label={t("pair")} on={pairing} off={off} act={onPair} />}
+        <Immersive viewer={viewer} />
+        {link && <CopyLink link={link} />}
+        <Button icon="full" label={t("full")} off={off} act={onFull} />
+        <Menu icon="save" label={t("download")}>
+          <Downloads viewer={viewer} files={files} />
+        </Menu>
+        <Button icon="help" label={t("help")} act={onHelp} />
+      </div>
+    </div>
+  );
+}
+
+type ButtonProps = { icon: IconName; label: string; off?: boolean; act: () => void };
+
+function Button({ icon, label, off = false, act }: ButtonProps) {
+  return (
+    <button type="button" class="tool" title={label} aria-label={label} disabled={off} onClick={act}>
+      <Icon name={icon} />
+    </button>
+  );
+}
+
+function Toggle({ icon, label, on, off = false, act, worded = false }: ButtonProps & { on: boolean; worded?: boolean }) {
+  return (
+    <button type="button" class={worded ? "tool worded" : "tool"} title={label} aria-label={label} aria-pressed={on} disabled={off} onClick={act}>
+      <Icon name={icon} />
+      {worded && <span>{label}</span>}
+    </button>
+  );
+}
+
+function CopyLink({ link }: { link: () => string }) {
+  const [done, setDone] = useState(false);
+  const copy = async () => {
+    const text = link();
+    await navigator.clipboard?.writeText(text).catch(() => prompt(t("copyLink"), text));
+    setDone(true);
+    setTimeout(() => setDone(false), 1800);
+  };
+  return (
+    <span class="copy">
+      <Button icon="link" label={t("copyLink")} act={() => void copy()} />
+      <span class="copy-done" role="status">{done ? t("copied") : ""}</span>
+    </span>
+  );
+}
+
+function Immersive({ viewer }: { viewer: Viewer | null }) {
+  const [kinds, setKinds] = useState<Immersion[]>([]);
+  useEffect(() => void immersions().then(setKinds), []);
+  if (!viewer || !kinds.length) return null;
+  return (
+    <>
+      {kinds.map((kind) => (
+        <button key={kind} type="button" class="tool worded" onClick={() => void viewer.immerse(kind)}>
+          <Icon name="headset" />
+          <span>{kind === "immersive-vr" ? "VR" : "AR"}</span>
+        </button>
+      ))}
+    </>
+  );
+}
+
+function Menu({ icon, label, children }: { icon: IconName; label: string; children: ComponentChildren }) {
+  const box = useRef<HTMLDetailsElement>(null);
+  useEffect(() => {
+    const close = (event: Event) => {
+      if (box.current?.open && !(event.target instanceof Node && box.current.contains(event.target))) box.current.open = false;
+    };
+    document.addEventListener("pointerdown", close);
+    return () => document.removeEventListener("pointerdown", close);
+  }, []);
+  const leave = (event: KeyboardEvent) => {
+    if (event.key !== "Escape" || !box.current) return;
+    box.current.open = false;
+    box.current.querySelector("summary")?.focus();
+  };
+  return (
+    <details class="menu" ref={box} onKeyDown={leave}>
+      <summary class="tool" title={label} aria-label={label}>
+        <Icon name={icon} />
+      </summary>
+      <div class="menu-list">{children}</div>
+    </details>
+  );
+}
+
+const FILES = ["picture", "glb", "stl", "ply", "height", "normals16", "manifest", "page"] as const;
+
+function Downloads({ viewer, files }: { viewer: Viewer | null; files: PanelProps["files"] }) {
+  const take = async (made: Promise<Blob> | undefined, name: string) => {
+    const blob = await made;
+    if (!blob) return;
+    const anchor = document.createElement("a");
+    anchor.href = URL.createObjectURL(blob);
+    anchor.download = name;
+    anchor.click();
+    setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000);
+  };
+  return (
+    <>
+      <button type="button" onClick={() => void take(viewer?.snapshot(), "view.png")}>{t("savePng")}</button>
+      <button type="button" onClick={() => void take(viewer?.relit(), "sheet.png")}>{t("saveSheet")}</button>
+      {FILES.filter((name) => files?.[name]).map((name) => (
+        <a key={name} href={name === "manifest" ? files?.[name] : taken(files?.[name] ?? "")} target={name === "manifest" ? "_blank" : undefined} rel="noopener"
+          download={name === "manifest" ? undefined : ""}>
+          {t(`file_${name}`)}
+        </a>
+      ))}
+    </>
+  );
+}
+
+const taken = (url: string): string => `${url}${url.includes("?") ? "&" : "?"}download=1`;
