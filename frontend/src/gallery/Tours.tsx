@@ -1,5 +1,56 @@
-import type { PageProps } from "../router";
+import { useState } from "preact/hooks";
+import { get, post, session } from "../api";
+import { say, words } from "../i18n";
+import { gallery as table } from "../i18n/gallery";
+import { go, type PageProps } from "../router";
+import type { Tour } from "../types";
+import { Trouble, useLoaded, Waiting } from "../ui";
+import { Icon } from "../viewer/icons";
+import "./gallery.css";
+import "./work.css";
+
+const t = words(table);
 
 export default function Tours(_: PageProps) {
-  return null;
+  const found = useLoaded((signal) => get<Tour[] | { items: Tour[] }>("/api/tours", signal), "all");
+  const [error, setError] = useState<unknown>(null);
+  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (!found.value) return <Waiting />;
+  const items = Array.isArray(found.value) ? found.value : found.value.items;
+  const begin = async () => {
+    try {
+      const tour = await post<Tour>("/api/tours", { title: { zh: "新導覽", en: "New tour" }, steps: [] });
+      go(`/tours/${tour.id}?edit=1`);
+    } catch (problem) {
+      setError(problem);
+    }
+  };
+  return (
+    <>
+      <header class="page-head">
+        <h1>{t("tours")}</h1>
+        <p class="lead">{t("toursLead")}</p>
+        {session.value?.person?.role === "owner" && <button type="button" class="quiet" onClick={() => void begin()}><Icon name="add" />{t("newTour")}</button>}
+      </header>
+      {error ? <Trouble error={error} /> : null}
+      {!items.length && <p class="nothing">{t("noTours")}</p>}
+      <ul class="rooms">
+        {items.map((tour) => (
+          <li class="room tour-room" key={tour.id}>
+            <a class="room-works" href={`#/tours/${tour.id}`} tabIndex={-1} aria-hidden="true">
+              {[...new Set(tour.steps.map((step) => step.work))].slice(0, 4).map((work) => (
+                <span class="thumb" key={work}><img src={`/api/works/${encodeURIComponent(work)}/files/thumb`} alt="" loading="lazy" /></span>
+              ))}
+            </a>
+            <div>
+              <h2><a href={`#/tours/${tour.id}`}>{say(tour.title)}</a></h2>
+              <p class="note">{t("steps", { n: tour.steps.length })}</p>
+              <ol class="contents">{tour.steps.slice(0, 5).map((step, k) => <li key={k}>{say(step.title)}</li>)}</ol>
+              <a class="button" href={`#/tours/${tour.id}`}><Icon name="play" />{t("begin")}</a>
+            </div>
+          </li>
+        ))}
+      </ul>
+    </>
+  );
 }

@@ -1,5 +1,156 @@
-import type { PageProps } from "../router";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { get, remove, session } from "../api";
+import { say, words } from "../i18n";
+import { gallery as table } from "../i18n/gallery";
+import { rewrite, type PageProps } from "../router";
+import type { Annotation, ViewerFacts, Work, WorkCard } from "../types";
+import { Trouble, useLoaded, Waiting } from "../ui";
+import { Icon } from "../viewer/icons";
+import { ViewerPanel, type Shown } from "../viewer/panel";
+import { stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
+import type { Place, Viewer } from "../viewer/viewer";
+import { NoteForm } from "./NoteForm";
+import { WorkFacts } from "./WorkFacts";
+import { WorkPicker } from "./WorkPicker";
+import "./gallery.css";
+import "./work.css";
 
-export default function WorkPage(_: PageProps) {
-  return null;
+const t = words(table);
+const WRITING = 300;
+
+export const workUrl = (id: string): string => `/api/works/${encodeURIComponent(id)}`;
+
+/** A work and what the viewer needs of it. */
+export async function loadWork(id: string, signal: AbortSignal): Promise<{ work: Work; facts: ViewerFacts }> {
+  const [work, facts] = await Promise.all([get<Work>(workUrl(id), signal), get<ViewerFacts>(`${workUrl(id)}/viewer`, signal)]);
+  return { work, facts };
+}
+
+export default function WorkPage({ params, query }: PageProps) {
+  const id = params.id ?? "";
+  const loaded = useLoaded((signal) => loadWork(id, signal), id);
+  if (loaded.error) return <Trouble error={loaded.error} again={loaded.again} />;
+  if (!loaded.value) return <Waiting />;
+  return <Shelf key={id} work={loaded.value.work} facts={loaded.value.facts} query={query} />;
+}
+
+function Shelf({ work, facts, query }: { work: Work; facts: ViewerFacts; query: URLSearchParams }) {
+  const [initial] = useState(() => stateFromQuery(query));
+  const [viewer, setViewer] = useState<Viewer | null>(null);
+  const [notes, setNotes] = useState(work.annotations);
+  const [chosen, setChosen] = useState<string | null>(null);
+  const [form, setForm] = useState<Partial<Annotation> | null>(null);
+  const [picking, setPicking] = useState(false);
+  const withId = query.get("with");
+  const second = useLoaded((signal) => (withId ? loadWork(withId, signal) : Promise.resolve(null)), withId ?? "");
+  const beside: Shown | null = withId && second.value ? { facts: second.value.facts, title: second.value.work.title } : null;
+  const shown = useMemo(() => ({ facts, title: work.title }), [facts, work]);
+  const owner = session.value?.person?.role === "owner";
+  const address = useAddress(initial, viewer, query);
+
+  const choose = (key: string | null) => setChosen(key);
+  const saved = (note: Annotation) => {
+    setNotes((before) => (before.some((n) => n.id === note.id) ? before.map((n) => (n.id === note.id ? note : n)) : [...before, note]));
+    setForm(null);
+    setChosen(note.id);
+  };
+  const drop = async (note: Annotation) => {
+    if (!confirm(t("sureRemove"))) return;
+    await remove(`${workUrl(work.id)}/annotations/${note.id}`);
+    setNotes((before) => before.filter((n) => n.id !== note.id));
+  };
+  const stand = (other: WorkCard | null) => {
+    setPicking(false);
+    address.put("with", other?.id ?? null);
+  };
+  return (
+    <article class="work">
+      <div class="work-stage">
+        <ViewerPanel shown={shown} initial={initial} beside={beside} onViewer={setViewer} onState={address.note}
+          files={{ ...work.files, page: `${workUrl(work.id)}/export.html` }} pins={{ items: notes, chosen, choose }} link={address.link}
+          onPair={() => (withId ? stand(null) : setPicking(true))} onPoint={owner ? (place: Place) => setForm({ x: place.x, y: place.y }) : undefined} />
+        {second.error ? <Trouble error={second.error} again={second.again} /> : null}
+      </div>
+      <aside class="label">
+        <WorkFacts work={work} facts={facts} />
+        <a class="button write" href={`#/studio/${encodeURIComponent(work.id)}`}><Icon name="edit" />{t("write")}</a>
+        <Notes notes={notes} chosen={chosen} choose={choose} owner={owner} edit={setForm} drop={(note) => void drop(note)} />
+        <nav class="neighbours" aria-label={t("collection")}>
+          {work.previous ? <a href={`#/works/${encodeURIComponent(work.previous)}`}><Icon name="previous" />{t("previous")}</a> : <span />}
+          {work.next && <a href={`#/works/${encodeURIComponent(work.next)}`}>{t("next")}<Icon name="next" /></a>}
+        </nav>
+      </aside>
+      {form && <NoteForm work={work.id} note={form} onClose={() => setForm(null)} onSaved={saved} />}
+      {picking && <WorkPicker title={t("chooseBeside")} not={work.id} onClose={() => setPicking(false)} onChoose={stand} />}
+    </article>
+  );
+}
+
+/** The view stands in the address, written when the hand rests; an address that is typed anew moves the view. */
+function useAddress(initial: ViewState, viewer: Viewer | null, query: URLSearchParams) {
+  const now = useRef(initial);
+  const wait = useRef(0);
+  const extra = useRef({ with: query.get("with") });
+  const written = useRef(query.toString());
+  const whole = () => {
+    const all = stateToQuery(now.current);
+    if (extra.current.with) all.set("with", extra.current.with);
+    return all;
+  };
+  const write = () => {
+    const all = whole();
+    written.current = all.toString();
+    rewrite(all);
+  };
+  useEffect(() => {
+    if (query.toString() === written.current) return;
+    written.current = query.toString();
+    extra.current = { with: query.get("with") };
+    viewer?.set(stateFromQuery(query));
+  }, [query.toString()]);
+  useEffect(() => () => clearTimeout(wait.current), []);
+  return {
+    note(state: ViewState) {
+      now.current = state;
+      clearTimeout(wait.current);
+      wait.current = window.setTimeout(write, WRITING);
+    },
+    put(name: "with", value: string | null) {
+      extra.current = { [name]: value };
+      write();
+    },
+    link: () => `${location.href.split("#")[0]}${location.hash.split("?")[0]}?${whole()}`,
+  };
+}
+
+type NotesProps = {
+  notes: Annotation[];
+  chosen: string | null;
+  owner: boolean;
+  choose: (id: string | null) => void;
+  edit: (note: Annotation) => void;
+  drop: (note: Annotation) => void;
+};
+
+function Notes({ notes, chosen, owner, choose, edit, drop }: NotesProps) {
+  if (!notes.length) return null;
+  return (
+    <section class="notes">
+      <h2>{t("notes")}</h2>
+      <ol>
+        {notes.map((note) => (
+          <li key={note.id} class={note.id === chosen ? "on" : ""}>
+            <button type="button" class="quiet note-head" aria-expanded={note.id === chosen} onClick={() => choose(note.id === chosen ? null : note.id)}>{say(note.title)}</button>
+            {note.id === chosen && <p>{say(note.text)}</p>}
+            {owner && note.id === chosen && (
+              <p class="note-edit">
+                <button type="button" class="quiet" onClick={() => edit(note)}>{t("edit")}</button>
+                <button type="button" class="quiet" onClick={() => drop(note)}>{t("removeNote")}</button>
+              </p>
+            )}
+          </li>
+        ))}
+      </ol>
+    </section>
+  );
 }

@@ -88,4 +88,8 @@ export const gallery = {
   stop: { zh: "停止", en: "Stop" },
   seeIt: { zh: "去看作品", en: "See the work" },
   seeAll: { zh: "去展廳看", en: "See it in the gallery" },
+  collections: { zh: "專題", en: "Collections" },
+  tours: { zh: "導覽", en: "Tours" },
+  removeNote: { zh: "刪除", en: "Delete" },
+  removeTour: { zh: "刪除導覽", en: "Delete the tour" },
 } as const;
