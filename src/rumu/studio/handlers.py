@@ -8,6 +8,7 @@ from typing import Any
 from rumu.gallery import catalog
 from rumu.gallery.catalog import Gallery
 from rumu.gallery.derived import derived
+from rumu.studio.additions import import_zip
 from rumu.studio.jobs import Progress
 from rumu.studio.place import Place
 from rumu.studio.samples import put_samples
@@ -44,4 +45,12 @@ def prepare(gallery: Gallery, payload: Mapping[str, Any], progress: Progress, pl
     return {"works": len(ids), "samples": samples}
 
 
-HANDLERS: dict[str, Handler] = {"prepare": prepare}
+def import_sent(
+    gallery: Gallery, payload: Mapping[str, Any], progress: Progress, place: Place
+) -> dict[str, Any]:
+    """Put in the zip that was sent; payload: upload (its key), facts."""
+    with gallery.store.local(payload["upload"]) as packed:
+        return import_zip(gallery, packed, payload["facts"], progress=progress)
+
+
+HANDLERS: dict[str, Handler] = {"prepare": prepare, "import": import_sent}

@@ -17,6 +17,7 @@ MOST_PIXELS = 24_000_000
 KEPT_SIDE = 1600  # pixels; a mark does not gain from more, a disk does lose
 LEAST_SIDE = 16
 _FORMATS = ("PNG", "JPEG")
+_ENDINGS = {"PNG": "png", "JPEG": "jpg", "TIFF": "tif", "WEBP": "webp"}  # of works
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +56,20 @@ def looked_at(data: bytes, *, most_bytes: int = MOST_BYTES, most_pixels: int = M
         )
 
 
+def format_of(data: bytes, *, most_pixels: int = 100_000_000) -> str:
+    """The ending that a picture of a work should have, by what it holds: png, jpg, tif or webp. Raises
+    Unusable."""
+    with _opened(data, formats=tuple(_ENDINGS)) as image:
+        width, height = image.size
+        if width * height > most_pixels:
+            raise Unusable(
+                "too_many_pixels",
+                zh=f"圖片最多 {most_pixels // 10**6} 百萬像素。",
+                en=f"A picture has at most {most_pixels // 10**6} million pixels.",
+            )
+        return _ENDINGS[str(image.format)]
+
+
 def kept(data: bytes) -> Kept:
     """Decode a picture whole, turn it upright, shrink it to KEPT_SIDE, leave its metadata behind.
 
@@ -88,13 +103,13 @@ def media_type(ending: str) -> str:
     return {"jpg": "image/jpeg", "png": "image/png"}[ending]
 
 
-def _opened(data: bytes) -> Image:
+def _opened(data: bytes, *, formats: tuple[str, ...] = _FORMATS) -> Image:
     from PIL import Image, UnidentifiedImageError
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own bound is lower
-            return Image.open(io.BytesIO(data), formats=_FORMATS)
+            return Image.open(io.BytesIO(data), formats=formats)
     except (UnidentifiedImageError, Image.DecompressionBombError, OSError, ValueError, SyntaxError) as error:
         raise _no_picture() from error
 

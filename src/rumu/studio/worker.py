@@ -18,6 +18,7 @@ from rumu.studio.place import Place
 if TYPE_CHECKING:
     from rumu.assessment.calibration import Calibration
     from rumu.gallery.catalog import Gallery
+    from rumu.gallery.derived import Derived
     from rumu.values import FloatArray, Surface
 
 _MASTERS = 12  # surfaces of masters that stay in memory of each process
@@ -82,11 +83,23 @@ def mark(place: Place, *, data: bytes, work_id: str, digest: str, script: str) -
     return Marked(picture, mark_facts(assessment, seconds=time.perf_counter() - started), residual)
 
 
-def gallery_file(place: Place, *, work_id: str, kind: str) -> Any:
-    """A file derived from a work, made when it is not there yet."""
-    from rumu.gallery.derived import derived
+def derived_file(
+    place: Place, *, kind: str, exaggeration: float, work_id: str | None = None, picture: str | None = None
+) -> Derived:
+    """A file derived from a work, or from a picture of the store; made when it is not there yet."""
+    from rumu.gallery.derived import derived_of
+    from rumu.gallery.originals import original_of, picture_original
 
-    return derived(_gallery(place), work_id, kind)
+    gallery = _gallery(place)
+    original = original_of(gallery, work_id) if work_id else picture_original(gallery.store, str(picture))
+    return derived_of(gallery.store, original, kind, exaggeration=exaggeration)
+
+
+def add_work(place: Place, *, data: bytes, facts: dict[str, str], spacing: float | None) -> str:
+    """Keep a picture as a work; its id."""
+    from rumu.studio import additions
+
+    return additions.add_work(_gallery(place), data, facts, spacing=spacing)
 
 
 def job(place: Place, *, job_id: str) -> None:

@@ -1,0 +1,82 @@
+"""Works that somebody sends in: one picture at once, a zip of many or of photographs under lamps as a job."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rumu.gallery.adding import add_capture, add_picture, room_named
+from rumu.gallery.catalog import Gallery
+from rumu.gallery.entries import NO_LICENCE, Entry
+from rumu.gallery.importing import EXPORTED, import_folder
+from rumu.gallery.masters import LABELS
+from rumu.gallery.works import Bilingual
+from rumu.studio.errors import Unusable
+from rumu.studio.pictures import format_of
+from rumu.studio.unpacking import unpack
+
+if TYPE_CHECKING:
+    from rumu.studio.jobs import Progress
+
+TEXTS = ("title", "hand", "period", "material")
+WORDS = ("character", "script", "dynasty", "source", "licence", "attribution")
+_TOLD = 20  # pictures that were left out, told one by one
+
+
+def entry_of(facts: Mapping[str, str]) -> Entry:
+    """facts: title_zh, title_en, hand_zh, ... and WORDS; one language stands for both where the other is
+    empty."""
+    texts: dict[str, Any] = {name: _both(facts, name) for name in TEXTS}
+    words: dict[str, Any] = {name: facts.get(name, "") for name in WORDS}
+    words["licence"] = words["licence"] or NO_LICENCE
+    if not texts["title"].zh:
+        name = words["character"] or "無題"
+        texts["title"] = Bilingual(name, words["character"] or "Untitled")
+    return Entry(**texts, **words)
+
+
+def add_work(gallery: Gallery, data: bytes, facts: Mapping[str, str], *, spacing: float | None) -> str:
+    """Keep a picture as a work; its id. Raises Unusable, ImageError or RefusedImage for what is no
+    writing."""
+    method = facts.get("method") or "inflation"
+    with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
+        path = Path(folder) / f"picture.{format_of(data)}"
+        path.write_bytes(data)
+        room = room_named(facts.get("collection") or None)
+        return add_picture(gallery, path, entry=entry_of(facts), room=room, method=method, spacing=spacing).id
+
+
+def import_zip(
+    gallery: Gallery, packed: Path, facts: Mapping[str, str], *, progress: Progress
+) -> dict[str, Any]:
+    """Put in what a zip holds: a folder with labels.csv, one that `rumu gallery export` wrote, or one
+    capture.
+
+    What is there already is counted and left as it is, so that an import can be begun again.
+    """
+    with tempfile.TemporaryDirectory(prefix="rumu-") as place:
+        progress(0, 0, "解開 Unpacking")
+        folder = unpack(packed, Path(place))
+        if (folder / LABELS).is_file() or (folder / EXPORTED).is_file():
+            progress(0, 0, "收入 Putting in")
+            done = import_folder(gallery, folder, progress=progress)
+            return {
+                "collections": list(done.collections),
+                "added": done.added,
+                "there": done.there,
+                "left_out": [list(one) for one in done.left_out[:_TOLD]],
+                "left_out_count": len(done.left_out),
+            }
+        if not any(path.is_file() for path in folder.iterdir()):
+            raise Unusable("no_works", zh="zip 檔是空的。", en="The zip file is empty.")
+        progress(0, 0, "重建表面 Reconstructing")
+        room = room_named(facts.get("collection") or None)
+        added = add_capture(gallery, folder, entry=entry_of(facts), room=room)
+        return {"work": added.id, "added": int(added.new), "there": int(not added.new)}
+
+
+def _both(facts: Mapping[str, str], name: str) -> Bilingual:
+    zh, en = facts.get(f"{name}_zh", ""), facts.get(f"{name}_en", "")
+    return Bilingual(zh or en, en or zh)

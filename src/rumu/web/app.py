@@ -1,0 +1,78 @@
+"""The application: the service's routes behind the guard."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from anyio.to_thread import current_default_thread_limiter, run_sync
+from fastapi import FastAPI
+from starlette.middleware.gzip import GZipMiddleware
+
+from rumu import __version__
+from rumu.web import openapi, pages, refusals
+from rumu.web.answers import Fresh
+from rumu.web.doors import REFUSALS
+from rumu.web.guard import Guard
+from rumu.web.routes import annotations as said
+from rumu.web.routes import (
+    attempts,
+    classes,
+    comparisons,
+    imports,
+    jobs,
+    marks,
+    people,
+    practice,
+    session,
+    tours,
+    works,
+)
+from rumu.web.service import Service
+from rumu.web.settings import ServiceSettings
+
+THREADS = 96  # marks wait in threads for their process; those who browse must not wait behind them
+
+_ABOUT = (
+    "Chinese calligraphy as surfaces, and an honest mark for a learner's copy. Reading the gallery is open. "
+    "What changes something needs the header X-CSRF-Token with the token that GET /api/session tells, and "
+    "mostly a login. Texts are in traditional Chinese (zh) and English (en). Refusals are "
+    "{error: {code, zh, en}}."
+)
+_ROOMS = (
+    *(session, people, works, imports, said, tours, marks, attempts, practice, classes),
+    *(comparisons, jobs),
+)
+
+
+def create_app(settings: ServiceSettings) -> FastAPI:
+    """The application of one service. Opens the gallery at once; workers start with the server."""
+    service = Service(settings)
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        current_default_thread_limiter().total_tokens = THREADS
+        await run_sync(service.start)
+        yield
+        service.stop()
+
+    app = FastAPI(
+        title="rumu 入木",
+        version=__version__,
+        description=_ABOUT,
+        openapi_url="/api/openapi.json",
+        docs_url=None,
+        redoc_url=None,
+        lifespan=lifespan,
+        responses=REFUSALS,
+    )
+    app.state.service = service
+    refusals.register(app)
+    for room in _ROOMS:
+        app.include_router(room.router)
+    openapi.register(app)
+    pages.register(app, settings.static)
+    app.add_middleware(Fresh)
+    app.add_middleware(GZipMiddleware, minimum_size=800, compresslevel=5)
+    app.add_middleware(Guard, service=service)
+    return app

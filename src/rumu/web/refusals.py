@@ -1,0 +1,95 @@
+"""Every refusal as {"error": {"code", "zh", "en"}} with its status."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from rumu.errors import RumuError
+from rumu.studio.errors import Busy, Clash, Missing, NotAllowed, StudioError, Unusable
+from rumu.web.rates import TooOften
+
+_log = logging.getLogger(__name__)
+
+
+class LoginNeededError(StudioError):
+    """Nobody is logged in."""
+
+    def __init__(self) -> None:
+        super().__init__("login", zh="請先登入。", en="Log in first.")
+
+
+class WrongLoginError(StudioError):
+    """Name and password do not go together."""
+
+    def __init__(self) -> None:
+        super().__init__("wrong_login", zh="名字或密碼不對。", en="The name or the password is wrong.")
+
+
+_STATUS: tuple[tuple[type[StudioError], int], ...] = (
+    (LoginNeededError, 401),
+    (WrongLoginError, 401),
+    (Missing, 404),
+    (NotAllowed, 403),
+    (Clash, 409),
+    (TooOften, 429),
+    (Busy, 503),
+    (Unusable, 422),
+)
+_PLAIN = {
+    400: ("bad_request", "請求的格式不對。", "The request is malformed."),
+    401: ("login", "請先登入。", "Log in first."),
+    403: ("not_allowed", "您沒有這個權限。", "You may not do this."),
+    404: ("not_found", "沒有這個頁面或項目。", "There is no such page or thing."),
+    405: ("method", "這裡不接受這種請求。", "This cannot be asked here."),
+    413: ("too_large", "送來的資料太大。", "More was sent than is taken here."),
+}
+
+
+def register(app: FastAPI) -> None:
+    """Have the application answer errors so."""
+    app.add_exception_handler(StudioError, _studio)
+    app.add_exception_handler(RumuError, _rumu)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(Exception, _unexpected)
+
+
+def refusal(status: int, code: str, zh: str, en: str, headers: dict[str, str] | None = None) -> JSONResponse:
+    """The answer itself."""
+    return JSONResponse({"error": {"code": code, "zh": zh, "en": en}}, status, headers=headers)
+
+
+async def _studio(request: Request, error: Any) -> JSONResponse:
+    status = next((status for kind, status in _STATUS if isinstance(error, kind)), 400)
+    headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooOften) else None
+    if isinstance(error, Busy):
+        headers = {"Retry-After": "3"}
+    return refusal(status, error.code, error.zh, error.en, headers)
+
+
+async def _rumu(request: Request, error: Any) -> JSONResponse:
+    """What the rooms below refuse is said in English alone; the code tells a page what to show."""
+    code = getattr(error, "reason", None) or "unusable"
+    return refusal(422, code, f"無法使用：{error}", " ".join(str(error).split()))
+
+
+async def _invalid(request: Request, error: Any) -> JSONResponse:
+    first = error.errors()[0] if error.errors() else {"loc": (), "msg": "invalid"}
+    place = ".".join(str(part) for part in first["loc"])
+    return refusal(422, "invalid", f"填寫的內容不對：{place}", f"{place}: {first['msg']}")
+
+
+async def _http(request: Request, error: Any) -> JSONResponse:
+    code, zh, en = _PLAIN.get(error.status_code, ("error", "無法完成。", "It cannot be done."))
+    return refusal(error.status_code, code, zh, en, dict(error.headers or {}) or None)
+
+
+async def _unexpected(request: Request, error: Exception) -> JSONResponse:
+    _log.exception("%s %s", request.method, request.url.path, exc_info=error)
+    return refusal(500, "unexpected", "伺服器出了意外。", "Something unexpected happened on the server.")

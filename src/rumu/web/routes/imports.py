@@ -1,0 +1,91 @@
+"""Works that teachers and owners send in."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Depends, File, Form, UploadFile
+
+from rumu.database.tables import new_id
+from rumu.studio import jobs, worker
+from rumu.studio.errors import Unusable
+from rumu.studio.handlers import upload_key
+from rumu.studio.pictures import format_of
+from rumu.web.cards import job_facts
+from rumu.web.doors import Line, Running, Said, Teacher
+from rumu.web.routes.works import found_work, told
+from rumu.web.shapes import WorkFacts
+from rumu.web.studio_shapes import JobStarted
+
+router = APIRouter(tags=["imports"])
+
+Word = Annotated[Line, Form()]
+Long = Annotated[Said, Form(max_length=4000)]
+
+
+def facts(
+    *,
+    title_zh: Word = "",
+    title_en: Word = "",
+    character: Annotated[Line, Form(max_length=16)] = "",
+    script: Annotated[Literal["", "seal", "clerical", "regular", "running", "cursive"], Form()] = "",
+    hand_zh: Word = "",
+    hand_en: Word = "",
+    dynasty: Annotated[Line, Form(max_length=40)] = "",
+    period_zh: Word = "",
+    period_en: Word = "",
+    material_zh: Word = "",
+    material_en: Word = "",
+    source: Long = "",
+    licence: Word = "",
+    attribution: Long = "",
+    collection: Annotated[Line, Form(max_length=100)] = "",
+    method: Annotated[Literal["inflation", "density"], Form()] = "inflation",
+) -> dict[str, str]:
+    """What is known of what is sent. collection: its name; empty for works added here."""
+    return dict(locals())
+
+
+Facts = Annotated[dict[str, str], Depends(facts)]
+Spacing = Annotated[float | None, Form(gt=0, le=1000, allow_inf_nan=False)]
+
+
+@router.post("/api/works", response_model=WorkFacts, status_code=201)
+def add(
+    service: Running,
+    who: Teacher,
+    told_of_it: Facts,
+    picture: Annotated[UploadFile, File(description="PNG, JPEG, TIFF or WebP.")],
+    spacing: Spacing = None,
+) -> dict[str, Any]:
+    """Add one picture as a work. spacing: millimetres for each pixel, when known."""
+    service.rates.count(service.settings.rates.uploads, "uploads", who.id)
+    data = picture.file.read()
+    format_of(data)
+    work_id = service.workers.ask(worker.add_work, data=data, facts=told_of_it, spacing=spacing)
+    return told(service, found_work(service, work_id))
+
+
+@router.post("/api/imports", response_model=JobStarted, status_code=202)
+def send(
+    service: Running,
+    who: Teacher,
+    told_of_it: Facts,
+    archive: Annotated[UploadFile, File(alias="zip", description="A zip, 1 GB at most.")],
+) -> dict[str, Any]:
+    """Put in a zip of a folder with labels.csv, of one that `rumu gallery export` wrote, or of one capture
+    folder; the facts are those of a capture. It is kept before it is answered for: a restart loses
+    nothing."""
+    service.rates.count(service.settings.rates.uploads, "uploads", who.id)
+    if archive.file.read(2) != b"PK":
+        raise Unusable("no_zip", zh="這不是 zip 檔。", en="Expected a zip file.")
+    archive.file.seek(0)
+    job_id = new_id()
+    key = upload_key(job_id, ".zip")
+    service.gallery.store.write(key, archive.file.read())
+    payload = {"upload": key, "facts": told_of_it}
+    with service.gallery.database.writing() as session:
+        job = jobs.add(session, "import", payload, person_id=who.id, job_id=job_id)
+        started = job_facts(job)
+    service.runner.wake()
+    return {"job": started}

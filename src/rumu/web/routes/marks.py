@@ -1,0 +1,89 @@
+"""A copy comes in, a mark goes out."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, File, Form, Request, UploadFile
+
+from rumu.database.tables import Attempt, Work, now
+from rumu.studio import attempts, worker
+from rumu.studio.people import Identity
+from rumu.studio.pictures import MOST_BYTES, looked_at
+from rumu.studio.worker import Marked
+from rumu.web.cards import attempt_facts, work_card
+from rumu.web.doors import IdText, Running, Visitor, caller
+from rumu.web.refusals import LoginNeededError
+from rumu.web.routes.works import found_work
+from rumu.web.service import Service
+from rumu.web.studio_shapes import AttemptFacts
+
+router = APIRouter(tags=["marks"])
+
+
+@router.post("/api/marks", response_model=AttemptFacts, response_model_by_alias=True, status_code=201)
+def mark(
+    *,
+    request: Request,
+    service: Running,
+    who: Visitor,
+    work: Annotated[IdText, Form(examples=["regular-shui"])],
+    picture: Annotated[UploadFile, File(description="PNG or JPEG of the cell, 10 MB and 24 MP at most.")],
+    kind: Annotated[Literal["pen", "photo"], Form()] = "photo",
+    grid: Annotated[Literal["mi", "jiu", "tian", ""], Form()] = "",
+    strokes: Annotated[str | None, Form(max_length=attempts.MOST_STROKES)] = None,
+    task: Annotated[IdText | None, Form()] = None,
+    keep: Annotated[bool, Form()] = True,
+) -> dict[str, Any]:
+    """Mark a copy against a work. Without a login only with keep=false, and then nothing is kept."""
+    if who is None and keep:
+        raise LoginNeededError
+    rates = service.settings.rates
+    service.rates.count(*((rates.marks, "marks", who.id) if who else (rates.tries, "tries", caller(request))))
+    master = found_work(service, work)
+    if task is not None and who is not None:
+        with service.gallery.database.reading() as session:
+            attempts.task_for(session, task, who=who, work_id=master.id)
+    path = attempts.checked_strokes(strokes) if strokes and kind == "pen" else None
+    data = picture.file.read(MOST_BYTES + 1)
+    looked_at(data)
+    marked = service.workers.ask(
+        worker.mark, data=data, work_id=master.id, digest=master.digest, script=master.script
+    )
+    if not keep or who is None:
+        return _tried(marked, master, who, kind, grid)
+    kept = attempts.keep(
+        service.gallery,
+        marked,
+        work_id=master.id,
+        person_id=who.id,
+        kind=kind,
+        grid=grid,
+        strokes=path,
+        task_id=task,
+    )
+    return _told(service, kept, marked)
+
+
+def _told(service: Service, kept: Attempt, marked: Marked) -> dict[str, Any]:
+    with service.gallery.database.reading() as session:
+        (shown,) = attempts.shown(session, [kept])
+    return attempt_facts(shown, residual=marked.residual)
+
+
+def _tried(marked: Marked, master: Work, who: Identity | None, kind: str, grid: str) -> dict[str, Any]:
+    """As an attempt that was kept, but for what only such a one has."""
+    return {
+        "id": None,
+        "work": work_card(master),
+        "person": who and {"id": who.id, "name": who.name},
+        "kind": kind,
+        "grid": grid,
+        "created": now(),
+        "task": None,
+        "picture": None,
+        "strokes": None,
+        "mark": marked.facts | {"residual": marked.residual},
+        "teacher_marks": [],
+        "simulated": False,
+    }

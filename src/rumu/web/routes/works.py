@@ -1,0 +1,175 @@
+"""Works: looked for, looked at, changed."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+
+from rumu.assessment.scripts import SCRIPTS
+from rumu.database.tables import Work
+from rumu.errors import GalleryError
+from rumu.gallery import annotations as said
+from rumu.gallery import catalog
+from rumu.gallery.derived import KINDS, MESHES, viewer_facts
+from rumu.studio.errors import Missing, Unusable
+from rumu.web.answers import file_answer, known_tag
+from rumu.web.cards import collection_facts, work_card, work_facts
+from rumu.web.doors import Asked, Limit, Offset, Owner, PathId, Running
+from rumu.web.service import Service
+from rumu.web.shapes import CollectionFacts, FacetFacts, ViewerFacts, WorkChange, WorkFacts, WorkPage
+
+router = APIRouter(tags=["works"])
+Kind = Literal[
+    "thumb", "thumb-normals", "picture", "albedo", "normals", "normals-16", "height16", "heights", "mask",
+    "lamp-a", "lamp-b", "lamp-c", "glb", "stl", "ply", "facts",
+]  # fmt: skip
+Exaggeration = Annotated[float, Query(ge=0.01, le=100, allow_inf_nan=False)]
+
+
+def found_work(service: Service, work_id: str) -> Work:
+    """Raises Missing."""
+    try:
+        return catalog.work(service.gallery, work_id)
+    except GalleryError as error:
+        raise Missing("沒有這件作品。", "There is no such work.") from error
+
+
+@router.get("/api/works", response_model=WorkPage)
+def works(
+    *,
+    service: Running,
+    script: Asked = None,
+    dynasty: Asked = None,
+    hand: Asked = None,
+    character: Asked = None,
+    collection: Asked = None,
+    q: Asked = None,
+    offset: Offset = 0,
+    limit: Limit = 60,
+) -> dict[str, Any]:
+    """Works that match all that is asked; a character is found in any of its forms."""
+    asked = _asked(script, dynasty, hand, character, collection, q)
+    page = catalog.works(service.gallery, **asked, offset=offset, limit=limit)
+    return {"total": page.total, "items": [work_card(work) for work in page.items]}
+
+
+@router.get("/api/facets", response_model=dict[str, list[FacetFacts]])
+def facets(
+    *,
+    service: Running,
+    script: Asked = None,
+    dynasty: Asked = None,
+    hand: Asked = None,
+    character: Asked = None,
+    collection: Asked = None,
+    q: Asked = None,
+) -> dict[str, Any]:
+    """What can be chosen further; the counts of a facet heed all choices but its own."""
+    found = catalog.facets(service.gallery, **_asked(script, dynasty, hand, character, collection, q))
+    return {
+        name: [{"value": v.value, "zh": v.zh, "en": v.en, "count": v.count} for v in values]
+        for name, values in found.items()
+    }
+
+
+@router.get("/api/collections", response_model=list[CollectionFacts])
+def collections(service: Running) -> list[dict[str, Any]]:
+    """Every collection."""
+    return [collection_facts(row, count) for row, count in catalog.collections(service.gallery)]
+
+
+@router.get("/api/collections/{collection_id}", response_model=CollectionFacts)
+def collection(service: Running, collection_id: PathId) -> dict[str, Any]:
+    """One collection."""
+    for row, count in catalog.collections(service.gallery):
+        if row.id == collection_id:
+            return collection_facts(row, count)
+    raise Missing("沒有這個集子。", "There is no such collection.")
+
+
+@router.get("/api/works/{work_id}", response_model=WorkFacts)
+def work(service: Running, work_id: PathId) -> dict[str, Any]:
+    """All that is known of a work."""
+    return told(service, found_work(service, work_id))
+
+
+@router.get("/api/works/{work_id}/viewer", response_model=ViewerFacts)
+def viewer(service: Running, work_id: PathId) -> dict[str, Any]:
+    """What the viewer needs of a work; the addresses in it may be kept for ever."""
+    found_work(service, work_id)
+    service.files.of_work(work_id, "facts")
+    return viewer_shape(viewer_facts(service.gallery, work_id))
+
+
+@router.get("/api/works/{work_id}/files/{kind}", response_class=Response)
+def file(
+    *,
+    request: Request,
+    service: Running,
+    work_id: PathId,
+    kind: Kind,
+    download: bool = False,
+    exaggeration: Exaggeration = 1.0,
+) -> Response:
+    """A picture, map or mesh. exaggeration: of a mesh's height. download: to be saved."""
+    if exaggeration != 1.0 and kind not in MESHES:
+        raise Unusable(zh="只有立體模型可以放大高度。", en="Only a mesh has an exaggeration.")
+    found_work(service, work_id)
+    sent = service.files.of_work(work_id, kind, exaggeration=exaggeration, known=known_tag(request))
+    name = f"{work_id}.{kind}" if kind in MESHES else f"{work_id}-{kind}{KINDS[kind].suffix}"
+    return file_answer(request, sent, name=name if download else None)
+
+
+@router.patch("/api/works/{work_id}", response_model=WorkFacts)
+def change(service: Running, who: Owner, work_id: PathId, changes: WorkChange) -> dict[str, Any]:
+    """Change what is known of a work."""
+    found_work(service, work_id)
+    return told(service, catalog.change_work(service.gallery, work_id, columns(changes.model_dump())))
+
+
+@router.delete("/api/works/{work_id}", status_code=204)
+def delete(service: Running, who: Owner, work_id: PathId) -> None:
+    """Forget a work with everything that hangs on it, attempts too."""
+    found_work(service, work_id)
+    catalog.delete_work(service.gallery, work_id)
+
+
+def told(service: Service, work: Work) -> dict[str, Any]:
+    """All that is known of a work, as it goes out."""
+    return work_facts(
+        work,
+        collection=catalog.collection(service.gallery, work.collection_id),
+        annotations=said.said_of(service.gallery, work.id),
+        neighbours=catalog.neighbours(service.gallery, work.id),
+    )
+
+
+def viewer_shape(facts: dict[str, Any]) -> dict[str, Any]:
+    """What the gallery tells of a surface as the viewer reads it."""
+    told = dict(facts)
+    width, height = told.pop("pixels")
+    return told | {"heights": told.pop("height"), "width": width, "height": height}
+
+
+def columns(changes: dict[str, Any]) -> dict[str, Any]:
+    """{"title": {"zh", "en"}} as title_zh and title_en; what is null stays as it was."""
+    given = {name: value for name, value in changes.items() if value is not None}
+    flat = {name: value for name, value in given.items() if not isinstance(value, dict)}
+    for name, value in given.items():
+        if isinstance(value, dict):
+            flat |= {f"{name}_{language}": value[language] for language in ("zh", "en")}
+    return flat
+
+
+def _asked(
+    script: str | None,
+    dynasty: str | None,
+    hand: str | None,
+    character: str | None,
+    *more: str | None,
+) -> dict[str, Any]:
+    if script not in (None, "", "none", *SCRIPTS):
+        raise Unusable("script", zh="沒有這種書體。", en=f"Expected a script among {', '.join(SCRIPTS)}.")
+    asked = {"script": script, "dynasty": dynasty, "hand": hand, "character": character}
+    return asked | dict(zip(("collection", "query"), more, strict=True))

@@ -1,0 +1,79 @@
+"""One running service: its gallery, its workers, its queue of jobs, and what it keeps in memory."""
+
+from __future__ import annotations
+
+from sqlalchemy import select
+
+from rumu.database.tables import Attempt, Job, Work
+from rumu.gallery.catalog import open_gallery
+from rumu.studio import jobs
+from rumu.studio.invitations import first_owner
+from rumu.studio.people import Identity, current, owner_exists
+from rumu.studio.tickets import Ticket, open_tickets
+from rumu.studio.workers import Workers
+from rumu.web.files import Files
+from rumu.web.rates import RateLimits
+from rumu.web.settings import ServiceSettings
+
+
+class Service:
+    """Opened at once; start() and stop() go with the server's."""
+
+    def __init__(self, settings: ServiceSettings) -> None:
+        place = settings.place
+        self.settings = settings
+        self.gallery = open_gallery(database=place.database, files=place.files)
+        self.tickets = open_tickets(self.gallery.database)
+        self.rates = RateLimits()
+        self.workers = Workers(place, processes=settings.processes)
+        self.job_workers = Workers(place, processes=min(1, settings.processes or 1))
+        self.files = Files(self.gallery, self.workers)
+        self.over = False
+        self.runner = jobs.Runner(self.gallery.database, self.job_workers)
+
+    def start(self) -> None:
+        """Workers first, so that the first mark is as quick as the others."""
+        self.workers.start()
+        self.runner.start()
+        if self.settings.prepare:
+            self.prepare()
+
+    def stop(self) -> None:
+        """What is under way is cut off; jobs are taken up at the next start."""
+        self.over = True
+        self.runner.stop()
+        self.job_workers.stop()
+        self.workers.stop()
+        self.gallery.database.close()
+
+    def prepare(self) -> str | None:
+        """Queue what makes the first look quick, once for a gallery; the job's id, None when it was done."""
+        with self.gallery.database.writing() as session:
+            there = session.scalar(select(Attempt.id).where(Attempt.kind == "simulated").limit(1))
+            queued = session.scalar(
+                select(Job.id).where(Job.kind == "prepare", Job.state.in_(("queued", "running")))
+            )
+            if queued is not None or there is not None or session.scalar(select(Work.id).limit(1)) is None:
+                return queued
+            job_id = jobs.add(session, "prepare", {}, person_id=None).id
+        self.runner.wake()
+        return job_id
+
+    def who(self, ticket: Ticket | None) -> Identity | None:
+        """Whose ticket it is, if they may still come in."""
+        if ticket is None or ticket.person_id is None:
+            return None
+        with self.gallery.database.reading() as session:
+            return current(session, person_id=ticket.person_id, epoch=ticket.epoch)
+
+    def has_owner(self) -> bool:
+        with self.gallery.database.reading() as session:
+            return owner_exists(session)
+
+    def owner_link(self) -> str | None:
+        """The path of a link for the first owner; None when there is one."""
+        if self.has_owner():
+            return None
+        with self.gallery.database.writing() as session:
+            token = first_owner(session)
+        return None if token is None else f"/#/join/{token}"
