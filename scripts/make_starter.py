@@ -11,11 +11,8 @@ A font that lacks a character fails the script: nothing is written, and no subst
 from __future__ import annotations
 
 import argparse
-import functools
 import hashlib
-import io
 import json
-import logging
 import os
 import sys
 from dataclasses import asdict, dataclass
@@ -23,11 +20,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fontTools.pens.recordingPen import DecomposingRecordingPen
-from fontTools.ttLib import TTFont
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
 from rumu.errors import GalleryError
+from rumu.gallery.fonts import SIDE
+from rumu.gallery.fonts import Face as Drawn
 from rumu.gallery.works import Bilingual
 from rumu.outputs import whole_folder
 from rumu.simulation.copies import DEGREES, copy_at
@@ -37,10 +34,6 @@ STARTER = ROOT / "src" / "rumu" / "gallery" / "starter"
 DATA = Path(os.environ.get("RUMU_DATA", ROOT / ".." / "shared" / "data"))
 KOUZAN = Path("/usr/share/fonts/truetype/kouzan-mouhitsu")
 
-SIDE = 512  # pixels of a work's picture
-SHARE = 0.76  # of the side that the longer side of the ink's box fills
-AREA = 0.42  # of the picture that the box may cover: a full-sized 日 would shout down its neighbours
-OVERSAMPLING = 4
 
 CHARACTERS = {
     "天": ("tian", "heaven"),
@@ -50,10 +43,6 @@ CHARACTERS = {
     "日": ("ri", "sun"),
     "月": ("yue", "moon"),
 }
-# Characters that no small font holds, beside one of the private area: what a font draws for them is its
-# substitute, whatever its table of characters claims.
-SURELY_MISSING = "龘䶮𠀀𰻞\ue0ff\U0010fffd"
-
 # The copies are made of hands in the public domain alone: a faulty glyph is a changed one, and the
 # clerical hand may not be changed (CC BY-ND).
 SAMPLED = ("regular-shui", "regular-tian")
@@ -157,68 +146,12 @@ MATERIAL = Bilingual(
 )
 
 
-class Face:
-    """An opened font that refuses to draw what it does not have."""
+class Face(Drawn):
+    """A font of the starter gallery; one of Debian's that is missing is told with its package."""
 
     def __init__(self, path: Path) -> None:
-        if not path.is_file():
-            package = " (Debian: apt install fonts-kouzan-mouhitsu)" if path.parent == KOUZAN else ""
-            raise GalleryError(f"{path}: expected a font there{package}")
-        self.path = path
-        self._font = TTFont(path, recalcBBoxes=False)
-        self._glyphs = self._font.getGlyphSet()
-        self._names = self._font.getBestCmap()
-
-    def outline(self, character: str) -> list[Any]:
-        """What the font draws for a character, its substitute included."""
-        pen = DecomposingRecordingPen(self._glyphs)
-        self._glyphs[self._names.get(ord(character), ".notdef")].draw(pen)
-        return pen.value
-
-    def check(self, character: str) -> None:
-        """Raises GalleryError unless the font holds a drawing of its own for this character."""
-        refusal = f"{self.path.name}: has no {character}"
-        if ord(character) not in self._names:
-            raise GalleryError(f"{refusal}: it is not in its table of characters")
-        own = self.outline(character)
-        if not own:
-            raise GalleryError(f"{refusal}: the glyph is empty")
-        for other in SURELY_MISSING:
-            if other != character and own == self.outline(other):
-                raise GalleryError(f"{refusal}: it draws its substitute for missing characters")
-
-    def picture(self, character: str) -> Image.Image:
-        """(SIDE, SIDE) gray: black ink on white, its box centred and sized by SHARE and AREA."""
-        self.check(character)
-        big = SIDE * OVERSAMPLING
-        draft = self._drawn(character, size=big, side=2 * big).getbbox()
-        if draft is None:
-            raise GalleryError(f"{self.path.name}: draws nothing for {character}")
-        width, height = draft[2] - draft[0], draft[3] - draft[1]
-        size = round(
-            big * min(SHARE * big / max(width, height), (AREA * big * big / (width * height)) ** 0.5)
-        )
-        drawn = self._drawn(character, size=size, side=3 * big)
-        left, top, right, bottom = drawn.getbbox()
-        x, y = (left + right - big) // 2, (top + bottom - big) // 2
-        ink = drawn.crop((x, y, x + big, y + big)).resize((SIDE, SIDE), Image.Resampling.BOX)
-        return Image.eval(ink, lambda value: 255 - value)
-
-    @functools.cached_property
-    def _plain(self) -> bytes:
-        """The font as the rasteriser reads it: a woff2 becomes a plain font, in memory."""
-        if self._font.flavor is None:
-            return self.path.read_bytes()
-        self._font.flavor = None
-        plain = io.BytesIO()
-        self._font.save(plain)
-        return plain.getvalue()
-
-    def _drawn(self, character: str, *, size: int, side: int) -> Image.Image:
-        image = Image.new("L", (side, side), 0)
-        font = ImageFont.truetype(io.BytesIO(self._plain), size, layout_engine=ImageFont.Layout.BASIC)
-        ImageDraw.Draw(image).text((side // 2, side // 2), character, font=font, fill=255, anchor="mm")
-        return image
+        package = " (Debian: apt install fonts-kouzan-mouhitsu)" if path.parent == KOUZAN else ""
+        super().__init__(path, hint=package)
 
 
 def render_works(folder: Path, *, fonts: Path) -> list[dict[str, Any]]:
@@ -293,7 +226,6 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--fonts", type=Path, default=DATA / "fonts")
     parser.add_argument("--output", type=Path, default=STARTER)
     options = parser.parse_args(arguments)
-    logging.getLogger("fontTools").setLevel(logging.ERROR)  # old fonts have odd dates; they do no harm
     try:
         with whole_folder(options.output, marker="works.json") as folder:
             works = render_works(folder, fonts=options.fonts)

@@ -1,78 +1,321 @@
-"""gallery list | show: the works that come with the package."""
+"""gallery list | show | add | import | export | remove: the works that there are, and how they come."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from rumu.cli.options import AsJson
 from rumu.cli.outcome import Outcome, ends_well
+from rumu.cli.progress import bar, working
 
 if TYPE_CHECKING:
-    from rumu.gallery.works import Work
+    from rumu.database.tables import Work
+    from rumu.gallery.labels import Told
+
+Id = Annotated[str, typer.Argument(metavar="ID", help="Id of a work, as `gallery list` prints it.")]
+Collection = Annotated[
+    str | None, typer.Option(help="Id of the collection: letters, digits, hyphens; made when it is new.")
+]
+TitleZh = Annotated[str | None, typer.Option(help="Title in Chinese.")]
+TitleEn = Annotated[str | None, typer.Option(help="Title in English.")]
+ScriptOf = Annotated[str | None, typer.Option(help="Script: seal, clerical, regular, running or cursive.")]
+Hand = Annotated[str | None, typer.Option(help="Who wrote it.")]
+Dynasty = Annotated[str | None, typer.Option(help="Dynasty or period, such as Tang or 唐.")]
+Material = Annotated[str | None, typer.Option(help="What it is: ink on paper, a rubbing.")]
+Source = Annotated[str | None, typer.Option(help="Where the pictures come from.")]
+Licence = Annotated[str | None, typer.Option(help="Licence of the pictures; 'none stated' without it.")]
+Attribution = Annotated[str | None, typer.Option(help="The credit to give.")]
 
 
 def register(app: typer.Typer) -> None:
-    rooms = typer.Typer(help="The works that come with rumu.", no_args_is_help=True, rich_markup_mode=None)
+    rooms = typer.Typer(help="The works of the gallery.", no_args_is_help=True, rich_markup_mode=None)
     rooms.command("list")(list_works)
     rooms.command("show")(show)
+    rooms.command("add")(add)
+    rooms.command("import")(import_works)
+    rooms.command("export")(export)
+    rooms.command("remove")(remove)
     app.add_typer(rooms, name="gallery")
 
 
 @ends_well
 def list_works(
+    *,
     script: Annotated[
         str | None, typer.Option(help="Only this script: seal, clerical, regular, running, cursive.")
     ] = None,
-    character: Annotated[str | None, typer.Option(help="Only this character.")] = None,
+    character: Annotated[
+        str | None, typer.Option(help="Only this character, in its traditional or simplified form.")
+    ] = None,
+    dynasty: Annotated[str | None, typer.Option(help="Only this dynasty, such as Tang.")] = None,
+    hand: Annotated[str | None, typer.Option(help="Only this hand, by its name.")] = None,
+    collection: Annotated[str | None, typer.Option(help="Only this collection, by its id.")] = None,
+    search: Annotated[
+        str | None, typer.Option(help="Words in title, character, hand, collection, dynasty or script.")
+    ] = None,
+    offset: Annotated[int, typer.Option(min=0, help="How many works to pass over.")] = 0,
+    limit: Annotated[int, typer.Option(min=0, help="How many works to print; 0 for all.")] = 60,
     as_json: AsJson = False,
 ) -> Outcome:
-    """The works: id, character, script, hand, licence."""
-    from rumu.gallery.works import starter_works
+    """The works: id, character, script, hand."""
+    from rumu.gallery.catalog import open_gallery, works
 
-    works = starter_works(script=script, character=character)
-    if not works:
-        return Outcome({"works": []}, "no work matches")
-    lines = [f"{w.id:<18} {w.character}  {w.script:<9} {w.hand.en} {w.hand.zh}" for w in works]
-    return Outcome({"works": [_facts(work) for work in works]}, "\n".join(lines))
+    asked: dict[str, Any] = {"script": script, "character": character, "dynasty": dynasty, "hand": hand}
+    asked |= {"collection": collection, "query": search}
+    page = works(open_gallery(), **asked, offset=offset, limit=limit or 1_000_000)
+    facts = {"total": page.total, "works": [_facts(work) for work in page.items]}
+    if not page.items:
+        return Outcome(facts, "no work matches")
+    lines = [f"{w.id:<18} {w.character}  {w.script:<9} {_once(w.hand_en, w.hand_zh)}" for w in page.items]
+    if page.total > len(lines):
+        lines.append(f"{len(lines)} of {page.total} works; --offset and --limit show others")
+    return Outcome(facts, "\n".join(lines))
 
 
 @ends_well
 def show(
-    work_id: Annotated[str, typer.Argument(metavar="ID", help="Id of a work, as `gallery list` prints it.")],
+    work_id: Id,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="PNG to write the picture to.")] = None,
     as_json: AsJson = False,
 ) -> Outcome:
     """One work: whose hand, from where, under which licence; with -o its picture."""
-    from rumu.gallery.works import find_work
+    from rumu.gallery.catalog import open_gallery, work
 
-    work = find_work(work_id)
+    gallery = open_gallery()
+    found = work(gallery, work_id)
     if out is not None:
-        _copied(work.path, out)
+        _write_png(gallery.store.read(found.picture), out)
     lines = [
-        f"{work.title.zh} {work.title.en} ({work.id})",
-        f"  hand: {work.hand.zh} {work.hand.en}, {work.period.zh} {work.period.en}",
-        f"  shows: {work.material.zh} {work.material.en}",
-        f"  source: {work.source}",
-        f"  licence: {work.licence}; {work.attribution}",
-        f"  picture: {out or work.path}",
+        f"{_once(found.title_zh, found.title_en)} ({found.id})",
+        f"  hand: {_once(found.hand_zh, found.hand_en) or 'not known'}",
+        f"  period: {_once(found.period_zh, found.period_en) or 'not known'}",
+        f"  shows: {_once(found.material_zh, found.material_en) or 'not said'}",
+        f"  height: {_HEIGHTS[found.height_source]}",
+        f"  source: {found.source or 'not said'}",
+        f"  licence: {found.licence}" + (f"; {found.attribution}" if found.attribution else ""),
+        f"  picture: {out or gallery.store.path(found.picture) or found.picture}",
     ]
-    return Outcome({**_facts(work), "file": out}, "\n".join(lines))
+    return Outcome({**_facts(found), "file": out}, "\n".join(lines))
 
 
-def _copied(source: Path, target: Path) -> None:
+@ends_well
+def add(
+    path: Annotated[
+        Path | None,
+        typer.Argument(metavar="[PATH]", help="An image, or a folder of photographs under lamps."),
+    ] = None,
+    *,
+    font: Annotated[Path | None, typer.Option(help="A font (TTF, OTF, WOFF2) to draw from instead.")] = None,
+    characters: Annotated[
+        str | None, typer.Option(help="With --font: the characters to take, each a work.")
+    ] = None,
+    character: Annotated[str, typer.Option(help="The character that the picture shows.")] = "",
+    title_zh: TitleZh = None,
+    title_en: TitleEn = None,
+    script: ScriptOf = None,
+    hand: Hand = None,
+    dynasty: Dynasty = None,
+    material: Material = None,
+    source: Source = None,
+    licence: Licence = None,
+    attribution: Attribution = None,
+    collection: Collection = None,
+    spacing: Annotated[float | None, typer.Option(help="Of an image: millimetres per pixel.")] = None,
+    method: Annotated[
+        Literal["inflation", "density"], typer.Option(help="Of an image: how its height is computed.")
+    ] = "inflation",
+    as_json: AsJson = False,
+) -> Outcome:
+    """One work: an image, a capture folder (it is reconstructed), or characters of a font."""
+    from rumu.gallery.catalog import open_gallery
+
+    if (path is None) == (font is None) or (font is None) != (characters is None):
+        raise typer.BadParameter("expected PATH, or --font with --characters")
+    if spacing is not None and not spacing > 0:
+        raise typer.BadParameter(f"expected millimetres per pixel above 0, got {spacing}")
+    told = _told(
+        title_zh=title_zh, title_en=title_en, script=script, hand=hand, dynasty=dynasty, material=material,
+        source=source, licence=licence, attribution=attribution,
+    )  # fmt: skip
+    gallery = open_gallery()
+    from rumu.gallery.adding import add_capture, add_glyphs, add_picture, room_named
+
+    room, entry = room_named(collection), told.entry(character=character)
+    if font is not None:
+        added = add_glyphs(gallery, font, characters or "", entry=entry, room=room)
+    elif path is not None and path.is_dir():
+        with working("Reconstructing"):
+            added = (add_capture(gallery, path, entry=_named(entry, path), room=room),)
+    else:
+        picture = Path(str(path))
+        entry = _named(entry, picture)
+        added = (add_picture(gallery, picture, entry=entry, room=room, method=method, spacing=spacing),)
+    lines = [f"{one.id}: {'added' if one.new else 'was there already'}" for one in added]
+    return Outcome({"works": [{"id": one.id, "new": one.new} for one in added]}, "\n".join(lines))
+
+
+@ends_well
+def import_works(
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="Folder with labels.csv, or one that export wrote.")
+    ],
+    *,
+    collection: Collection = None,
+    title_zh: TitleZh = None,
+    title_en: TitleEn = None,
+    script: ScriptOf = None,
+    hand: Hand = None,
+    dynasty: Dynasty = None,
+    material: Material = None,
+    source: Source = None,
+    licence: Licence = None,
+    attribution: Attribution = None,
+    as_json: AsJson = False,
+) -> Outcome:
+    """Every work of a folder; run it again to go on where it was ended. Options say what no label says."""
+    from rumu.gallery.catalog import open_gallery
+    from rumu.gallery.importing import import_folder
+    from rumu.gallery.restoring import holds_starter
+
+    told = _told(
+        title_zh=title_zh, title_en=title_en, script=script, hand=hand, dynasty=dynasty, material=material,
+        source=source, licence=licence, attribution=attribution, id=collection,
+    )  # fmt: skip
+    gallery = open_gallery(starter=not holds_starter(folder))
+    with bar("Importing") as advance:
+        done = import_folder(gallery, folder, told=told, progress=advance)
+    lines = [f"{done.added} works added, {done.there} were there already: {', '.join(done.collections)}"]
+    if done.left_out:
+        lines.append(f"{len(done.left_out)} left out, such as {': '.join(done.left_out[0])}")
+    left_out = [{"file": file, "reason": reason} for file, reason in done.left_out]
+    facts = {"collections": list(done.collections), "added": done.added, "there": done.there}
+    return Outcome({**facts, "left_out": left_out}, "\n".join(lines))
+
+
+@ends_well
+def export(
+    work_id: Annotated[
+        str | None, typer.Argument(metavar="[ID]", help="With --html: the work to show.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Folder to write; with --html the page.")
+    ] = None,
+    collection: Annotated[
+        list[str] | None, typer.Option(help="Only this collection, by its id; may be given repeatedly.")
+    ] = None,
+    html: Annotated[
+        bool, typer.Option("--html", help="Write one page on which one work can be lit and turned.")
+    ] = False,
+    as_json: AsJson = False,
+) -> Outcome:
+    """The gallery, or collections of it, as a folder that `import` takes; with --html one work as a page."""
+    if out is None:
+        raise typer.BadParameter("expected a place to write to", param_hint="'-o'")
+    if html != (work_id is not None) or (html and collection):
+        raise typer.BadParameter("expected --html with the ID of one work, or neither")
+    if work_id is not None:
+        return _page(work_id, out)
+    from rumu.gallery.catalog import open_gallery
+    from rumu.gallery.exporting import export_gallery
+
+    with bar("Exporting") as advance:
+        count = export_gallery(open_gallery(), out, collections=collection or None, progress=advance)
+    return Outcome({"works": count, "out": out}, f"{count} works in {out}")
+
+
+@ends_well
+def remove(
+    work_id: Annotated[str | None, typer.Argument(metavar="[ID]", help="The work to remove.")] = None,
+    collection: Annotated[
+        str | None, typer.Option(help="A whole collection to remove instead, by its id.")
+    ] = None,
+    as_json: AsJson = False,
+) -> Outcome:
+    """Remove a work, or a collection with all its works, and the attempts at them."""
+    from rumu.gallery.catalog import delete_collection, delete_work, open_gallery
+
+    if (work_id is None) == (collection is None):
+        raise typer.BadParameter("expected the ID of a work, or --collection")
+    gallery = open_gallery()
+    if work_id is not None:
+        delete_work(gallery, work_id)
+        return Outcome({"removed": 1}, f"{work_id}: removed")
+    count = delete_collection(gallery, str(collection))
+    return Outcome({"removed": count}, f"{collection}: removed with {count} works")
+
+
+_HEIGHTS = {
+    "photometric": "measured from photographs under several lamps",
+    "inflation": "computed from the outline of the ink, not measured",
+    "density": "computed from how dark the ink is, not measured",
+}
+
+
+def _page(work_id: str, out: Path) -> Outcome:
+    from importlib import resources
+
+    from rumu.gallery.catalog import open_gallery
+    from rumu.gallery.single_page import write_page
+
+    static = Path(str(resources.files("rumu").joinpath("web", "static")))
+    size = write_page(open_gallery(), work_id, out, static=static)
+    return Outcome({"id": work_id, "out": out, "bytes": size}, f"{work_id}: {out} ({size / 1e6:.1f} MB)")
+
+
+def _told(**given: str | None) -> Told:
+    from rumu.gallery.labels import Told
+    from rumu.gallery.works import Bilingual
+
+    zh, en = given.pop("title_zh"), given.pop("title_en")
+    both = {name: Bilingual(text, text) for name in ("hand", "material") if (text := given.pop(name))}
+    if zh or en:
+        both["title"] = Bilingual(str(zh or en), str(en or zh))
+    return Told({name: text for name, text in given.items() if text}, both)
+
+
+def _named(entry: Any, path: Path) -> Any:
+    """A work that nobody named is called by its character or its file."""
+    from dataclasses import replace
+
+    from rumu.gallery.works import Bilingual
+
+    name = entry.character or path.resolve().stem
+    return entry if entry.title.zh else replace(entry, title=Bilingual(name, name))
+
+
+def _write_png(data: bytes, target: Path) -> None:
+    import io
+
+    from PIL import Image
+
     from rumu.outputs import whole_file
 
     if target.suffix.lower() != ".png":
         raise typer.BadParameter(f"expected a name that ends in .png, got {target}", param_hint="'-o'")
     with whole_file(target) as part:
-        part.write_bytes(source.read_bytes())
+        with Image.open(io.BytesIO(data)) as picture:
+            if picture.format == "PNG":
+                part.write_bytes(data)
+                return
+        from rumu.gallery.making import opened
+
+        opened(data).save(part, "PNG")
+
+
+def _once(first: str, second: str) -> str:
+    """Both names, or one where they are the same."""
+    return first if first == second else f"{first} {second}".strip()
 
 
 def _facts(work: Work) -> dict[str, Any]:
-    from rumu.cli.outcome import plain
-
-    facts: dict[str, Any] = plain(work)
-    return facts
+    both = ("title", "hand", "period", "material")
+    plain = ("id", "character", "script", "dynasty", "source", "licence", "attribution", "kind", "width")
+    more = ("height", "height_source", "spacing", "picture", "surface", "capture", "digest", "origin")
+    facts: dict[str, Any] = {name: getattr(work, name) for name in (*plain, *more)}
+    facts["collection"] = work.collection_id
+    return facts | {
+        name: {language: getattr(work, f"{name}_{language}") for language in ("zh", "en")} for name in both
+    }

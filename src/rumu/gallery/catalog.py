@@ -79,11 +79,14 @@ class Filters:
     query: str | None = None
 
 
-def open_gallery(*, database: str | Path | None = None, files: str | Path | None = None) -> Gallery:
+def open_gallery(
+    *, database: str | Path | None = None, files: str | Path | None = None, starter: bool = True
+) -> Gallery:
     """The gallery of this person; where there are no works yet, with the starter gallery in it.
 
     database: a file of SQLite or a URL; else RUMU_DATABASE, else rumu.sqlite in RUMU_HOME.
     files: a folder or a URL of fsspec; else RUMU_FILES, else files/ in RUMU_HOME.
+    starter: False leaves an empty gallery empty.
     Raises GalleryError when either cannot be opened.
     """
     from rumu.gallery.starting import put_starter
@@ -92,7 +95,8 @@ def open_gallery(*, database: str | Path | None = None, files: str | Path | None
         open_database(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite"),
         Store.open(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
     )
-    put_starter(gallery)
+    if starter:
+        put_starter(gallery)
     return gallery
 
 

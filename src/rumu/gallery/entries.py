@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from rumu.database.tables import now
 from rumu.gallery.terms import dynasty_name, script_name
 from rumu.gallery.variants import folded
 from rumu.gallery.works import Bilingual
@@ -85,7 +86,8 @@ def work_row(entry: Entry, kept: Kept, *, work_id: str, room: Room, position: in
         }
         | asdict(kept)
     )
-    return row | {"search": search_text(row, collection=room.title)}
+    stamp = now()  # one for both: whoever is changed later is told from the others
+    return row | {"search": search_text(row, collection=room.title), "created": stamp, "changed": stamp}
 
 
 def search_text(row: Mapping[str, Any], *, collection: Bilingual) -> str:

@@ -1,0 +1,163 @@
+"""Many works at once: a folder of pictures with labels.csv, or a folder that `export` wrote.
+
+Works go in by batches: first the files, then their rows in one transaction. Whatever ends the import between
+two batches, what was confirmed stays and nothing is there by half; a second run goes on where the first
+ended, since a picture under its label is kept once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from sqlalchemy import select
+
+from rumu.database.tables import Work
+from rumu.errors import GalleryError, ImageError
+from rumu.gallery.adding import suffix_of
+from rumu.gallery.catalog import Gallery
+from rumu.gallery.entries import Kept, Room, digest_of, put_collection, put_works, work_row
+from rumu.gallery.labels import Row, Told, collection_of, read_description, read_rows
+from rumu.gallery.masters import LABELS
+from rumu.gallery.originals import picture_key
+
+Progress = Callable[[int, int], None]
+Item = TypeVar("Item")
+
+EXPORTED = "gallery.json"
+BATCH = 250  # works of one transaction
+_BATCH_BYTES = 64_000_000  # or fewer works, when their pictures are large
+_THREADS = 4  # read and decode; both leave the interpreter free
+_GROUP = 32  # pictures in memory that wait to join a batch
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """collections: ids. added: works that went in; there: that were there before. left_out: (file, why)."""
+
+    collections: tuple[str, ...]
+    added: int = 0
+    there: int = 0
+    left_out: tuple[tuple[str, str], ...] = ()
+
+    def and_then(self, other: Imported) -> Imported:
+        return replace(
+            self,
+            added=self.added + other.added,
+            there=self.there + other.there,
+            left_out=self.left_out + other.left_out,
+        )
+
+
+def import_folder(
+    gallery: Gallery, folder: str | Path, *, told: Told | None = None, progress: Progress | None = None
+) -> Imported:
+    """Put in every work of a folder; those that are there already are counted and left as they are.
+
+    folder: with a labels.csv (see rumu.gallery.labels), or written by `export_gallery`. told: what holds for
+        all works that the labels say nothing of, and goes before collection.json. progress: called with
+        (done, total) when a batch is safe in the gallery.
+    A picture that is missing or broken is left out with the reason and stops nothing.
+    Raises GalleryError when there is nothing to import, or not one picture of it could be read.
+    """
+    place = Path(folder)
+    if (place / EXPORTED).is_file():
+        from rumu.gallery.restoring import restore
+
+        return restore(gallery, place, progress=progress)
+    if not (place / LABELS).is_file():
+        raise GalleryError(
+            f"{place}: expected a folder with {LABELS}, or one that `rumu gallery export` wrote; "
+            "one picture or one capture folder is for `rumu gallery add`"
+        )
+    said = (told or Told()).over(read_description(place))
+    rows = read_rows(place, said)
+    done = Imported((collection_of(place, said).id,))
+    for batch in _batches(place, rows):
+        done = done.and_then(_put_batch(gallery, batch, room=collection_of(place, said)))
+        if progress is not None:
+            progress(done.added + done.there + len(done.left_out), len(rows))
+    if rows and len(done.left_out) == len(rows):
+        first = done.left_out[0][1]
+        raise GalleryError(f"{place}: none of {len(rows)} pictures can be read; the first: {first}")
+    return done
+
+
+@dataclass(frozen=True, slots=True)
+class _Picture:
+    """A row with its picture, or with the reason why it has none."""
+
+    row: Row
+    data: bytes = field(default=b"", repr=False)
+    size: tuple[int, int] = (0, 0)
+    reason: str = ""
+
+    @property
+    def digest(self) -> str:
+        entry = self.row.entry
+        return digest_of(
+            self.data, entry.character, entry.script, entry.hand.zh, entry.hand.en, entry.title.zh
+        )
+
+    @property
+    def key(self) -> str:
+        return picture_key(self.data, suffix=suffix_of(Path(self.row.file)))
+
+
+def _batches(folder: Path, rows: Sequence[Row]) -> Iterator[list[_Picture]]:
+    waiting: list[_Picture] = []
+    with ThreadPoolExecutor(_THREADS) as threads:
+        for group in grouped(rows, _GROUP):
+            for picture in threads.map(lambda row: _read(folder, row), group):
+                waiting.append(picture)
+                if len(waiting) == BATCH or sum(len(one.data) for one in waiting) > _BATCH_BYTES:
+                    yield waiting
+                    waiting = []
+    if waiting:
+        yield waiting
+
+
+def _read(folder: Path, row: Row) -> _Picture:
+    from rumu.capture.formats import decode
+
+    path = folder / row.file
+    try:
+        if not path.resolve().is_relative_to(folder.resolve()):
+            raise ImageError(f"{row.file}: expected a picture within the folder")
+        height, width = decode(path).values.shape[:2]
+        return _Picture(row, path.read_bytes(), (width, height))
+    except (ImageError, OSError, ValueError) as error:
+        return _Picture(row, reason=" ".join(str(error).split()))
+
+
+def _put_batch(gallery: Gallery, batch: Sequence[_Picture], *, room: Room) -> Imported:
+    fine = {picture.digest: picture for picture in batch if not picture.reason}
+    left_out = tuple((picture.row.file, picture.reason) for picture in batch if picture.reason)
+    new = {digest: fine[digest] for digest in set(fine) - known_digests(gallery, fine)}
+    with ThreadPoolExecutor(_THREADS) as threads:
+        list(threads.map(lambda picture: gallery.store.write(picture.key, picture.data), new.values()))
+    rows = [_row(picture, digest, room) for digest, picture in new.items()]
+    with gallery.database.writing() as session:
+        put_collection(session, room)
+        added = len(put_works(session, rows))
+    return Imported((room.id,), added, len(batch) - len(left_out) - added, left_out)
+
+
+def known_digests(gallery: Gallery, digests: Iterable[str]) -> set[str]:
+    """Those of the digests that are a work's."""
+    with gallery.database.reading() as session:
+        return set(session.scalars(select(Work.digest).where(Work.digest.in_(list(digests)))))
+
+
+def _row(picture: _Picture, digest: str, room: Room) -> dict[str, Any]:
+    kept = Kept(picture=picture.key, digest=digest, width=picture.size[0], height=picture.size[1])
+    work_id = f"{room.id}-{digest[:12]}"
+    return work_row(picture.row.entry, kept, work_id=work_id, room=room, position=picture.row.number)
+
+
+def grouped(items: Sequence[Item], size: int) -> Iterator[Sequence[Item]]:
+    """Runs of so many, the last one shorter."""
+    return (items[at : at + size] for at in range(0, len(items), size))
