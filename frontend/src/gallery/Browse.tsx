@@ -6,7 +6,7 @@ import { rewrite, type PageProps } from "../router";
 import type { Facet, Facets, Page, WorkCard } from "../types";
 import { Trouble, useLoaded, Waiting } from "../ui";
 import { Icon } from "../viewer/icons";
-import { GalleryCard, scriptName } from "./Card";
+import { dynasties, GalleryCard, scriptName } from "./Card";
 import { FILTERS, readFilters, without, writeFilters, type FilterName, type Filters } from "./filters";
 import "./gallery.css";
 
@@ -23,11 +23,14 @@ export default function Browse({ query }: PageProps) {
   const key = writeFilters(filters).toString();
   const change = (next: Filters) => rewrite(writeFilters(next));
   const facets = useLoaded((signal) => get<Facets>(`/api/facets${asQuery(filters)}`, signal), key);
+  useEffect(() => {
+    if (facets.value) dynasties.value = new Map([...dynasties.value, ...facets.value.dynasty.map((f) => [f.value, f] as const)]);
+  }, [facets.value]);
   const role = session.value?.person?.role;
   return (
     <div class="browse">
       <header class="browse-head">
-        <h1><span aria-hidden="true">入木三分</span></h1>
+        <h1 lang="zh-Hant">入木三分</h1>
         <p class="lead">{t("lead")}</p>
         <Search filters={filters} change={change} />
         {(role === "owner" || role === "teacher") && <a class="button quiet" href="#/add"><Icon name="add" />{t("add")}</a>}

@@ -1,11 +1,14 @@
+import { signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { say, t as common, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
-import type { WorkCard } from "../types";
+import type { Text, WorkCard } from "../types";
 import { lightAt } from "../viewer/light";
 import { loadCard, paint, type Card } from "./relit";
 
 const t = words(table);
+/** Names of dynasties as the last facets gave them: a card carries the key alone. */
+export const dynasties = signal(new Map<string, Text>());
 const SCRIPTS = ["seal", "clerical", "regular", "running", "cursive"] as const;
 const TURN = 1400;
 
@@ -15,7 +18,8 @@ export const scriptName = (script: string): string => {
 };
 
 export function GalleryCard({ work }: { work: WorkCard }) {
-  const about = [scriptName(work.script), say(work.hand), say(work.period) || work.dynasty].filter(Boolean);
+  const dynasty = dynasties.value.get(work.dynasty);
+  const about = [scriptName(work.script), say(work.hand), dynasty ? say(dynasty) : say(work.period) || work.dynasty].filter(Boolean);
   return (
     <li class="card">
       <a href={`#/works/${encodeURIComponent(work.id)}`}>
@@ -40,7 +44,7 @@ function HeightMark({ work }: { work: WorkCard }) {
   );
 }
 
-export function RelitThumb({ work }: { work: Pick<WorkCard, "thumb" | "thumb_normals"> }) {
+export function RelitThumb({ work }: { work: Pick<WorkCard, "thumb" | "thumb_normals" | "height_source"> }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const kept = useRef<Promise<Card> | null>(null);
   const frame = useRef(0);
@@ -52,7 +56,7 @@ export function RelitThumb({ work }: { work: Pick<WorkCard, "thumb" | "thumb_nor
       kept.current ??= loadCard(work.thumb, work.thumb_normals);
       const card = await kept.current.catch(() => null);
       if (!card || !canvas.current) return;
-      paint(canvas.current, card, tilt, slant);
+      paint(canvas.current, card, tilt, slant, work.height_source === "photometric");
       setLit(true);
     });
   };

@@ -12,7 +12,7 @@ import "./work.css";
 const t = words(table);
 const SHOWN = 4;
 
-type Collection = { id: string; title: Text; note?: Text; source?: string; licence?: string; count?: number };
+type Collection = { id: string; title: Text; note?: Text; source?: string; licence?: string; works?: number };
 
 export default function Collections(_: PageProps) {
   const found = useLoaded((signal) => get<Collection[] | { items: Collection[] }>("/api/collections", signal), "all");
@@ -38,7 +38,7 @@ export default function Collections(_: PageProps) {
 function Room({ item }: { item: Collection }) {
   const url = `/api/works?collection=${encodeURIComponent(item.id)}&limit=${SHOWN}`;
   const works = useLoaded((signal) => get<Page<WorkCard>>(url, signal), item.id);
-  const count = item.count ?? works.value?.total;
+  const count = item.works ?? works.value?.total;
   return (
     <li class="room">
       <a class="room-works" href={`#/?collection=${encodeURIComponent(item.id)}`} aria-label={say(item.title)}>

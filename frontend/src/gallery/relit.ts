@@ -1,14 +1,14 @@
 // A card's picture under a lamp that follows the pointer: 2-D canvas, a few milliseconds a picture, loaded when first asked for.
 
-import { decode, decodeNormal, encode, lamp, shading, type Vec3 } from "../viewer/arithmetic";
+import { decode, decodeNormal, encode, lamp, underLamp, type Vec3 } from "../viewer/arithmetic";
 
 export type Card = { width: number; height: number; linear: Float32Array; normals: Float32Array };
 
 const DECODED = Float32Array.from({ length: 256 }, (_, v) => decode(v / 255));
 const CODES = 4095;
 const ENCODED = Uint8Array.from({ length: CODES + 1 }, (_, v) => Math.round(encode(v / CODES) * 255));
-/** Flat paper keeps its brightness at any slant, so a card does not darken when it is touched. */
-const LOWEST = 0.35;
+const ABOVE: Vec3 = [0, 0, 1];
+const SHEEN = 0.34;
 
 export async function loadCard(thumb: string, normals: string): Promise<Card> {
   const [seen, bumps] = await Promise.all([load(thumb), load(normals)]);
@@ -26,23 +26,24 @@ export async function loadCard(thumb: string, normals: string): Promise<Card> {
 }
 
 /** RGBA of the card under a lamp; `out` is width * height * 4. */
-export function shade(card: Card, light: Vec3, out: Uint8ClampedArray): void {
-  const bright = 1 / Math.max(light[2], LOWEST);
+export function shade(card: Card, light: Vec3, out: Uint8ClampedArray, sheen = SHEEN): void {
   const { linear, normals } = card;
   for (let k = 0; k < card.width * card.height; k++) {
     const at = k * 3;
-    const s = shading([normals[at]!, normals[at + 1]!, normals[at + 2]!], light) * bright;
-    for (let c = 0; c < 3; c++) out[k * 4 + c] = ENCODED[Math.min(CODES, Math.round(linear[at + c]! * s * CODES))]!;
+    const albedo: Vec3 = [linear[at]!, linear[at + 1]!, linear[at + 2]!];
+    const seen = underLamp(albedo, [normals[at]!, normals[at + 1]!, normals[at + 2]!], light, ABOVE, sheen);
+    for (let c = 0; c < 3; c++) out[k * 4 + c] = ENCODED[Math.round(seen[c]! * CODES)]!;
     out[k * 4 + 3] = 255;
   }
 }
 
-export function paint(canvas: HTMLCanvasElement, card: Card, tilt: number, slant: number): void {
+/** `measured`: a surface from photographs is shown matt. */
+export function paint(canvas: HTMLCanvasElement, card: Card, tilt: number, slant: number, measured = false): void {
   const pen = canvas.getContext("2d");
   if (!pen) return;
   if (canvas.width !== card.width || canvas.height !== card.height) Object.assign(canvas, { width: card.width, height: card.height });
   const image = pen.createImageData(card.width, card.height);
-  shade(card, lamp(tilt, slant), image.data);
+  shade(card, lamp(tilt, slant), image.data, measured ? 0 : SHEEN);
   pen.putImageData(image, 0, 0);
 }
 

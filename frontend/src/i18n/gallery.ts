@@ -1,5 +1,5 @@
 export const gallery = {
-  lead: { zh: "移動燈光，看見筆走過的地方。", en: "Move the light and see where the brush went." },
+  lead: { zh: "移動燈光，看見筆走過的地方。", en: "Ink that went three tenths into the wood. Move the light and see where the brush has been." },
   search: { zh: "尋找", en: "Search" },
   searchHint: { zh: "字、書家、作品……", en: "character, hand, work …" },
   script: { zh: "書體", en: "Script" },

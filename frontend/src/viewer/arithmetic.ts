@@ -43,6 +43,32 @@ export function lit(albedo: Vec3, n: Vec3, l: Vec3): Vec3 {
   return [Math.min(albedo[0] * s, 1), Math.min(albedo[1] * s, 1), Math.min(albedo[2] * s, 1)];
 }
 
+/** Colour of the lamp that is shown unless exactness is asked for: a little warm, linear. */
+export const WARM: Vec3 = [1, 0.955, 0.88];
+/** A photographer lets in more light when the lamp stands low; so does the page, in part. */
+export function gain(l: Vec3): number {
+  return Math.max(l[2], 0.3) ** -0.7;
+}
+
+/** Light that glances off dark ink towards the eye: drawn for the reader, not measured. `toEye` a unit vector. */
+export function glance(albedo: Vec3, n: Vec3, l: Vec3, toEye: Vec3): number {
+  const dark = Math.max(1 - (0.2126 * albedo[0] + 0.7152 * albedo[1] + 0.0722 * albedo[2]), 0);
+  const half: Vec3 = [l[0] + toEye[0], l[1] + toEye[1], l[2] + toEye[2]];
+  const length = Math.max(Math.hypot(...half), 1e-6);
+  const towards = Math.max((n[0] * half[0] + n[1] * half[1] + n[2] * half[2]) / length, 0);
+  return dark * dark * towards ** 22 * Math.min(shading(n, l) * 4, 1);
+}
+
+/** One pixel as a warm lamp and a kind exposure show it, linear; `sheen` 0 leaves the ink matt. */
+export function underLamp(albedo: Vec3, n: Vec3, l: Vec3, toEye: Vec3, sheen: number): Vec3 {
+  const [s, g, k] = [shading(n, l), glance(albedo, n, l, toEye) * sheen, gain(l)];
+  return [
+    Math.min((albedo[0] * s + g) * k * WARM[0], 1),
+    Math.min((albedo[1] * s + g) * k * WARM[1], 1),
+    Math.min((albedo[2] * s + g) * k * WARM[2], 1),
+  ];
+}
+
 /** Weights of the three photographs in the paper's three-lamp mixture; degrees; `slant` is that of the photographs. */
 export function mixtureWeights(tilt: number, newSlant: number, slant: number): Vec3 {
   const [t, fresh, old] = [(tilt * Math.PI) / 180, (newSlant * Math.PI) / 180, (slant * Math.PI) / 180];

@@ -1,5 +1,6 @@
 // The shaders. Their arithmetic stands in arithmetic.ts and colours.ts too, line for line; a test on a GPU compares both with rumu.
 
+import { WARM } from "./arithmetic";
 import { ANCHORS } from "./colours";
 
 const sampling = /* glsl */ `
@@ -43,17 +44,20 @@ uniform int lens; // as mode, -1 none, 6 magnified
 uniform vec3 lensPlace; // u, v, radius as a fraction of the longer side
 uniform vec2 sheet; // width and height where the longer side is 1
 uniform vec3 light; // unit vector to the lamp
+uniform int look; // 0 a warm lamp, 1 exact, 2 clay
+uniform float sheen;
+uniform vec3 eye;
 uniform vec3 mixture; // weights of three photographs; all 0 where there are none
 uniform float exaggeration;
 uniform vec2 range; // lowest and highest height
 uniform float interval; // between two contour lines
-uniform float scaleOfOne; // units of height in a scene length of 1
 uniform vec3 inkColour, paperColour;
 in vec2 at;
 in vec2 grid;
 in vec3 place;
 out vec4 colour;
 ${sampling}
+const vec3 warm = vec3(${WARM.map((v) => v.toFixed(4)).join(", ")});
 vec3 decode(vec3 c) {
   return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, vec3(lessThanEqual(c, vec3(0.04045))));
 }
@@ -74,6 +78,18 @@ float shading(vec3 n, vec3 l) {
 vec3 lit(vec3 a, vec3 n, vec3 l) {
   return min(a * shading(n, l), 1.0);
 }
+float gain(vec3 l) {
+  return pow(max(l.z, 0.3), -0.7);
+}
+float glance(vec3 a, vec3 n, vec3 l, vec3 toEye) {
+  float dark = max(1.0 - dot(a, vec3(0.2126, 0.7152, 0.0722)), 0.0);
+  vec3 halfway = l + toEye;
+  float towards = max(dot(n, halfway) / max(length(halfway), 1e-6), 0.0);
+  return dark * dark * pow(towards, 22.0) * min(shading(n, l) * 4.0, 1.0);
+}
+vec3 underLamp(vec3 a, vec3 n, vec3 l, vec3 toEye, float sheen) {
+  return min((a * shading(n, l) + glance(a, n, l, toEye) * sheen) * gain(l) * warm, 1.0);
+}
 vec3 mixed(vec3 a, vec3 b, vec3 c, vec3 w) {
   return max(w.x * a + w.y * b + w.z * c, 0.0);
 }
@@ -81,6 +97,7 @@ float contourDistance(float h, float step) {
   float v = h / step;
   return abs(v - floor(v + 0.5));
 }
+const vec3 clay = vec3(0.6, 0.53, 0.45);
 const vec3 anchors[${ANCHORS.length}] = vec3[](${ANCHORS.map((c) => `vec3(${c.join(", ")})`).join(", ")});
 vec3 heightColour(float t) {
   float x = clamp(t, 0.0, 1.0) * ${(ANCHORS.length - 1).toFixed(1)};
@@ -92,9 +109,12 @@ vec3 normalAt(vec2 uv) {
 }
 vec3 sheetAt(vec2 uv) { // linear; the albedo texture is decoded by the sampler
   if (mixture != vec3(0.0)) {
-    return min(mixed(texture(lampA, uv).rgb, texture(lampB, uv).rgb, texture(lampC, uv).rgb, mixture), 1.0);
+    vec3 photographed = mixed(texture(lampA, uv).rgb, texture(lampB, uv).rgb, texture(lampC, uv).rgb, mixture);
+    return min(look == 1 ? photographed : photographed * gain(light) * warm, 1.0);
   }
-  return lit(texture(albedo, uv).rgb, normalAt(uv), light);
+  vec3 a = look == 2 ? clay : texture(albedo, uv).rgb;
+  if (look == 1) return lit(a, normalAt(uv), light);
+  return underLamp(a, normalAt(uv), light, normalize(eye - place), look == 2 ? 0.0 : sheen);
 }
 vec3 heightsAt(vec2 uv) {
   float t = (heightAt(uv) - range.x) / max(range.y - range.x, 1e-9);

@@ -26,12 +26,12 @@ import {
   WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { lamp, mixtureWeights } from "./arithmetic";
+import { lamp, mixtureWeights, type Vec3 } from "./arithmetic";
 import { niceStep } from "./colours";
 import { fragment, vertex } from "./glsl";
 import type { HeightField } from "./heightfield";
 import { fit, FIELD_OF_VIEW } from "./orbit";
-import type { Camera, Lens, Mode, ViewState } from "./state";
+import { LOOKS, type Camera, type Lens, type Mode, type ViewState } from "./state";
 
 /** Decoded pictures of one sheet; `lamps` where three photographs are there. */
 export type Maps = {
@@ -55,6 +55,10 @@ const WHAT: Record<Mode | Exclude<Lens, "none" | "heights">, number> = {
 const FINE = 384;
 const COARSE = 96;
 const CONTOURS = 14;
+/** The eye over a flat sheet: so far that every point sees it straight above. */
+const AFAR: Vec3 = [0, 0, 1e4];
+
+export type LensPlace = { u: number; v: number; radius: number };
 
 export class Stage {
   readonly renderer: WebGLRenderer;
@@ -71,6 +75,8 @@ export class Stage {
     readonly canvas: HTMLCanvasElement,
     readonly field: HeightField,
     private readonly maps: Maps,
+    /** How much the ink shines under the warm lamp; 0 where the surface was measured. */
+    private readonly sheen: number,
   ) {
     this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
     this.renderer.setClearColor(0, 0);
@@ -93,9 +99,9 @@ export class Stage {
     return fit(mode, this.field, this.camera.aspect);
   }
 
-  draw(state: ViewState, lensPlace: { u: number; v: number; radius: number } | null): void {
-    this.prepare(state, lensPlace);
+  draw(state: ViewState, lensPlace: LensPlace | null): void {
     const [x, y, z, tx, ty, tz] = state.camera ?? this.home(state.mode);
+    this.prepare(state, lensPlace, state.mode === "sheet" ? AFAR : [x, y, z]);
     this.camera.position.set(x, y, z);
     this.camera.lookAt(tx, ty, tz);
     this.camera.updateMatrixWorld();
@@ -109,7 +115,7 @@ export class Stage {
     const { wide, tall } = this.field;
     const camera = new OrthographicCamera(-wide / 2, wide / 2, tall / 2, -tall / 2, 0.1, 10);
     camera.position.z = 2;
-    this.prepare({ ...state, mode: "sheet", lens: "none" }, null);
+    this.prepare({ ...state, mode: "sheet", lens: "none" }, null, AFAR);
     this.renderer.setRenderTarget(target);
     this.renderer.render(this.scene, camera);
     const found = new Uint8Array(width * height * 4);
@@ -130,7 +136,7 @@ export class Stage {
     this.renderer.forceContextLoss();
   }
 
-  private prepare(state: ViewState, lensPlace: { u: number; v: number; radius: number } | null): void {
+  private prepare(state: ViewState, lensPlace: LensPlace | null, eye: Vec3): void {
     if (state.mode === "mesh") this.coarse ??= grid(this.field, COARSE);
     this.sheet.geometry = state.mode === "mesh" && this.coarse ? this.coarse : this.fine;
     const is = (name: string) => this.sheet.material.uniforms[name]!;
@@ -140,6 +146,8 @@ export class Stage {
     is("light").value.set(...lamp(state.tilt, state.slant));
     is("lift").value = state.mode === "sheet" ? 0 : state.exaggeration / this.field.scale;
     is("exaggeration").value = state.exaggeration;
+    is("look").value = LOOKS.indexOf(state.look);
+    is("eye").value.set(...eye);
     is("cells").value.set(...squares(this.field, state.mode === "mesh" ? COARSE : FINE));
     const { lamps } = this.maps;
     is("mixture").value.set(...(state.mixture && lamps ? mixtureWeights(state.tilt, state.slant, lamps.slant) : [0, 0, 0]));
@@ -184,7 +192,9 @@ export class Stage {
         cells: { value: new Vector2(1, 1) },
         range: { value: new Vector2(field.min, field.max) },
         interval: { value: this.interval },
-        scaleOfOne: { value: field.scale },
+        look: { value: 0 },
+        sheen: { value: this.sheen },
+        eye: { value: new Vector3() },
         inkColour: { value: new Vector3() },
         paperColour: { value: new Vector3(1, 1, 1) },
       },

@@ -4,6 +4,9 @@ export const MODES = ["sheet", "surface", "mesh", "heights", "contours"] as cons
 export type Mode = (typeof MODES)[number];
 export const LENSES = ["none", "magnify", "picture", "heights", "normals"] as const;
 export type Lens = (typeof LENSES)[number];
+/** How the sheet is lit: a warm lamp with some sheen, Lambert's law and nothing else, or all of it as clay. */
+export const LOOKS = ["lamp", "exact", "clay"] as const;
+export type Look = (typeof LOOKS)[number];
 export type Line = [number, number, number, number];
 /** Where the eye is, then what it looks at; the longer side of the sheet is 1, x right, y up, z to the eye. */
 export type Camera = [number, number, number, number, number, number];
@@ -22,6 +25,7 @@ export type ViewState = {
   section: Line | null;
   ruler: Line | null;
   lens: Lens;
+  look: Look;
   /** Mix the three photographs instead of shading the normals, where there are three. */
   mixture: boolean;
 };
@@ -35,6 +39,7 @@ export const START: ViewState = {
   section: null,
   ruler: null,
   lens: "none",
+  look: "lamp",
   mixture: false,
 };
 
@@ -66,6 +71,7 @@ export function stateToQuery(state: ViewState): URLSearchParams {
   if (state.section) query.set("sec", state.section.map((v) => short(v, 3)).join(","));
   if (state.ruler) query.set("rule", state.ruler.map((v) => short(v, 3)).join(","));
   if (state.lens !== START.lens) query.set("lens", state.lens);
+  if (state.look !== START.look) query.set("look", state.look);
   if (state.mixture) query.set("lamps", "3");
   return query;
 }
@@ -81,6 +87,7 @@ export function stateFromQuery(query: URLSearchParams): ViewState {
     section: numbers(query.get("sec"), 4) as Line | null,
     ruler: numbers(query.get("rule"), 4) as Line | null,
     lens: oneOf(LENSES, query.get("lens"), START.lens),
+    look: oneOf(LOOKS, query.get("look"), START.look),
     mixture: query.get("lamps") === "3",
   });
 }

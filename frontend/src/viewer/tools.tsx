@@ -6,7 +6,7 @@ import { words } from "../i18n";
 import { viewer as table } from "../i18n/viewer";
 import { Icon, type IconName } from "./icons";
 import { immersions, type Immersion } from "./immersion-kinds";
-import { LENSES, MODES, MOST_EXAGGERATION, type Lens, type Mode, type ViewState } from "./state";
+import { LENSES, LOOKS, MODES, MOST_EXAGGERATION, type Lens, type Look, type Mode, type ViewState } from "./state";
 import type { PanelProps } from "./panel";
 import type { Tool, Viewer } from "./viewer";
 
@@ -56,6 +56,15 @@ export function Tools({ viewer, state, tool, pairing, canPin, mode, setTool, fil
         <select value={state.lens} disabled={off} onChange={(event) => viewer?.set({ lens: event.currentTarget.value as Lens })}>
           {LENSES.map((name) => (
             <option key={name} value={name}>{t(LENS_NAMES[name])}</option>
+          ))}
+        </select>
+      </label>
+      <label class="tool-select" title={t(`look_${state.look}_note`)}>
+        <Icon name="lamp" />
+        <span class="visually-hidden">{t("look")}</span>
+        <select value={state.look} disabled={off} onChange={(event) => viewer?.set({ look: event.currentTarget.value as Look })}>
+          {LOOKS.map((name) => (
+            <option key={name} value={name}>{t(`look_${name}`)}</option>
           ))}
         </select>
       </label>

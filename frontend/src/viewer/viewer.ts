@@ -36,7 +36,7 @@ export interface Viewer {
   set(partial: Partial<ViewState>): void;
   /** As `set`, but gently; at once for those who asked for less motion. */
   glide(partial: Partial<ViewState>, milliseconds?: number): void;
-  /** Shares mode, light, exaggeration and camera with another, both ways; null parts them. */
+  /** Shares mode, light, look, exaggeration and camera with another, both ways; null parts them. */
   link(other: Viewer | null): void;
   /** The view as a PNG. */
   snapshot(): Promise<Blob>;
@@ -55,9 +55,10 @@ export interface Viewer {
   immerse(kind: "immersive-vr" | "immersive-ar"): Promise<void>;
 }
 
-const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera"] as const;
+const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera", "look"] as const;
 const KEY_STEP = 5;
 const LENS_RADIUS = 90;
+const SHEEN = 0.34;
 
 /** Fills `host` with a viewer. Without WebGL2 it shows the picture and a message. Rejects when a file cannot be read. */
 export async function createViewer(host: HTMLElement, facts: ViewerFacts, options: ViewerOptions = {}): Promise<Viewer> {
@@ -103,7 +104,7 @@ class SheetViewer implements Viewer {
     this.state = sane({ ...START, ...given });
     this.canvas.className = "viewer-canvas";
     this.host.append(this.canvas);
-    this.stage = new Stage(this.canvas, field, maps);
+    this.stage = new Stage(this.canvas, field, maps, facts.source === "photometric" ? 0 : SHEEN);
     if (interactive) this.listen();
     const watch = new ResizeObserver(() => this.resize());
     watch.observe(host);
