@@ -1,5 +1,142 @@
-import type { PageProps } from "../router";
+// Which of two is better? The two are shown without a mark and without a name.
 
-export default function Judge(_: PageProps) {
-  return null;
+import { useEffect, useRef, useState } from "preact/hooks";
+import { get, post, query, session } from "../api";
+import { say } from "../i18n";
+import type { PageProps } from "../router";
+import type { Attempt, WorkCard } from "../types";
+import { Trouble, useLoaded, Waiting } from "../ui";
+import { MasterPicture } from "./MasterPicture";
+import { NeedLogin } from "./NeedLogin";
+import { w } from "./say";
+
+type Pair = { work: WorkCard; left: Attempt; right: Attempt; done: number; left_over: number };
+type Winner = "left" | "right" | "same";
+const KEYS: Record<string, Winner> = { "1": "left", ArrowLeft: "left", "2": "right", ArrowRight: "right", "3": "same", ArrowDown: "same" };
+
+export default function Judge({ query: asked }: PageProps) {
+  return (
+    <NeedLogin why={w("judgeNeeds")}>
+      <Judging work={asked.get("work")} />
+    </NeedLogin>
+  );
+}
+
+function Judging({ work }: { work: string | null }) {
+  const [turn, setTurn] = useState(0);
+  const [error, setError] = useState<unknown>(null);
+  const [busy, setBusy] = useState(false);
+  const [before, setBefore] = useState<Pair | null>(null);
+  const found = useLoaded((signal) => get<Pair | null>(`/api/comparisons/next${query({ work })}`, signal), `${work} ${turn}`);
+  const pair = found.fresh ? found.value : undefined;
+  const began = useRef(0);
+  useEffect(() => void (began.current = performance.now()), [pair]);
+  const judge = async (winner: Winner) => {
+    if (!pair || busy) return;
+    setBusy(true);
+    try {
+      const seconds = Math.round(performance.now() - began.current) / 1000;
+      await post("/api/comparisons", { left: pair.left.id, right: pair.right.id, winner, seconds });
+      setBefore(pair);
+      setError(null);
+      setTurn((n) => n + 1);
+    } catch (why) {
+      setError(why);
+    } finally {
+      setBusy(false);
+    }
+  };
+  useJudgeKeys(judge);
+  return (
+    <div class="judge">
+      <header class="page-head">
+        <h1>{w("judgeTitle")}</h1>
+        {session.value?.person?.role !== "pupil" && (
+          <a class="button quiet" href="/api/comparisons.csv" download="comparisons.csv">
+            CSV
+          </a>
+        )}
+      </header>
+      {found.error || error ? <Trouble error={found.error ?? error} again={() => (setError(null), found.again())} /> : null}
+      {pair ? <Shown pair={pair} busy={busy} onJudge={judge} /> : pair === null ? <Done /> : !found.error && <Waiting />}
+      {before && <Last pair={before} />}
+    </div>
+  );
+}
+
+function Shown({ pair, busy, onJudge }: { pair: Pair; busy: boolean; onJudge: (winner: Winner) => void }) {
+  const all = pair.done + pair.left_over;
+  return (
+    <>
+      <p class="lead">{w("judgeLead", { title: say(pair.work.title) })}</p>
+      <div class="judge-pair">
+        {(["left", "right"] as const).map((side) => (
+          <button key={side} type="button" class="judge-copy" disabled={busy} aria-label={w(side)} onClick={() => onJudge(side)}>
+            <img src={pair[side].picture ?? ""} alt="" />
+            <span>
+              <kbd>{side === "left" ? "1" : "2"}</kbd> {w(side)}
+            </span>
+          </button>
+        ))}
+        <Master work={pair.work} />
+      </div>
+      <p class="row judge-same">
+        <button type="button" class="quiet" disabled={busy} onClick={() => onJudge("same")}>
+          <kbd>3</kbd> {w("same")}
+        </button>
+      </p>
+      <p class="judge-progress">
+        <progress max={all} value={pair.done} aria-label={w("progress")} />
+        <span class="number">{w("judged", { done: pair.done, all })}</span>
+      </p>
+      <p class="note">{w("judgeNote")}</p>
+    </>
+  );
+}
+
+function Master({ work }: { work: WorkCard }) {
+  return (
+    <figure class="judge-master">
+      <MasterPicture work={work} alt="" />
+      <figcaption>{w("master")}</figcaption>
+    </figure>
+  );
+}
+
+/** Only now, when it can no longer sway anybody. */
+function Last({ pair }: { pair: Pair }) {
+  const made = (["left", "right"] as const).filter((side) => pair[side].kind === "simulated");
+  if (!made.length) return null;
+  return (
+    <p class="note" role="status">
+      {w(made.length === 2 ? "bothSimulated" : made[0] === "left" ? "leftSimulated" : "rightSimulated")}
+    </p>
+  );
+}
+
+function Done() {
+  return (
+    <div class="need panel">
+      <p>{w("judgeDone")}</p>
+      <a class="button quiet" href="#/studio">
+        {w("toStudio")}
+      </a>
+    </div>
+  );
+}
+
+function useJudgeKeys(judge: (winner: Winner) => void): void {
+  const latest = useRef(judge);
+  latest.current = judge;
+  useEffect(() => {
+    const press = (event: KeyboardEvent) => {
+      const winner = KEYS[event.key];
+      if (!winner || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+      if ((event.target as HTMLElement).closest("input, select, textarea")) return;
+      event.preventDefault();
+      latest.current(winner);
+    };
+    addEventListener("keydown", press);
+    return () => removeEventListener("keydown", press);
+  }, []);
 }

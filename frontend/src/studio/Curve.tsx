@@ -1,0 +1,74 @@
+// Marks over time, with their intervals; the same as a table for those who do not see it.
+
+import { language } from "../i18n";
+import { bandOf, dots, heightOf, pathOf, type Frame, type Point } from "./chart";
+import { w } from "./say";
+
+const FRAME: Frame = { width: 640, height: 240, left: 34, right: 16, top: 12, bottom: 30 };
+
+export function Curve({ points, title }: { points: Point[]; title: string }) {
+  const found = dots(points, FRAME);
+  return (
+    <figure class="curve">
+      <svg viewBox={`0 0 ${FRAME.width} ${FRAME.height}`} role="img" aria-label={w("curveLabel", { title, count: found.length })}>
+        {[0, 25, 50, 75, 100].map((score) => (
+          <g key={score} class="curve-line">
+            <path d={`M${FRAME.left} ${heightOf(score, FRAME)}H${FRAME.width - FRAME.right}`} />
+            <text x={FRAME.left - 8} y={heightOf(score, FRAME) + 4}>
+              {score}
+            </text>
+          </g>
+        ))}
+        <path class="curve-band" d={bandOf(found)} />
+        <path class="curve-way" d={pathOf(found)} />
+        {found.map(({ x, y, low, high, point }) => (
+          <a key={point.id} href={`#/attempts/${point.id}`} aria-label={w("curvePoint", { score: point.score!.toFixed(0), day: day(point.created) })}>
+            {found.length === 1 && <path class="curve-whisker" d={`M${x} ${low}V${high}`} />}
+            <circle class="curve-hit" cx={x} cy={y} r="12" />
+            <circle cx={x} cy={y} r="4.5" />
+          </a>
+        ))}
+        {found.length > 0 && (
+          <g class="curve-days">
+            <text x={FRAME.left} y={FRAME.height - 8}>
+              {day(found[0]!.point.created)}
+            </text>
+            {found.length > 1 && (
+              <text class="end" x={FRAME.width - FRAME.right} y={FRAME.height - 8}>
+                {day(found.at(-1)!.point.created)}
+              </text>
+            )}
+          </g>
+        )}
+      </svg>
+      <details>
+        <summary>{w("asTable")}</summary>
+        <table>
+          <thead>
+            <tr>
+              <th scope="col">{w("when")}</th>
+              <th scope="col" class="number">{w("mark")}</th>
+              <th scope="col" class="number">{w("intervalShort")}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {points.map((point) => (
+              <tr key={point.id}>
+                <th scope="row">
+                  <a href={`#/attempts/${point.id}`}>{moment(point.created)}</a>
+                </th>
+                <td class="number">{point.score?.toFixed(0) ?? w("noMark")}</td>
+                <td class="number">{point.interval ? point.interval.map((v) => v.toFixed(0)).join("–") : "–"}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </details>
+    </figure>
+  );
+}
+
+const locale = () => (language.value === "zh" ? "zh-Hant-TW" : "en-GB");
+export const day = (time: string): string => new Date(time).toLocaleDateString(locale(), { month: "short", day: "numeric" });
+export const moment = (time: string): string =>
+  new Date(time).toLocaleString(locale(), { year: "numeric", month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });

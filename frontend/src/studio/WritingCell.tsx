@@ -1,0 +1,148 @@
+// The cell that is written in: grid and faint master below, ink above. It knows pointers; what a stroke looks like
+// is ink/shaping.ts's matter.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Grid, WorkCard } from "../types";
+import { cleared, token, useSide } from "./canvas";
+import { inkLayer } from "./ink/inklayer";
+import { linesOf } from "./ink/grids";
+import { paint } from "./ink/painting";
+import { admit, handOf, openGate, release, sampleOf, type Gate } from "./ink/pointers";
+import type { Stroke } from "./ink/stroke";
+import { contained } from "./mark/align";
+import { w } from "./say";
+
+type Props = {
+  strokes: readonly Stroke[];
+  size: number;
+  ink: number;
+  grid: Grid;
+  work: WorkCard;
+  /** Opacity of the master below, 0-1. */
+  ghost: number;
+  onStroke: (stroke: Stroke) => void;
+  /** Told when the hand comes down, and when it is lifted. */
+  onHand?: (down: boolean) => void;
+};
+
+export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, onHand }: Props) {
+  const box = useRef<HTMLDivElement>(null);
+  const dry = useRef<HTMLCanvasElement>(null);
+  const wet = useRef<HTMLCanvasElement>(null);
+  const side = useSide(box);
+  const hand = useRef<{ gate: Gate; stroke: Stroke | null; cell: DOMRect | null; began: number; frame: number }>({
+    gate: openGate, stroke: null, cell: null, began: 0, frame: 0,
+  });
+  useEffect(() => drawn(dry.current, strokes, side), [strokes, side]);
+  useEffect(() => () => cancelAnimationFrame(hand.current.frame), []);
+
+  const redraw = () => {
+    const now = hand.current;
+    now.frame ||= requestAnimationFrame(() => {
+      now.frame = 0;
+      drawn(wet.current, now.stroke ? [now.stroke] : [], side);
+    });
+  };
+  const begin = (event: PointerEvent) => {
+    const now = hand.current;
+    const { begins, gate } = admit(now.gate, event);
+    now.gate = gate;
+    if (!begins) return;
+    event.preventDefault();
+    const cell = event.currentTarget as HTMLElement;
+    try {
+      cell.setPointerCapture(event.pointerId);
+    } catch {
+      // a pointer that is gone already; its stroke ends with the next event
+    }
+    now.cell = dry.current!.getBoundingClientRect();
+    now.began = event.timeStamp;
+    now.stroke = { hand: handOf(event.pointerType), size, ink, points: [sampleOf(event, now.cell, now.began)] };
+    onHand?.(true);
+    redraw();
+  };
+  const move = (event: PointerEvent) => {
+    const now = hand.current;
+    if (event.pointerId !== now.gate.active || !now.stroke || !now.cell) return;
+    const all = event.getCoalescedEvents?.() ?? [];
+    for (const one of all.length ? all : [event]) now.stroke.points.push(sampleOf(one, now.cell, now.began));
+    redraw();
+  };
+  const end = (event: PointerEvent) => {
+    const now = hand.current;
+    if (event.pointerId !== now.gate.active) return;
+    now.gate = release(now.gate, event.pointerId);
+    const stroke = now.stroke;
+    now.stroke = null;
+    onHand?.(false);
+    redraw();
+    if (!stroke || event.type === "pointercancel" || !now.cell) return;
+    const last = stroke.points.at(-1)!;
+    const up = sampleOf(event, now.cell, now.began);
+    stroke.points.push([up[0], up[1], up[2], last[3], last[4], last[5]]); // a lifted pen says pressure 0
+    drawn(dry.current, [...strokes, stroke], side); // before the next frame, so that nothing flickers
+    onStroke(stroke);
+  };
+  return (
+    <div
+      ref={box}
+      class="cell"
+      role="img"
+      aria-label={w("cell", { count: strokes.length })}
+      onPointerDown={begin}
+      onPointerMove={move}
+      onPointerUp={end}
+      onPointerCancel={end}
+      onContextMenu={(event) => event.preventDefault()}
+    >
+      <GridLines grid={grid} />
+      <Ghost work={work} opacity={ghost} side={side} />
+      <canvas ref={dry} aria-hidden="true" />
+      <canvas ref={wet} aria-hidden="true" />
+    </div>
+  );
+}
+
+function drawn(canvas: HTMLCanvasElement | null, strokes: readonly Stroke[], side: number): void {
+  const context = cleared(canvas, side);
+  if (!context) return;
+  context.fillStyle = token("soot");
+  paint(context, strokes, side);
+}
+
+export function GridLines({ grid }: { grid: Grid }) {
+  return (
+    <svg class="cell-grid" viewBox="0 0 1 1" aria-hidden="true">
+      {linesOf(grid).map(([x1, y1, x2, y2], k) => (
+        <line key={k} {...{ x1, y1, x2, y2 }} vector-effect="non-scaling-stroke" />
+      ))}
+    </svg>
+  );
+}
+
+/** The master in pale cinnabar, as the sheets for tracing have it. */
+function Ghost({ work, opacity, side }: { work: WorkCard; opacity: number; side: number }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const [layer, setLayer] = useState<HTMLCanvasElement | null>(null);
+  const wanted = opacity > 0;
+  useEffect(() => {
+    let current = true;
+    if (wanted) masterInk(work, token("rule")).then((found) => current && setLayer(found), () => undefined);
+    return () => {
+      current = false;
+    };
+  }, [work.id, wanted]);
+  useEffect(() => {
+    const context = cleared(canvas.current, side);
+    if (!context || !layer) return;
+    context.setTransform(...scaled(contained(work.width, work.height), side));
+    context.drawImage(layer, 0, 0, 1, 1);
+  }, [layer, side]);
+  return <canvas ref={canvas} aria-hidden="true" style={{ opacity }} />;
+}
+
+const scaled = ([a, b, c, d, e, f]: ReturnType<typeof contained>, side: number) =>
+  [a * side, b * side, c * side, d * side, e * side, f * side] as [number, number, number, number, number, number];
+
+export const masterInk = (work: WorkCard, colour: string): Promise<HTMLCanvasElement> =>
+  inkLayer(`/api/works/${encodeURIComponent(work.id)}/files/mask`, { ink: "white", colour });

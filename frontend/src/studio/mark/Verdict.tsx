@@ -1,0 +1,106 @@
+// Level, score, parts, and what the mark rests on; or kindly, why there is none.
+
+import { language, say } from "../../i18n";
+import type { Attempt, Mark } from "../../types";
+import { w } from "../say";
+import { ScoreBand } from "./ScoreBand";
+
+export function Verdict({ attempt }: { attempt: Attempt }) {
+  const { mark } = attempt;
+  if (mark.refused) return <Refused mark={mark} />;
+  const teacher = attempt.teacher_marks.at(-1)?.mark ?? null;
+  return (
+    <section class="verdict panel" aria-labelledby="verdict-title">
+      <div class="verdict-head">
+        <Seal mark={mark} />
+        <div>
+          <h2 id="verdict-title" class="visually-hidden">
+            {w("mark")}
+          </h2>
+          <p class="verdict-score">
+            <strong>{mark.score?.toFixed(0)}</strong> <span>/ 100</span>
+          </p>
+          {mark.interval && (
+            <p class="note">{w("interval", { low: mark.interval[0].toFixed(0), high: mark.interval[1].toFixed(0) })}</p>
+          )}
+        </div>
+      </div>
+      <ScoreBand mark={mark} teacher={teacher} />
+      {attempt.kind === "simulated" && <p class="simulated">{w("simulated")}</p>}
+      <Parts mark={mark} />
+      <RestsOn mark={mark} />
+    </section>
+  );
+}
+
+/** The level as a seal: cinnabar, one character. */
+export function Seal({ mark }: { mark: Pick<Mark, "level" | "level_text"> }) {
+  if (!mark.level) return null;
+  return (
+    <div class="seal">
+      <span class="seal-character" lang="zh-Hant" aria-hidden={language.value === "en"}>
+        {mark.level_text?.zh}
+      </span>
+      <span class={language.value === "en" ? "seal-word" : "visually-hidden"}>{say(mark.level_text)}</span>
+    </div>
+  );
+}
+
+function Parts({ mark }: { mark: Mark }) {
+  return (
+    <dl class="parts">
+      {mark.parts.map((part) => (
+        <div key={part.name}>
+          <dt>
+            {part.zh}
+            {language.value === "en" && <span> {part.en}</span>}
+          </dt>
+          <dd>
+            <meter min={0} max={100} value={part.score} aria-label={say(part)} />
+            <b>{part.score.toFixed(0)}</b>
+            <p class="note">{say(part.meaning)}</p>
+          </dd>
+        </div>
+      ))}
+    </dl>
+  );
+}
+
+function RestsOn({ mark }: { mark: Mark }) {
+  return (
+    <div class="rests">
+      <p class="note">{w("estimate")}</p>
+      {mark.interval_note && <p class="note">{say(mark.interval_note)}</p>}
+      {mark.calibration && <p class="note">{w("calibrated", { by: mark.calibration })}</p>}
+      {mark.source_text && <p class="note">{say(mark.source_text)}</p>}
+      {mark.sim_paper !== null && (
+        <details>
+          <summary>{w("more")}</summary>
+          <p class="note">{w("simPaper", { value: mark.sim_paper.toFixed(1) })}</p>
+          {mark.similarity !== null && <p class="note">{w("similarity", { value: mark.similarity.toFixed(3) })}</p>}
+          {mark.pose && <p class="note">{w("pose", poseWords(mark.pose))}</p>}
+          <p class="note">{w("seconds", { value: mark.seconds.toFixed(2) })}</p>
+        </details>
+      )}
+    </div>
+  );
+}
+
+export const poseWords = (pose: NonNullable<Mark["pose"]>) => ({
+  angle: signed(pose.angle, 1),
+  scale: (100 * pose.scale).toFixed(0),
+  x: signed(100 * pose.shift[0], 1),
+  y: signed(100 * pose.shift[1], 1),
+});
+
+const signed = (value: number, digits: number): string => `${value >= 0 ? "+" : "−"}${Math.abs(value).toFixed(digits)}`;
+
+function Refused({ mark }: { mark: Mark }) {
+  return (
+    <section class="verdict refused panel" aria-labelledby="verdict-title">
+      <h2 id="verdict-title">{w("refusedTitle")}</h2>
+      <p>{say(mark.refused)}</p>
+      <p class="note">{w(mark.refused?.code === "another character" ? "refusedOther" : "refusedAdvice")}</p>
+    </section>
+  );
+}

@@ -1,0 +1,49 @@
+// Asking for a mark. What was asked of an older copy is dropped when it comes.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import { post, session } from "../api";
+import type { Attempt, Grid } from "../types";
+
+export type Copy = { kind: "pen" | "photo"; picture: Blob; strokes?: string; grid: Grid };
+export type Marked =
+  | { state: "none" }
+  | { state: "asking" }
+  | { state: "told"; attempt: Attempt; picture: Blob; tried: boolean }
+  | { state: "failed"; error: unknown };
+
+export const AUTO_AFTER = 800; // ms after the last stroke
+
+/** try: asked by itself while the hand rests; such a mark is shown and not kept. */
+export function useMarking(work: string, task: string | null) {
+  const [marked, setMarked] = useState<Marked>({ state: "none" });
+  const turn = useRef(0);
+  useEffect(() => () => void turn.current++, []);
+  const drop = () => {
+    turn.current++;
+    setMarked((old) => (old.state === "none" ? old : { state: "none" }));
+  };
+  const ask = async (make: () => Promise<Copy>, options: { tried: boolean }) => {
+    const mine = ++turn.current;
+    setMarked({ state: "asking" });
+    try {
+      const copy = await make();
+      const attempt = await post<Attempt>("/api/marks", formOf(copy, work, task, !options.tried && Boolean(session.value?.person)));
+      if (mine === turn.current) setMarked({ state: "told", attempt, picture: copy.picture, tried: options.tried });
+    } catch (error) {
+      if (mine === turn.current) setMarked({ state: "failed", error });
+    }
+  };
+  return { marked, ask, drop };
+}
+
+export function formOf(copy: Copy, work: string, task: string | null, keep: boolean): FormData {
+  const form = new FormData();
+  form.set("work", work);
+  form.set("kind", copy.kind);
+  form.set("picture", copy.picture, copy.picture.type === "image/jpeg" ? "copy.jpg" : "copy.png");
+  if (copy.strokes) form.set("strokes", copy.strokes);
+  form.set("grid", copy.grid);
+  if (task) form.set("task", task);
+  form.set("keep", String(keep));
+  return form;
+}
