@@ -30,29 +30,109 @@ def register(app: typer.Typer) -> None:
 
 @ends_well
 def demo(
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the pages.")] = Path("rumu-demo"),
-    no_open: Annotated[bool, typer.Option("--no-open", help="Do not open the pages in a browser.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Write the samples' marks as static pages, too.")
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the gallery.")] = 8000,
+    no_serve: Annotated[
+        bool, typer.Option("--no-serve", help="End after the table: no gallery, no browser.")
+    ] = False,
+    no_open: Annotated[bool, typer.Option("--no-open", help="Do not open a browser.")] = False,
     as_json: AsJson = False,
 ) -> Outcome:
-    """Mark the simulated sample copies against their masters, and show the starter works."""
-    from rumu.gallery.works import starter_samples, starter_works
+    """Mark the simulated samples, then show gallery and studio in the browser until Ctrl-C."""
+    samples = _samples()
+    total = len(samples) + (0 if out is None else len(_works()))
+    with bar("Marking") as advance:
+        rows = _written(samples, out, advance=advance, total=total) if out else _marked(samples, advance)
+    outcome = Outcome(_facts(samples, rows, out), _Table(samples, rows, out))
+    if no_serve or as_json:
+        return outcome
+    _print(outcome.text)
+    _show(port, opens=not no_open and _has_display())
+    raise typer.Exit
+
+
+def _print(table: Any) -> None:
+    """Now, and not when the command ends: the gallery is served until Ctrl-C."""
+    from rich.console import Console
+
+    Console(soft_wrap=not sys.stdout.isatty()).print(table)
+
+
+def _show(port: int, *, opens: bool) -> None:
+    """The starter gallery in a home of its own, unless RUMU_HOME names one; ready before it is opened."""
+    import webbrowser
+
+    from rumu.cli.serve import announce
+    from rumu.errors import RumuError
+    from rumu.gallery.catalog import open_gallery
+    from rumu.gallery.home import user_home
+    from rumu.studio.handlers import make_thumbnails
+    from rumu.studio.place import Place
+    from rumu.web.server import listen, serve
+    from rumu.web.settings import ServiceSettings
+
+    home = user_home() if os.environ.get("RUMU_HOME") else user_home() / "demo"
+    place = Place(database=str(home / "rumu.sqlite"), files=str(home / "files"))
+    with bar("Hanging the gallery") as advance:
+        gallery = open_gallery(database=place.database, files=place.files)
+        make_thumbnails(gallery, advance)
+        gallery.database.close()
+    try:
+        listen("127.0.0.1", port).close()
+    except RumuError:
+        port = 0  # somebody else serves there; a demo takes what is free
+    serve(
+        ServiceSettings(place),
+        host="127.0.0.1",
+        port=port,
+        says=announce,
+        ready=(lambda listening: webbrowser.open(listening.url)) if opens else None,
+    )
+
+
+def _samples() -> Sequence[Sample]:
+    from rumu.gallery.works import starter_samples
+
+    return starter_samples()
+
+
+def _works() -> Sequence[Work]:
+    from rumu.gallery.works import starter_works
+
+    return starter_works()
+
+
+def _marked(samples: Sequence[Sample], advance: Advance) -> list[IndexSample]:
+    """The marks alone."""
+    from rumu.gallery.works import find_work
+    from rumu.report.pages import IndexSample
+
+    cuts = level_cuts("panel")
+    rows = []
+    for done, sample in enumerate(samples, start=1):
+        work = find_work(sample.work)
+        copy, _, mark = marked(sample.path, work.path, levels=cuts, script=work.script)
+        faults = tuple(_both(fault.description) for fault in sample.faults)
+        rows.append(IndexSample(_both(work.title), sample.degree, faults, mark, "", copy))
+        advance(done, len(samples))
+    return rows
+
+
+def _written(samples: Sequence[Sample], out: Path, *, advance: Advance, total: int) -> list[IndexSample]:
+    """The marks, with a page for each and an index of them and of the starter works."""
     from rumu.outputs import whole_folder
     from rumu.report.pages import demo_index
 
-    samples, works = starter_samples(), starter_works()
-    with whole_folder(out, marker=MARKS) as folder, bar("Marking and drawing") as advance:
-        total = len(samples) + len(works)
+    with whole_folder(out, marker=MARKS) as folder:
         rows = _sample_pages(samples, folder, advance=advance, total=total)
-        sheet = _sheet(works, advance=advance, done=len(samples), total=total)
+        sheet = _sheet(_works(), advance=advance, done=len(samples), total=total)
         index = demo_index(rows, sheet, title="rumu 入木")
         (folder / "index.html").write_text(index, encoding="utf-8")
-        facts = {"out": out, "index": out / "index.html", "samples": _facts(samples, rows)}
+        facts = _facts(samples, rows, out)
         (folder / MARKS).write_text(json.dumps(plain(facts), ensure_ascii=False, indent=1), encoding="utf-8")
-    if not (no_open or as_json) and _has_display():
-        import webbrowser
-
-        webbrowser.open((out / "index.html").resolve().as_uri())
-    return Outcome(facts, _Table(samples, rows, out))
+    return rows
 
 
 def _sample_pages(
@@ -94,24 +174,25 @@ def _both(words: Bilingual) -> Text:
     return Text(words.zh, words.en)
 
 
-def _facts(samples: Sequence[Sample], rows: Sequence[IndexSample]) -> list[dict[str, Any]]:
-    return [
+def _facts(samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | None) -> dict[str, Any]:
+    told = [
         {
             "id": sample.id,
             "work": sample.work,
             "degree": sample.degree,
             "simulated": sample.simulated,
-            "page": row.href,
+            "page": row.href or None,
             **mark_facts(row.assessment),
         }
         for sample, row in zip(samples, rows, strict=True)
     ]
+    return {"out": out, "index": out and out / "index.html", "samples": told}
 
 
 class _Table:
     """The marks as a table for a terminal, drawn only when it is printed."""
 
-    def __init__(self, samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path) -> None:
+    def __init__(self, samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | None) -> None:
         self.samples, self.rows, self.out = samples, rows, out
 
     def __rich_console__(self, console: Any, options: Any) -> Any:
@@ -123,7 +204,8 @@ class _Table:
         for sample, row in zip(self.samples, self.rows, strict=True):
             table.add_row(sample.work, sample.degree, *_mark_cells(row))
         yield table
-        yield f"Pages: {self.out / 'index.html'}"
+        if self.out is not None:
+            yield f"Pages: {self.out / 'index.html'}"
 
 
 def _mark_cells(row: IndexSample) -> tuple[str, str, str]:

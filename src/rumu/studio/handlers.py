@@ -30,13 +30,19 @@ def clear(gallery: Gallery, job_id: str) -> None:
     gallery.store.delete(f"uploads/{job_id}")
 
 
-def prepare(gallery: Gallery, payload: Mapping[str, Any], progress: Progress, place: Place) -> dict[str, Any]:
-    """On the first start: thumbnails of every work, the maps of the first ones, the simulated samples."""
+def make_thumbnails(gallery: Gallery, advance: Callable[[int, int], object]) -> list[str]:
+    """Of the first works, where they are not there yet; the works' ids."""
     ids = [work.id for work in catalog.works(gallery, limit=_WARMED).items]
-    for done, work_id in enumerate(ids):
-        progress(done, 2 * len(ids), "縮圖 Thumbnails")
+    for done, work_id in enumerate(ids, start=1):
         for kind in THUMBS:
             derived(gallery, work_id, kind)
+        advance(done, len(ids))
+    return ids
+
+
+def prepare(gallery: Gallery, payload: Mapping[str, Any], progress: Progress, place: Place) -> dict[str, Any]:
+    """On the first start: thumbnails of every work, the maps of the first ones, the simulated samples."""
+    ids = make_thumbnails(gallery, lambda done, total: progress(done, 2 * total, "縮圖 Thumbnails"))
     samples = put_samples(gallery, place=place, advance=lambda done, total: None)
     for done, work_id in enumerate(ids):
         progress(len(ids) + done, 2 * len(ids), "圖層 Maps")

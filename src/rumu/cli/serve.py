@@ -1,0 +1,71 @@
+"""serve: the gallery and the studio for browsers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rumu.cli.options import AsJson
+from rumu.cli.outcome import Outcome, ends_well
+
+if TYPE_CHECKING:
+    from rumu.web.server import Listening
+
+OWNER = "The first owner's link (works once)  館主的連結（只能用一次）:"
+
+
+def register(app: typer.Typer) -> None:
+    app.command()(serve)
+
+
+@ends_well
+def serve(
+    *,
+    host: Annotated[
+        str, typer.Option(help="Address to listen on; beyond this machine only once there is an owner.")
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port; 0 takes any that is free.")] = 8000,
+    database: Annotated[
+        str | None,
+        typer.Option(help="SQLite file or postgresql:// URL (default: RUMU_DATABASE, else in RUMU_HOME)."),
+    ] = None,
+    files: Annotated[
+        str | None,
+        typer.Option(help="Folder or fsspec URL of the files (default: RUMU_FILES, else in RUMU_HOME)."),
+    ] = None,
+    calibration: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Mark by a calibration that `rumu calibrate` wrote."),
+    ] = None,
+    processes: Annotated[
+        int | None, typer.Option(min=0, help="Processes that mark (default: all cores, at most 4).")
+    ] = None,
+    as_json: AsJson = False,
+) -> Outcome:
+    """Serve the gallery, the viewer and the studio to browsers until Ctrl-C."""
+    from rumu.studio.place import Place
+    from rumu.web.server import serve as run
+    from rumu.web.settings import ServiceSettings
+
+    if calibration is not None:
+        from rumu.assessment.calibration import load_calibration
+
+        load_calibration(calibration)  # what is wrong with it is said now
+    place = Place.chosen(database=database, files=files, calibration=calibration and calibration.resolve())
+    settings = ServiceSettings(place, processes=processes)
+    run(settings, host=host, port=port, says=lambda listening: announce(listening, as_json=as_json))
+    raise typer.Exit
+
+
+def announce(listening: Listening, *, as_json: bool = False) -> None:
+    """Say where it is, and to whom nobody has opened yet."""
+    if as_json:
+        facts = {"url": listening.url, "owner_link": listening.owner_link}
+        print(json.dumps(facts), flush=True)
+        return
+    print(f"rumu: {listening.url}  (Ctrl-C ends it)", flush=True)
+    if listening.owner_link is not None:
+        print(f"{OWNER}\n    {listening.owner_link}", flush=True)
