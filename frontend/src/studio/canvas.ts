@@ -3,13 +3,15 @@
 import { useEffect, useState } from "preact/hooks";
 import type { RefObject } from "preact";
 
-/** Side in device pixels of a square element; 0 until it is on the page. */
+const FINE = 2; // pixels of a canvas to one of a coarse screen: edges of many footprints in one path are hard otherwise
+
+/** Side in pixels of the canvas in a square element; 0 until it is on the page. */
 export function useSide(element: RefObject<HTMLElement | null>): number {
   const [side, setSide] = useState(0);
   useEffect(() => {
     const box = element.current;
     if (!box) return;
-    const measure = () => setSide(Math.round(box.clientWidth * (devicePixelRatio || 1)));
+    const measure = () => setSide(Math.round(box.clientWidth * Math.max(FINE, devicePixelRatio || 1)));
     measure();
     const watch = new ResizeObserver(measure);
     watch.observe(box);

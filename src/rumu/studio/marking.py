@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from rumu.registration.points import RADIUS
+from rumu.assessment.calibration import LEVELS as CUTS
 from rumu.report.overlay import OverlaySettings
 from rumu.report.wording import LEVELS, PARTS, SOURCES, kind_name
 from rumu.values import Assessment, FloatArray, IntArray, PointSet, Registration, Remark
@@ -23,6 +24,7 @@ def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
         "score": _rounded(mark.score, 2),
         "level": mark.level,
         "level_text": None if mark.level is None else LEVELS[mark.level]._asdict(),
+        "cuts": dict(CUTS["panel"]),
         "interval": None if mark.interval is None else [_rounded(bound, 2) for bound in mark.interval],
         "interval_note": _note(mark),
         "parts": [_part(name, score) for name, score in mark.parts.items()],

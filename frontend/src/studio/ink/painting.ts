@@ -19,8 +19,22 @@ export function paint(context: Context, strokes: readonly Stroke[], side: number
   for (const stroke of strokes) stampOn(context, shape(stroke, brush), side);
 }
 
+const FINE = 3; // drawn so much larger and shrunk: edges of many footprints in one path are hard otherwise
+
 /** Black on white: what is marked. side: pixels. */
 export async function picture(strokes: readonly Stroke[], side = 512): Promise<Blob> {
+  const large = blank(FINE * side);
+  paint(large, strokes, FINE * side);
+  const small = blank(side);
+  small.imageSmoothingQuality = "high";
+  small.drawImage(large.canvas, 0, 0, side, side);
+  return new Promise((done, fail) =>
+    small.canvas.toBlob((blob) => (blob ? done(blob) : fail(new Error("expected a picture, got none"))), "image/png"),
+  );
+}
+
+/** White paper, and black to draw with. */
+function blank(side: number): CanvasRenderingContext2D {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = side;
   const context = canvas.getContext("2d");
@@ -28,8 +42,5 @@ export async function picture(strokes: readonly Stroke[], side = 512): Promise<B
   context.fillStyle = "#fff";
   context.fillRect(0, 0, side, side);
   context.fillStyle = "#000";
-  paint(context, strokes, side);
-  return new Promise((done, fail) =>
-    canvas.toBlob((blob) => (blob ? done(blob) : fail(new Error("expected a picture, got none"))), "image/png"),
-  );
+  return context;
 }

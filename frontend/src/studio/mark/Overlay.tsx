@@ -69,14 +69,9 @@ function draw(context: CanvasRenderingContext2D | null, side: number, { attempt,
     context.drawImage(layer, 0, 0, 1, 1);
   };
   lay(layers.master, frame, 0.55);
-  lay(layers.copy, place, 0.16);
   context.setTransform(1, 0, 0, 1, 0, 0);
   context.globalAlpha = 1;
-  for (const [x, y, r] of [...attempt.mark.residual.copy].sort((a, b) => a[2] - b[2])) {
-    context.fillStyle = css(colourOf(r));
-    disc(context, moved(place, [x, y]), side * (0.0042 + 0.0028 * r));
-    context.fill();
-  }
+  context.drawImage(strays(attempt.mark.residual.copy, layers.copy, place, side), 0, 0);
   context.strokeStyle = UNCOVERED;
   context.lineWidth = Math.max(1, side * 0.0024);
   for (const [x, y, r] of attempt.mark.residual.master) {
@@ -84,6 +79,37 @@ function draw(context: CanvasRenderingContext2D | null, side: number, { attempt,
     disc(context, moved(frame, [x, y]), side * 0.0065);
     context.stroke();
   }
+}
+
+type Points = readonly (readonly [number, number, number])[];
+
+/** The copy's ink in the colours of its distance: a disc a point, wide enough to meet its neighbours, cut to the ink. */
+function strays(points: Points, ink: HTMLCanvasElement | null, place: Matrix, side: number): HTMLCanvasElement {
+  const canvas = document.createElement("canvas");
+  const context = cleared(canvas, side)!;
+  const reach = pitch(points) * side * (ink ? 1.5 : 0.6);
+  for (const [x, y, r] of [...points].sort((a, b) => a[2] - b[2])) {
+    context.fillStyle = css(colourOf(r));
+    disc(context, moved(place, [x, y]), reach);
+    context.fill();
+  }
+  if (ink) {
+    context.globalCompositeOperation = "destination-in";
+    context.setTransform(...(place as [number, number, number, number, number, number]));
+    context.drawImage(ink, 0, 0, 1, 1);
+  }
+  return canvas;
+}
+
+/** Median distance to the nearest neighbour, of some points. */
+function pitch(points: Points): number {
+  const near = points.filter((_, k) => k % 7 === 0).map(([x, y]) =>
+    points.reduce((least, [u, v]) => {
+      const gap = Math.hypot(u - x, v - y);
+      return gap > 1e-6 && gap < least ? gap : least;
+    }, 1),
+  );
+  return near.sort((a, b) => a - b)[near.length >> 1] ?? 0.01;
 }
 
 function disc(context: CanvasRenderingContext2D, [x, y]: readonly [number, number], radius: number): void {
