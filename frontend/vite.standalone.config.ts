@@ -1,12 +1,16 @@
+import preact from "@preact/preset-vite";
 import { defineConfig } from "vite";
 
 // The viewer alone, as one script without modules: `rumu gallery export --html` puts it into a page that opens from a disk.
 export default defineConfig({
+  plugins: [preact()],
+  define: { "process.env.NODE_ENV": '"production"' },
   build: {
     outDir: "../src/rumu/web/static",
     emptyOutDir: false,
     copyPublicDir: false,
     cssCodeSplit: false,
+    chunkSizeWarningLimit: 900,
     lib: {
       entry: "standalone/main.ts",
       formats: ["iife"],

@@ -6,8 +6,9 @@ import { rewrite, type PageProps } from "../router";
 import type { Facet, Facets, Page, WorkCard } from "../types";
 import { Trouble, useLoaded, Waiting } from "../ui";
 import { Icon } from "../viewer/icons";
-import { dynasties, GalleryCard, scriptName } from "./Card";
+import { dynasties, GalleryCard } from "./Card";
 import { FILTERS, readFilters, without, writeFilters, type FilterName, type Filters } from "./filters";
+import { scriptName } from "./scripts";
 import "./gallery.css";
 
 const t = words(table);

@@ -5,17 +5,12 @@ import { gallery as table } from "../i18n/gallery";
 import type { Text, WorkCard } from "../types";
 import { lightAt } from "../viewer/light";
 import { loadCard, paint, type Card } from "./relit";
+import { scriptName } from "./scripts";
 
 const t = words(table);
 /** Names of dynasties as the last facets gave them: a card carries the key alone. */
 export const dynasties = signal(new Map<string, Text>());
-const SCRIPTS = ["seal", "clerical", "regular", "running", "cursive"] as const;
 const TURN = 1400;
-
-export const scriptName = (script: string): string => {
-  const known = SCRIPTS.find((name) => name === script);
-  return known ? common(known) : script;
-};
 
 export function GalleryCard({ work }: { work: WorkCard }) {
   const dynasty = dynasties.value.get(work.dynasty);

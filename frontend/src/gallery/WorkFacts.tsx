@@ -2,12 +2,17 @@ import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
 import type { ViewerFacts, Work } from "../types";
 import { length } from "../viewer/figures";
-import { scriptName } from "./Card";
+import { scriptName } from "./scripts";
 
 const t = words(table);
 
-/** The label beside a work, as in a museum; nothing of it is folded away. */
-export function WorkFacts({ work, facts }: { work: Work; facts: ViewerFacts }) {
+type Told = Pick<
+  Work,
+  "title" | "hand" | "period" | "dynasty" | "script" | "material" | "source" | "licence" | "attribution" | "collection" | "collection_title"
+>;
+
+/** The label beside a work, as in a museum; nothing of it is folded away. `alone`: in a page with no gallery around it. */
+export function WorkFacts({ work, facts, alone = false }: { work: Told; facts: ViewerFacts; alone?: boolean }) {
   const rows: [Parameters<typeof t>[0], string][] = [
     ["dynasty", say(work.period) || work.dynasty],
     ["script", scriptName(work.script)],
@@ -34,7 +39,7 @@ export function WorkFacts({ work, facts }: { work: Work; facts: ViewerFacts }) {
         ))}
         <div>
           <dt>{t("collection")}</dt>
-          <dd><a href={`#/?collection=${encodeURIComponent(work.collection)}`}>{say(work.collection_title) || work.collection}</a></dd>
+          <dd>{alone ? say(work.collection_title) : <a href={`#/?collection=${encodeURIComponent(work.collection)}`}>{say(work.collection_title) || work.collection}</a>}</dd>
         </div>
       </dl>
     </header>
