@@ -127,7 +127,7 @@ def perform(gallery: Gallery, job_id: str, *, place: Place) -> None:
         _log.exception("job %s of kind %s failed", job_id, job.kind)
         ended = {"state": "failed", "error": f"unexpected {type(error).__name__}"}
     else:
-        ended = {"state": "done", "result": result}
+        ended = {"state": "done", "result": result, "done": Job.total}
     _noted(database, job_id, ended | {"changed": now()})
     clear(gallery, job_id)
 

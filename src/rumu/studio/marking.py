@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from rumu.registration.points import RADIUS
 from rumu.assessment.calibration import LEVELS as CUTS
+from rumu.registration.points import RADIUS
 from rumu.report.overlay import OverlaySettings
 from rumu.report.wording import LEVELS, PARTS, SOURCES, kind_name
 from rumu.values import Assessment, FloatArray, IntArray, PointSet, Registration, Remark

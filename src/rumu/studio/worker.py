@@ -95,6 +95,13 @@ def derived_file(
     return derived_of(gallery.store, original, kind, exaggeration=exaggeration)
 
 
+def image_part(place: Place, *, work_id: str, words: tuple[str, str, str, str, str]) -> tuple[bytes, str]:
+    """A part of a work's picture, see `rumu.gallery.iiif_image.image_response`."""
+    from rumu.gallery.iiif_image import image_response
+
+    return image_response(_gallery(place), work_id, *words)
+
+
 def add_work(place: Place, *, data: bytes, facts: dict[str, str], spacing: float | None) -> str:
     """Keep a picture as a work; its id."""
     from rumu.studio import additions

@@ -19,6 +19,7 @@ from rumu.web.routes import (
     attempts,
     classes,
     comparisons,
+    iiif,
     imports,
     jobs,
     marks,
@@ -41,7 +42,7 @@ _ABOUT = (
 )
 _ROOMS = (
     *(session, people, works, imports, said, tours, marks, attempts, practice, classes),
-    *(comparisons, jobs),
+    *(comparisons, jobs, iiif),
 )
 
 

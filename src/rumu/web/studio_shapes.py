@@ -75,6 +75,7 @@ class MarkFacts(Shape):
     score: float | None = Field(examples=[72.4])
     level: Literal["excellent", "good", "medium", "bad"] | None
     level_text: Text | None
+    cuts: dict[str, float] = Field(default={}, description="The lowest score of each level.")
     interval: list[float] | None = Field(examples=[[60.1, 83.0]])
     interval_note: Text | None
     parts: list[PartFacts]
