@@ -16,24 +16,20 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from sqlalchemy import ColumnElement, and_, delete, func, or_, select
 from sqlalchemy.orm import Session
 
-from rumu.assessment.scripts import SCRIPTS
 from rumu.database.engine import Database, open_database
 from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
 from rumu.gallery.entries import search_text
+from rumu.gallery.facets import FacetValue, count_facets
+from rumu.gallery.filters import Filters, check_script, conditions
 from rumu.gallery.home import user_home
 from rumu.gallery.store import Store
-from rumu.gallery.terms import UNKNOWN, dynasty_name, script_name
-from rumu.gallery.variants import folded, forms
 from rumu.gallery.works import Bilingual
 
 if TYPE_CHECKING:
     from rumu.values import Surface
 
 Row = TypeVar("Row")
-
-FACETS = ("script", "dynasty", "hand", "character", "collection")
-MOST_VALUES = 500  # of one facet: a list longer than this helps nobody to choose
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,33 +46,6 @@ class Page(Generic[Row]):
 
     items: tuple[Row, ...]
     total: int
-
-
-@dataclass(frozen=True, slots=True)
-class FacetValue:
-    """One choice of a facet: what to ask for, its name in both languages, how many works it leaves."""
-
-    value: str
-    zh: str
-    en: str
-    count: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Filters:
-    """What works are asked for; None asks nothing. 'none' as script, dynasty or hand:
-    those of whom it is not known.
-
-    character: in any of its forms, traditional or simplified. hand: as a facet names it, in Chinese or
-    English. query: words that all must occur in title, character, hand, collection, dynasty or script.
-    """
-
-    script: str | None = None
-    dynasty: str | None = None
-    hand: str | None = None
-    character: str | None = None
-    collection: str | None = None
-    query: str | None = None
 
 
 def open_gallery(
@@ -121,15 +90,17 @@ def works(
     """
     if offset < 0 or limit < 0:
         raise GalleryError(f"expected offset and limit of 0 or more, got {offset} and {limit}")
-    asked = _conditions(
-        Filters(
-            script=script, dynasty=dynasty, hand=hand, character=character, collection=collection, query=query
-        )
+    filters = Filters(
+        script=script, dynasty=dynasty, hand=hand, character=character, collection=collection, query=query
     )
+    asked = conditions(filters, Work.__table__.c).values()
+    # Ids are sorted alone: whole rows would be dragged along through the sort.
+    ids = select(Work.id).where(*asked).order_by(*_ORDER).offset(offset).limit(limit)
     with gallery.database.reading() as session:
-        total = session.scalar(select(func.count()).select_from(Work).where(*asked.values())) or 0
-        found = select(Work).where(*asked.values()).order_by(*_ORDER).offset(offset).limit(limit)
-        return Page(tuple(session.scalars(found)), total)
+        total = session.scalar(select(func.count()).select_from(Work).where(*asked)) or 0
+        chosen = list(session.scalars(ids))
+        rows = {row.id: row for row in session.scalars(select(Work).where(Work.id.in_(chosen)))}
+        return Page(tuple(rows[name] for name in chosen if name in rows), total)
 
 
 def facets(
@@ -142,20 +113,11 @@ def facets(
     collection: str | None = None,
     query: str | None = None,
 ) -> dict[str, tuple[FacetValue, ...]]:
-    """For each of FACETS its values, most works first, at most MOST_VALUES.
-
-    The counts of a facet heed every other choice but its own, so that another value of it can be chosen.
-    """
-    asked = _conditions(
-        Filters(
-            script=script, dynasty=dynasty, hand=hand, character=character, collection=collection, query=query
-        )
+    """For each facet its values and how many works each would leave; see `rumu.gallery.facets.count_facets`."""
+    filters = Filters(
+        script=script, dynasty=dynasty, hand=hand, character=character, collection=collection, query=query
     )
-    with gallery.database.reading() as session:
-        return {
-            name: _facet(session, name, [condition for of, condition in asked.items() if of != name])
-            for name in FACETS
-        }
+    return count_facets(gallery, filters)
 
 
 def work(gallery: Gallery, work_id: str) -> Work:
@@ -236,7 +198,7 @@ def change_work(gallery: Gallery, work_id: str, changes: Mapping[str, Any]) -> W
     stray = sorted(set(changes) - CHANGEABLE)
     if stray:
         raise GalleryError(f"expected facts among {', '.join(sorted(CHANGEABLE))}, got {', '.join(stray)}")
-    _check_script(changes.get("script"))
+    check_script(changes.get("script"))
     with gallery.database.writing() as session:
         found = session.get(Work, work_id)
         if found is None:
@@ -300,62 +262,6 @@ _ORDER: Sequence[ColumnElement[Any]] = (
     Work.position.expression,
     Work.id.expression,
 )
-
-
-def _check_script(script: str | None) -> None:
-    if script not in (None, "", "none", *SCRIPTS):
-        raise GalleryError(f"expected a script among {', '.join(SCRIPTS)}, got {script!r}")
-
-
-def _conditions(filters: Filters) -> dict[str, ColumnElement[bool]]:
-    """What each choice asks of a row, by the name of its facet."""
-    _check_script(filters.script)
-    asked: dict[str, ColumnElement[bool]] = {}
-    if filters.script:
-        asked["script"] = Work.script == ("" if filters.script == "none" else filters.script)
-    if filters.dynasty:
-        asked["dynasty"] = Work.dynasty == ("" if filters.dynasty == "none" else filters.dynasty)
-    if filters.hand:
-        hand = "" if filters.hand == "none" else filters.hand
-        asked["hand"] = or_(Work.hand_zh == hand, and_(Work.hand_en == hand, Work.hand_en != ""))
-    if filters.character:
-        asked["character"] = Work.character.in_(forms(filters.character))
-    if filters.collection:
-        asked["collection"] = Work.collection_id == filters.collection
-    if filters.query and filters.query.split():
-        words = [Work.search.contains(word, autoescape=True) for word in folded(filters.query).split()]
-        asked["query"] = and_(*words)
-    return asked
-
-
-def _facet(session: Session, name: str, asked: Sequence[ColumnElement[bool]]) -> tuple[FacetValue, ...]:
-    columns: Sequence[Any] = {
-        "script": (Work.script,),
-        "dynasty": (Work.dynasty,),
-        "hand": (Work.hand_zh, Work.hand_en),
-        "character": (Work.character,),
-        "collection": (Work.collection_id, Collection.title_zh, Collection.title_en),
-    }[name]
-    count = func.count().label("works")
-    chosen = select(*columns, count).select_from(Work).where(*asked)
-    if name == "collection":
-        chosen = chosen.join(Collection, Collection.id == Work.collection_id)
-    rows = session.execute(
-        chosen.group_by(*columns).order_by(count.desc(), *columns).limit(MOST_VALUES)
-    ).all()
-    return tuple(_facet_value(name, row[:-1], row[-1]) for row in rows if name != "character" or row[0])
-
-
-def _facet_value(name: str, values: Sequence[str], count: int) -> FacetValue:
-    if name in ("script", "dynasty"):
-        label = (script_name if name == "script" else dynasty_name)(values[0])
-        return FacetValue(values[0] or "none", label.zh, label.en, count)
-    if name == "character":
-        return FacetValue(values[0], values[0], values[0], count)
-    if name == "hand":
-        label = Bilingual(zh=values[0] or values[1], en=values[1] or values[0])
-        return FacetValue(label.zh or "none", label.zh or UNKNOWN.zh, label.en or UNKNOWN.en, count)
-    return FacetValue(values[0], values[1], values[2], count)
 
 
 def _index_again(session: Session, rows: Sequence[Work]) -> None:

@@ -1,0 +1,210 @@
+"""The IIIF Image API 3, level 2, as functions: a work's picture in any region, size, rotation, quality and
+format."""
+
+from __future__ import annotations
+
+import functools
+import io
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rumu.errors import GalleryError
+from rumu.gallery.catalog import Gallery, work
+from rumu.gallery.store import Store
+
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
+
+FORMATS = {"jpg": "image/jpeg", "png": "image/png", "webp": "image/webp"}
+QUALITIES = ("default", "color", "gray", "bitonal")
+MAX_SIDE = 4096  # pixels of an answer; a larger picture is served in parts
+TILE = 512
+
+_NUMBER = r"(?:\d+(?:\.\d*)?|\.\d+)"
+_MIDDLE = 128  # gray from which on 'bitonal' is white
+
+
+class BadImageRequest(GalleryError):  # noqa: N818  what it is, not that it went wrong
+    """An image request that the Image API does not allow; for HTTP 400."""
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A part of a picture, in whole pixels from its top left."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+def image_info(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
+    """info.json of a work's picture. base: where the service lives, e.g. 'https://example.org/iiif/image'.
+
+    Raises GalleryError when there is no such work.
+    """
+    row = work(gallery, work_id)
+    longest = max(row.width, row.height)
+    factors = [2**n for n in range(12) if n == 0 or longest / 2**n > TILE / 2]
+    fitted = [n for n in factors if longest / n <= MAX_SIDE]
+    sizes = [{"width": -(-row.width // n), "height": -(-row.height // n)} for n in reversed(fitted)]
+    return {
+        "@context": "http://iiif.io/api/image/3/context.json",
+        "id": f"{base.rstrip('/')}/{row.id}",
+        "type": "ImageService3",
+        "protocol": "http://iiif.io/api/image",
+        "profile": "level2",
+        "width": row.width,
+        "height": row.height,
+        "maxWidth": MAX_SIDE,
+        "maxHeight": MAX_SIDE,
+        "sizes": sizes,
+        "tiles": [{"width": TILE, "height": TILE, "scaleFactors": factors}],
+        "extraFormats": ["webp"],
+        "extraQualities": ["color", "gray", "bitonal"],
+        "extraFeatures": ["mirroring", "regionSquare", "sizeUpscaling"],
+    }
+
+
+def image_response(  # noqa: PLR0917  in the order of the address
+    gallery: Gallery, work_id: str, region: str, size: str, rotation: str, quality: str, format: str
+) -> tuple[bytes, str]:
+    """The bytes that an image request asks for, and their media type.
+
+    region: full, square, 'x,y,w,h' or 'pct:x,y,w,h'. size: max, 'w,', ',h', 'w,h', '!w,h', 'pct:n', each with
+        ^ before it where enlarging is meant. rotation: 0, 90, 180 or 270, clockwise; with ! before it
+        mirrored first. quality: one of QUALITIES; format: one of FORMATS.
+    Raises BadImageRequest for what is not one of these, for a region outside of the picture, a size above
+    MAX_SIDE, or one above the region without ^; GalleryError when there is no such work.
+    """
+    row = work(gallery, work_id)
+    if quality not in QUALITIES or format not in FORMATS:
+        raise BadImageRequest(
+            f"expected a quality among {', '.join(QUALITIES)} and a format among {', '.join(FORMATS)}, "
+            f"got {quality}.{format}"
+        )
+    box = region_box(region, width=row.width, height=row.height)
+    wanted = size_of(size, box)
+    mirrored, quarters = _turn(rotation)
+    picture = _decoded(gallery.store, row.picture)
+    part = picture.crop((box.x, box.y, box.x + box.width, box.y + box.height))
+    return _packed(_toned(_turned(_scaled(part, wanted), mirrored, quarters), quality), format), FORMATS[
+        format
+    ]
+
+
+def region_box(region: str, *, width: int, height: int) -> Box:
+    """What part of a picture a request names. Raises BadImageRequest for none, or one that lies outside."""
+    if region == "full":
+        return Box(0, 0, width, height)
+    if region == "square":
+        side = min(width, height)
+        return Box((width - side) // 2, (height - side) // 2, side, side)
+    pixels = re.fullmatch(r"(\d{1,9}),(\d{1,9}),(\d{1,9}),(\d{1,9})", region)
+    shares = re.fullmatch(rf"pct:({_NUMBER}),({_NUMBER}),({_NUMBER}),({_NUMBER})", region)
+    if pixels:
+        x, y, w, h = map(int, pixels.groups())
+    elif shares:
+        values = [float(share) / 100 for share in shares.groups()]
+        x, y = round(values[0] * width), round(values[1] * height)
+        w, h = round(values[2] * width), round(values[3] * height)
+    else:
+        raise BadImageRequest(f"expected a region full, square, x,y,w,h or pct:x,y,w,h, got {region!r:.60}")
+    if w == 0 or h == 0 or x >= width or y >= height:
+        raise BadImageRequest(f"expected a region within {width} x {height} pixels, got {region!r:.60}")
+    return Box(x, y, min(w, width - x), min(h, height - y))
+
+
+def size_of(size: str, box: Box) -> tuple[int, int]:
+    """(width, height) that a request asks of a region. Raises BadImageRequest as `image_response`."""
+    upscale, asked = size.startswith("^"), size.removeprefix("^")
+    wanted = _asked_size(asked, box, upscale=upscale)
+    if min(wanted) < 1 or max(wanted) > MAX_SIDE:
+        raise BadImageRequest(f"expected a size from 1 to {MAX_SIDE} pixels a side, got {size!r:.60}")
+    if not upscale and (wanted[0] > box.width or wanted[1] > box.height):
+        raise BadImageRequest(
+            f"expected a size of at most {box.width} x {box.height} pixels (^ before it enlarges), "
+            f"got {size!r:.60}"
+        )
+    return wanted
+
+
+def _asked_size(asked: str, box: Box, *, upscale: bool) -> tuple[int, int]:
+    if asked == "max":
+        return _within(box, MAX_SIDE, MAX_SIDE, upscale=upscale)
+    if share := re.fullmatch(rf"pct:({_NUMBER})", asked):
+        factor = float(share[1]) / 100
+        return max(1, round(box.width * factor)) if factor else 0, max(1, round(box.height * factor))
+    if fit := re.fullmatch(r"!(\d{1,9}),(\d{1,9})", asked):
+        width, height = min(int(fit[1]), MAX_SIDE), min(int(fit[2]), MAX_SIDE)
+        return _within(box, width, height, upscale=upscale) if width and height else (0, 0)
+    sides = re.fullmatch(r"(\d{0,9}),(\d{0,9})", asked)
+    if sides is None or not (sides[1] or sides[2]):
+        raise BadImageRequest(
+            f"expected a size max, w,h or w, or ,h or !w,h or pct:n, with or without ^, got {asked!r:.60}"
+        )
+    width, height = int(sides[1] or 0), int(sides[2] or 0)
+    if not sides[2]:
+        height = max(1, round(box.height * width / box.width)) if width else 0
+    if not sides[1]:
+        width = max(1, round(box.width * height / box.height)) if height else 0
+    return width, height
+
+
+def _within(box: Box, width: int, height: int, *, upscale: bool) -> tuple[int, int]:
+    """The largest size of a region's shape within these sides."""
+    factor = min(width / box.width, height / box.height)
+    if not upscale:
+        factor = min(factor, 1.0)
+    return max(1, int(box.width * factor + 1e-6)), max(1, int(box.height * factor + 1e-6))
+
+
+def _turn(rotation: str) -> tuple[bool, int]:
+    """Whether mirrored, and quarter turns clockwise."""
+    degrees = re.fullmatch(rf"(!?)({_NUMBER})", rotation)
+    if degrees is None or float(degrees[2]) not in (0, 90, 180, 270, 360):
+        raise BadImageRequest(f"expected a rotation of 0, 90, 180 or 270 degrees, got {rotation!r:.60}")
+    return bool(degrees[1]), round(float(degrees[2]) / 90) % 4
+
+
+def _scaled(image: Picture, size: tuple[int, int]) -> Picture:
+    from PIL import Image
+
+    return image if image.size == size else image.resize(size, Image.Resampling.LANCZOS)
+
+
+def _turned(image: Picture, mirrored: bool, quarters: int) -> Picture:
+    from PIL import Image
+
+    if mirrored:
+        image = image.transpose(Image.Transpose.FLIP_LEFT_RIGHT)
+    clockwise = {1: Image.Transpose.ROTATE_270, 2: Image.Transpose.ROTATE_180, 3: Image.Transpose.ROTATE_90}
+    return image.transpose(clockwise[quarters]) if quarters else image
+
+
+def _toned(image: Picture, quality: str) -> Picture:
+    if quality == "default":
+        return image
+    if quality == "color":
+        return image.convert("RGB")
+    gray = image.convert("L")
+    return gray if quality == "gray" else gray.point(lambda value: 255 if value >= _MIDDLE else 0)
+
+
+def _packed(image: Picture, format: str) -> bytes:
+    packed = io.BytesIO()
+    if format == "jpg":
+        image.save(packed, "JPEG", quality=90)
+    elif format == "png":
+        image.save(packed, "PNG")
+    else:
+        image.convert("RGB").save(packed, "WEBP", quality=90, method=3)
+    return packed.getvalue()
+
+
+@functools.lru_cache(maxsize=4)  # a viewer asks for many parts of one picture
+def _decoded(store: Store, key: str) -> Picture:
+    from rumu.gallery.making import opened
+
+    return opened(store.read(key))
