@@ -121,8 +121,33 @@ def test_a_thick_stroke_is_thick_and_the_whole_is_not(found, fault, mask):
 def test_a_heavy_entry_is_seen_at_the_entry_alone(found, fault, mask):
     done = fault("clerical-tian", "entry", 4)
     stroke = struck(found(done.mask, mask("clerical-tian")), Glyph(mask("clerical-tian")), done.strokes[0])
-    assert stroke.entry / stroke.middle > 1.2
-    assert stroke.middle == pytest.approx(1.0, abs=0.06)
+    assert 0.3 < stroke.entry < 1.0
+    assert stroke.width == pytest.approx(1.0, abs=0.06)
+    assert not stroke.exit >= 0.08  # NaN where it joins another
+
+
+def test_a_dot_s_heavy_entry_is_seen_though_thinning_draws_its_line_short(found, fault, mask):
+    done = fault("regular-shui", "entry", 3, 2)
+    stroke = struck(found(done.mask, mask("regular-shui")), Glyph(mask("regular-shui")), done.strokes[0])
+    assert stroke.entry > 0.15
+
+
+def test_strokes_heavy_all_along_have_no_heavy_ends(found, fault, mask):
+    strokes = found(fault("regular-shui", "thick", 3).mask, mask("regular-shui"))
+    assert strokes.width > 1.3
+    ends = [abs(end) for s in strokes.strokes for end in (s.entry, s.exit) if np.isfinite(end)]
+    assert np.median(ends) < 0.08
+
+
+def test_blunt_tips_have_lost_the_taper_that_was_taken_and_a_perfect_copy_none(found, fault, mask):
+    blunted = found(fault("regular-shui", "blunt", 4).mask, mask("regular-shui")).blunted
+    assert blunted is not None and 0.3 < blunted.share < 1.0 and blunted.most > 0.7
+    perfect = found(mask("regular-shui"), mask("regular-shui")).blunted
+    assert perfect is not None and perfect.share == 0.0
+
+
+def test_even_strokes_have_no_taper_to_lose(found, mask):
+    assert found(mask("seal-tian"), mask("seal-tian")).blunted is None
 
 
 def test_a_squeezed_character_is_squeezed_and_its_strokes_are_in_place(found, fault, mask):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,6 +67,27 @@ def test_an_extra_stroke_is_told_where_it_is(cross):
     elsewhere = Remark("extra", 0.1, "of the ink", 3.0, (x0 - 0.1, y0, x0, y1), "多", "One too many.")
     assert remarks.speaks_of(there, extra, cross)
     assert not remarks.speaks_of(elsewhere, extra, cross)
+
+
+def test_a_heavy_entry_must_be_told_at_that_end(cross):
+    heavy = apply(cross.mask, "entry", severity=4, seed=1)
+    (struck,) = heavy.strokes
+    _, _, x1, y1 = heavy.region
+    line = along(cross, struck, "entry_heavy")
+    assert remarks.speaks_of(replace(line, region=heavy.region), heavy, cross)
+    assert not remarks.speaks_of(replace(line, region=(x1 + 0.1, y1 + 0.1, x1 + 0.3, y1 + 0.3)), heavy, cross)
+
+
+def test_what_strikes_many_strokes_may_be_told_of_all_at_once():
+    from rumu.gallery.works import starter_works
+    from rumu.pipeline import surface_of
+
+    work = next(w for w in starter_works() if w.id == "regular-ren")
+    glyph = Glyph(surface_of(work.path).mask)
+    blunt = apply(glyph.mask, "blunt", severity=4)
+    assert len(blunt.strokes) > 1
+    lines = tuple(along(glyph, k).outline[0] for k in blunt.strokes)
+    assert remarks.speaks_of(replace(along(glyph, 0, "exit_blunt"), outline=lines), blunt, glyph)
 
 
 def test_shares_are_of_held_out_and_of_seen_masters_apart():

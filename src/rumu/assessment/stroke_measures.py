@@ -9,7 +9,7 @@ import numpy as np
 from rumu.assessment.lines import Drawing, Line
 from rumu.assessment.matching import Match
 from rumu.assessment.pose import Squeeze
-from rumu.assessment.sheets import SIDE, Sheet, pixels
+from rumu.assessment.sheets import RADIUS, SIDE, Sheet, pixels
 from rumu.values import BoolArray, FloatArray, IntArray
 
 END = 0.15
@@ -38,8 +38,10 @@ class StrokeFound:
         the copy has. present: False when the copy has next to nothing of it. inked: share of it that lies on
         ink of the copy, be it another stroke's.
     shift: (x right, y DOWN), rms radii. turn: degrees, positive clockwise. length, width: over the master's;
-        entry, middle, exit: width of the first 15 %, the middle half and the last 15 % over the master's.
-        NaN where it cannot be seen: under a crossing, at an end that joins another stroke.
+        NaN where it cannot be seen: under a crossing.
+    entry, exit: how much wider the first and the last 15 % are than the middle half, less the same of the
+        master, as a share of the master's middle: a stroke that is heavy all along has no heavy ends. NaN at
+        an end that joins another stroke.
     outline: (n, 2) the stroke on the copy's picture, fractions of it, origin top left; where it should
         stand if it is missing.
     """
@@ -54,7 +56,6 @@ class StrokeFound:
     length: float
     width: float
     entry: float
-    middle: float
     exit: float
     outline: FloatArray
 
@@ -64,7 +65,8 @@ class View:
     """All that is known of one sheet against a master's, to be read stroke by stroke.
 
     expected: (n, 2) the master's points where the whole character's faults put them. upright: (n, 2) where
-    the copy has them, its pose taken out. widths: (n,) half-widths of the copy on its sheet.
+    the copy has them, its pose taken out. widths: (n,) half-widths of the copy's lines on its sheet;
+    breadths: (n,) of its ink there.
     """
 
     sheet: Sheet
@@ -78,6 +80,7 @@ class View:
     upright: FloatArray
     squeeze: Squeeze | None
     widths: FloatArray
+    breadths: FloatArray
 
     @property
     def total(self) -> float:
@@ -92,16 +95,24 @@ class View:
 
     @property
     def ratio(self) -> FloatArray:
-        """(n,) half-width over the master's."""
+        """(n,) half-width of the lines over the master's."""
+        return self._in_the_masters_measure(self.widths) / self.model.points.radius
+
+    @property
+    def ink(self) -> FloatArray:
+        """(n,) half-width of the ink in the master's measure."""
+        return self._in_the_masters_measure(self.breadths)
+
+    def _in_the_masters_measure(self, widths: FloatArray) -> FloatArray:
         q, double = self.squeeze, self.model.points.double
-        ratio = self.widths * self.scale / self.model.points.radius
+        widths = widths * self.scale
         if q is None:
-            return np.asarray(ratio)
+            return np.asarray(widths)
         # a part made wide makes its standing strokes wide, and leaves the lying ones
         k, sign = (0, -1.0) if q.axis == "across" else (1, 1.0)
         stretch = np.where(self.model.points.xy[:, k] < q.parting, q.first, q.second)
         across = (1.0 + sign * double[:, 0]) / 2
-        return np.asarray(ratio / np.sqrt(across * stretch**2 + (1.0 - across)))
+        return np.asarray(widths / np.sqrt(across * stretch**2 + (1.0 - across)))
 
     @property
     def whole(self) -> float:
@@ -120,14 +131,12 @@ class View:
         below = np.cumsum(weight[chosen][order]) / weight[chosen].sum()
         return float(np.exp(logs[chosen][order][int(np.argmax(below >= 0.5))]))
 
-    def stroke(self, k: int, ratios: FloatArray) -> StrokeFound:
+    def stroke(self, k: int, ratios: FloatArray, ink: FloatArray) -> StrokeFound:
         model, line = self.model, self.model.lines[k]
         own = np.flatnonzero(model.points.owner == k)
         want, have = self.expected[own], self.upright[own]
         coverage, shift = float(self.covered[own].mean()), (have - want).mean(axis=0)
-        ratio, radius = ratios[own], model.points.radius[own]
-        along = np.linspace(0.0, 1.0, len(own))
-        ends = [_mean_ratio(ratio, radius, part) for part in _ends(along, line, model.width)]
+        entry, exit = _swelling(ink[own], model.points.radius[own], line, model.width)
         to_picture = self.sheet.to_picture
         return StrokeFound(
             line=line,
@@ -138,10 +147,9 @@ class View:
             shift=shift,
             turn=_turn(want, have),
             length=self._length(k, own) / max(_length(want), 1e-9) if len(own) > 1 else 1.0,
-            width=_median(ratio),
-            entry=ends[0] if line.free[0] else float("nan"),
-            middle=_median(ratio[(along >= 0.25) & (along <= 0.75)]),
-            exit=ends[1] if line.free[1] else float("nan"),
+            width=_median(ratios[own]),
+            entry=entry,
+            exit=exit,
             outline=self.moved[own] @ to_picture[:, :2].T + to_picture[:, 2],
         )
 
@@ -183,11 +191,17 @@ def _ends(along: FloatArray, line: Line, width: float) -> tuple[BoolArray, BoolA
     return along <= share, along >= 1.0 - share
 
 
-def _mean_ratio(ratio: FloatArray, radius: FloatArray, part: BoolArray) -> float:
-    seen = part & np.isfinite(ratio)
-    if seen.sum() < 0.5 * part.sum() or not seen.any():
-        return float("nan")
-    return float((ratio[seen] * radius[seen]).sum() / radius[seen].sum())
+def _swelling(ink: FloatArray, radius: FloatArray, line: Line, width: float) -> tuple[float, float]:
+    """How much wider a stroke's entry and exit are than its middle, in half-widths of the master's middle."""
+    along = np.linspace(0.0, 1.0, len(ink))
+    middle = (along >= 0.25) & (along <= 0.75)
+    if not middle.any():
+        return float("nan"), float("nan")
+    entry, exit = (
+        float((ink[part].mean() - ink[middle].mean()) / radius[middle].mean()) if free else float("nan")
+        for part, free in zip(_ends(along, line, width), line.free, strict=True)
+    )
+    return entry, exit
 
 
 def _median(values: FloatArray) -> float:
@@ -214,3 +228,17 @@ def half_widths(found: Match, copy: Drawing, master: Drawing, covered: BoolArray
     seen = covered & master.points.clear & (weight > 0.2)
     value = clear @ copy.points.radius / np.maximum(weight, 1e-9)
     return np.where(seen, value, np.nan)
+
+
+def breadths(sheet: Sheet, points: FloatArray) -> FloatArray:
+    """(n,) rms radii: half-width of the widest ink within a pixel of points (n, 2) of the frame.
+
+    Read from the ink and not from its centre lines: thinning draws those short, or forks them, where an
+    entry was pressed.
+    """
+    import cv2
+
+    depth = cv2.distanceTransform(sheet.ink.view(np.uint8), cv2.DIST_L2, 5)
+    widest = cv2.dilate(depth, cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3)))
+    column, row = np.clip(np.round(pixels(points)).astype(int), 0, SIDE - 1).T
+    return np.asarray(widest[row, column] / RADIUS, dtype=float)

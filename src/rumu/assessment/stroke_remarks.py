@@ -11,7 +11,7 @@ from rumu.assessment.places import as_lines, box, towards
 from rumu.assessment.spacing import Gap, find_gaps
 from rumu.assessment.stroke_measures import StrokeFound
 from rumu.assessment.stroke_names import HORIZONTAL, RING, VERTICAL, Name, kind_of, names_of
-from rumu.assessment.strokes import Strokes
+from rumu.assessment.strokes import Blunted, Strokes
 from rumu.assessment.thresholds import Noticeable, severity
 from rumu.values import BoolArray, FloatArray, IntArray, Registration, Remark
 
@@ -38,6 +38,13 @@ class _Said:
     def remark(self, kind: str, size: float, unit: str, severity: float, *text: str) -> Remark:
         zh, en = text
         return Remark(kind, size, unit, severity, self.box, zh, en, as_lines(self.stroke.outline))
+
+    def at_its_end(self, kind: str, size: float, severity: float, *text: str) -> Remark:
+        """A remark on its exit, or else on its entry, where it is marked."""
+        zh, en = text
+        outline = _third(self, last=kind == "exit_blunt")
+        around = box(outline, margin=0.4 * self.wide * self.cell)
+        return Remark(kind, size, "of the master", severity, around, zh, en, as_lines(outline))
 
     def grave(self, size: float, least: float, rate: float) -> float:
         """A fault in a long stroke is graver than the same one in a dot."""
@@ -87,7 +94,7 @@ def of_strokes(strokes: Strokes, registration: Registration, limits: Noticeable)
         yield from _width(said)
         yield from _ends(said)
     yield from _spaces(find_gaps(strokes), told, limits)
-    yield from _blunt(told, limits)
+    yield from _blunt(told, strokes.blunted, limits)
 
 
 def _share(strokes: Strokes, own: BoolArray | IntArray) -> float:
@@ -221,56 +228,47 @@ def _width(said: _Said) -> Iterator[Remark]:
     )  # fmt: skip
 
 
-def _end_widths(said: _Said) -> tuple[float, float]:
-    """Logarithms of the width of the entry and of the exit against the stroke's own; NaN where unseen."""
-    stroke = said.stroke
-    # where another stroke's ink has run into this one, its middle is no measure
-    middle = stroke.middle if 0.7 < stroke.middle / said.whole < 1.5 else said.whole
-    return float(np.log(stroke.entry / middle)), float(np.log(stroke.exit / middle))
-
-
-def _blunt(told: list[_Said], limits: Noticeable) -> Iterator[Remark]:
-    """Most ends too wide: not one stroke but the hand lets the brush down at its tips."""
-    ends = [(said, _end_widths(said)) for said in told if said.stroke.present]
-    seen = [w >= limits.tips + said.grain for said, widths in ends for w in widths if np.isfinite(w)]
-    exits = [(widths[1], said) for said, widths in ends if widths[1] >= limits.tips + said.grain]
-    if len(seen) < 2 or not exits or float(np.mean(seen)) < 0.6:
+def _blunt(told: list[_Said], blunted: Blunted | None, limits: Noticeable) -> Iterator[Remark]:
+    """Most tips too wide: not one stroke but the hand lets the brush down at its tips."""
+    if blunted is None or blunted.share < limits.tips or blunted.most < 0.6:
         return
-    size = float(np.expm1(np.median([width for width, _ in exits])))
-    exits.sort(key=lambda pair: -pair[0])
-    outlines = [said.stroke.outline[len(said.stroke.outline) * 2 // 3 :] for _, said in exits]
+    outlines = [_third(told[k], last=bool(end)) for k, end in blunted.ends]
     yield Remark(
-        "exit_blunt", size, "of the master", severity(size, limits.tips, rate=3.2),
+        "exit_blunt", blunted.share, "of the master", severity(blunted.share, limits.tips, rate=3.2),
         box(np.concatenate(outlines)),
-        f"筆鋒多禿鈍：{len(exits)} 筆的收筆比範本寬約 {size:.0%}。收筆時漸漸提鋒。",
-        f"The tips are blunt: {len(exits)} of the strokes end about {size:.0%} wider than the master's. Lift "
-        "the brush little by little.",
+        f"筆鋒多禿鈍：{len(outlines)} 處筆鋒失去約 {blunted.share:.0%} 的尖銳。起收筆時漸漸提鋒。",
+        f"The tips are blunt: {len(outlines)} of them have lost about {blunted.share:.0%} of their taper. "
+        "Lift the brush little by little.",
         as_lines(*outlines),
     )  # fmt: skip
 
 
 def _ends(said: _Said) -> Iterator[Remark]:
-    limits = said.limits
-    entry, end = _end_widths(said)
-    if np.isfinite(entry) and abs(entry) >= limits.entry + said.grain:
+    limits, entry, end = said.limits, said.stroke.entry, said.stroke.exit
+    least = limits.entry if entry > 0 else limits.faint
+    if abs(entry) >= least:  # not so where it is NaN
         kind, zh, en, do_zh, do_en = (
             ("entry_heavy", "重", "heavy", "落筆輕些，再按下去。", "Set the brush down more lightly.")
             if entry > 0
             else ("entry_light", "輕", "light", "落筆先頓一頓。", "Press as you set the brush down.")
         )
-        size = float(np.expm1(entry))
-        yield said.remark(
-            kind, size, "of the master", said.grave(float(entry), limits.entry, 2.2),
-            f"{said.name.zh}起筆太{zh}，寬度差 {abs(size):.0%}。{do_zh}",
-            f"{said.en} begins too {en}, by {abs(size):.0%} of its width. {do_en}",
+        yield said.at_its_end(
+            kind, entry, said.grave(entry, least, 2.2),
+            f"{said.name.zh}起筆太{zh}，寬度差 {abs(entry):.0%}。{do_zh}",
+            f"{said.en} begins too {en}, by {abs(entry):.0%} of its width. {do_en}",
         )  # fmt: skip
-    if np.isfinite(end) and end >= limits.exit + said.grain:
-        size = float(np.expm1(end))
-        yield said.remark(
-            "exit_blunt", size, "of the master", said.grave(float(end), limits.exit, 2.2),
-            f"{said.name.zh}收筆禿鈍，比範本寬 {size:.0%}。收筆時漸漸提鋒。",
-            f"{said.en} ends bluntly, {size:.0%} wider than the master's. Lift the brush little by little.",
+    if end >= limits.exit:
+        yield said.at_its_end(
+            "exit_blunt", end, said.grave(end, limits.exit, 2.2),
+            f"{said.name.zh}收筆禿鈍，比範本寬 {end:.0%}。收筆時漸漸提鋒。",
+            f"{said.en} ends bluntly, {end:.0%} wider than the master's. Lift the brush little by little.",
         )  # fmt: skip
+
+
+def _third(said: _Said, *, last: bool) -> FloatArray:
+    """The outline of the first or the last third of a stroke."""
+    line = said.stroke.outline
+    return line[len(line) * 2 // 3 :] if last else line[: len(line) - len(line) * 2 // 3]
 
 
 def _spaces(gaps: tuple[Gap, ...], told: list[_Said], limits: Noticeable) -> Iterator[Remark]:

@@ -16,16 +16,33 @@ from rumu.assessment.lines import Drawing, Line, copy_drawing, master_drawing
 from rumu.assessment.matching import Match, Points, match, squared_distances
 from rumu.assessment.pose import Pose, Squeeze, find_squeeze, in_place, robust_pose, squeezed
 from rumu.assessment.sheets import RADIUS, SIDE, Sheet, copy_sheet, master_sheet
-from rumu.assessment.stroke_measures import StrokeFound, StrokeSettings, View, half_widths
+from rumu.assessment.stroke_measures import StrokeFound, StrokeSettings, View, breadths, half_widths
 from rumu.values import BoolArray, FloatArray, IntArray, Registration, Surface
 
-_SHAKEN = ((0.96, 1.0), (1.03, 0.6))
-"""Sizes at which a master is measured against itself, to see what is no fault; the second time by a coarser
-picture, of so many pixels for each of its own."""
+_SHAKEN = ((0.96, 1.0), (1.03, 0.6), (1.0, 0.8))
+"""Sizes at which a master is measured against itself, to see what is no fault; how fine its picture is then,
+in pixels for each of its own."""
+_TAPERS = 0.05
+"""Share of a stroke's width by which a tip must be finer than its stroke to be called tapering."""
 _WELL = 0.9
 """Share of the strokes in their place from which nothing else is looked for."""
-_RATIOS = ("length", "width", "entry", "middle", "exit")
+_RATIOS = ("length", "width")
 """What is measured of a stroke as a ratio to the master's."""
+_ENDS = ("entry", "exit")
+"""What is measured of a stroke as a difference from the master's."""
+
+
+@dataclass(frozen=True, slots=True)
+class Blunted:
+    """What became of the tips that taper in the master, all together.
+
+    share: of their taper that most of them have lost; below 0 when they are finer. most: share of the tips
+        that lost any. ends: (stroke, 0 for its entry or 1 for its exit) of those.
+    """
+
+    share: float
+    most: float
+    ends: tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +55,7 @@ class Strokes:
     moved: (n, 2) the master's points on the copy's sheet; covered: (n,) which of them the copy has; radius:
         (n,) the copy's half-width there, or what it should be; places: (n, 2) where the same measurement has
         them in the master itself; in_cell: (n, 2) where the copy has them in a cell like the master's.
+    blunted: None where fewer than two of the master's tips taper.
     """
 
     strokes: tuple[StrokeFound, ...]
@@ -53,6 +71,7 @@ class Strokes:
     radius: FloatArray
     places: FloatArray
     in_cell: FloatArray
+    blunted: Blunted | None = None
 
     @property
     def grain(self) -> float:
@@ -83,7 +102,28 @@ def find_strokes(
     found = _measured(copy_sheet(copy, registration), sheet, settings, places=itself.moved)
     doubts = _doubts(sheet, settings)
     known = zip(found.strokes, itself.strokes, doubts, strict=True)
-    return replace(found, strokes=tuple(_beyond_doubt(_less(a, b), doubt) for a, b, doubt in known))
+    return replace(
+        found,
+        strokes=tuple(_beyond_doubt(_less(a, b), doubt) for a, b, doubt in known),
+        blunted=_blunted(found.strokes, itself.strokes),
+    )
+
+
+def _blunted(found: tuple[StrokeFound, ...], itself: tuple[StrokeFound, ...]) -> Blunted | None:
+    """Doubt is not taken out: over many tips it cancels, and what all of them lost is seen the sooner."""
+    tips = [
+        (k, end, getattr(a, name) - getattr(b, name), -getattr(b, name))
+        for k, (a, b) in enumerate(zip(found, itself, strict=True))
+        for end, name in enumerate(_ENDS)
+        if a.present and getattr(b, name) < -_TAPERS  # not so where it is NaN
+    ]
+    if len(tips) < 2:
+        return None
+    lost, taper = np.array([tip[2] / tip[3] for tip in tips]), np.array([tip[3] for tip in tips])
+    order = np.argsort(lost)
+    half = int(np.argmax(np.cumsum(taper[order]) >= 0.5 * taper.sum()))
+    ends = tuple((k, end) for k, end, gain, _ in tips if gain > 0)
+    return Blunted(float(lost[order][half]), len(ends) / len(tips), ends)
 
 
 @lru_cache(maxsize=4)  # many copies of one master come in a row
@@ -98,17 +138,18 @@ class _Doubt:
     """How much a stroke of a master differs from itself where nothing was changed.
 
     shift: rms radii; turn: degrees; ratios: logarithm by name of the field, NaN where it
-    was not always seen.
+    was not always seen; ends: by name of the field.
     """
 
     shift: float
     turn: float
     ratios: dict[str, float]
+    ends: dict[str, float]
 
 
 @lru_cache(maxsize=4)  # many copies of one master come in a row
 def _doubts(sheet: Sheet, settings: StrokeSettings) -> tuple[_Doubt, ...]:
-    """The doubt of each stroke: what two small changes of size bring about, one on top of the other."""
+    """The doubt of each stroke: what small changes of size bring about, the worst two together."""
     itself = itself_of(sheet, settings).strokes
     shaken = [_shaken(sheet, settings, scale=scale, grain=grain).strokes for scale, grain in _SHAKEN]
     return tuple(
@@ -119,10 +160,16 @@ def _doubts(sheet: Sheet, settings: StrokeSettings) -> tuple[_Doubt, ...]:
 def _doubt(shaken: list[StrokeFound]) -> _Doubt:
     ratios = {name: [_log(getattr(s, name)) for s in shaken] for name in _RATIOS}
     return _Doubt(
-        shift=sum(float(np.hypot(*s.shift)) for s in shaken),
-        turn=sum(abs(s.turn) for s in shaken),
-        ratios={name: float(np.sum(np.abs(logs))) for name, logs in ratios.items()},
+        shift=_two_largest([float(np.hypot(*s.shift)) for s in shaken]),
+        turn=_two_largest([s.turn for s in shaken]),
+        ratios={name: _two_largest(logs) for name, logs in ratios.items()},
+        ends={name: max(abs(getattr(s, name)) for s in shaken) for name in _ENDS},
     )
+
+
+def _two_largest(values: list[float]) -> float:
+    """NaN where any is."""
+    return float(np.sort(np.abs(values))[-2:].sum())
 
 
 def _log(ratio: float) -> float:
@@ -151,20 +198,28 @@ def _beyond_doubt(found: StrokeFound, doubt: _Doubt) -> StrokeFound:
     """What was found, drawn toward no fault by as much as the master differs from itself."""
     away = float(np.hypot(*found.shift))
     keep = max(away - doubt.shift, 0.0) / max(away, 1e-9)
-    ratios: dict[str, Any] = {}
+    changed: dict[str, Any] = {}
     for name, least in doubt.ratios.items():
         log = _log(getattr(found, name))
-        ratios[name] = float(np.exp(np.sign(log) * np.maximum(abs(log) - least, 0.0)))
-    turn = np.sign(found.turn) * max(abs(found.turn) - 0.5 * doubt.turn, 0.0)
-    return replace(found, shift=found.shift * keep, turn=float(turn), **ratios)
+        changed[name] = float(np.exp(_toward_nought(log, least)))
+    for name, least in doubt.ends.items():
+        changed[name] = _toward_nought(getattr(found, name), least)
+    turn = _toward_nought(found.turn, 0.4 * doubt.turn)
+    return replace(found, shift=found.shift * keep, turn=turn, **changed)
+
+
+def _toward_nought(value: float, by: float) -> float:
+    """NaN stays NaN."""
+    return float(np.sign(value) * np.maximum(abs(value) - by, 0.0))
 
 
 def _less(found: StrokeFound, itself: StrokeFound) -> StrokeFound:
-    """Ratios to what was found, in the same way, in the master itself."""
+    """Ratios to what was found, in the same way, in the master itself, and differences from it."""
     ratios = {
         name: getattr(found, name) / getattr(itself, name) for name in _RATIOS if getattr(itself, name) > 1e-6
     }
-    return replace(found, **ratios)
+    ends: dict[str, Any] = {name: getattr(found, name) - getattr(itself, name) for name in _ENDS}
+    return replace(found, **ratios, **ends)
 
 
 def _measured(sheet: Sheet, master: Sheet, settings: StrokeSettings, *, places: FloatArray | None) -> Strokes:
@@ -185,12 +240,12 @@ def _measured(sheet: Sheet, master: Sheet, settings: StrokeSettings, *, places: 
     view = View(
         sheet, mine, model, settings, found.moved, covered, owner,
         expected=squeezed(places, squeeze), upright=upright, squeeze=squeeze,
-        widths=half_widths(found, mine, model, covered),
+        widths=half_widths(found, mine, model, covered), breadths=breadths(sheet, found.moved),
     )  # fmt: skip
-    whole, ratio = view.whole, view.ratio
+    whole, ratio, ink = view.whole, view.ratio, view.ink
     radius = np.where(np.isfinite(view.widths), view.widths, whole / view.scale * model.points.radius)
     return Strokes(
-        tuple(view.stroke(k, ratio) for k in range(len(model.lines))),
+        tuple(view.stroke(k, ratio, ink) for k in range(len(model.lines))),
         pose, whole, squeeze, model, mine, (sheet, master), found.moved, covered, owner >= 0, radius, places,
         in_cell,
     )  # fmt: skip

@@ -16,8 +16,9 @@ class Noticeable:
     missing: share of a stroke, in one run, that must be wanting; inked: of a corner that was not found, share
         on ink from which it may be there. extra, blot: share of the copy's ink.
     displaced: rms radii. turn: degrees, of a stroke `slender` widths long or longer; more of a shorter one.
-    length: relative. stroke: logarithm of one stroke's width over that of the whole; entry, exit: logarithm
-        of the width of an end over that of its stroke; tips: the same when most ends are too wide.
+    length: relative. stroke: logarithm of one stroke's width over that of the whole; entry, exit: how much
+        wider an end is than in the master, as a share of its stroke; faint: how much thinner an entry is;
+        tips: share of the taper that most tips have lost.
     gap: relative.
     bare: share of the strokes' inside. tremor: rms radii. pale: relative. round: how slender a blot may be.
     of_a_kind: remarks of one kind; at_most: remarks in all.
@@ -34,12 +35,13 @@ class Noticeable:
     blot: float = 0.009
     displaced: float = 0.05
     turn: float = 3.4
-    slender: float = 5.0
+    slender: float = 4.3
     length: float = 0.1
     stroke: float = 0.2
-    entry: float = 0.17
-    exit: float = 0.2
-    tips: float = 0.09
+    entry: float = 0.1
+    faint: float = 0.22
+    exit: float = 0.19
+    tips: float = 0.14
     gap: float = 0.25
     bare: float = 0.022
     tremor: float = 0.0014

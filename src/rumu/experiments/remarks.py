@@ -63,6 +63,8 @@ SIDE = 256
 """Pixels of the longer side of a master, at most; a sixteenth of paper is added all round."""
 STELES = 12
 """Samples of masters/regular, spread evenly over the list."""
+SEEN_INK = 0.01
+"""Share of the ink that blunt tips must add to be there at all."""
 NEAR = 0.07
 """Fraction of the picture within which a remark's outline must keep to the struck stroke's path."""
 
@@ -180,8 +182,8 @@ def _told_of_master(master: Master, severities: tuple[float, ...]) -> list[Told]
             copy = apply(glyph.mask, fault, severity=severity, seed=seed)
         except SurfaceError:  # no stroke to leave out, none that lies
             continue
-        if fault == "blunt" and not copy.strokes:  # no tip to blunt
-            continue
+        if fault == "blunt" and (copy.mask ^ glyph.mask).sum() < SEEN_INK * glyph.mask.sum():
+            continue  # no tip that tapers, as in seal script
         told.append(_told(master, glyph, copy))
     return [*told, *_clean(master, glyph)]
 
@@ -198,19 +200,18 @@ def _told(master: Master, glyph: Glyph, copy: Faulted) -> Told:
 
 
 def speaks_of(remark: Remark, copy: Faulted, glyph: Glyph) -> bool:
-    """Whether a remark speaks of a stroke that the fault struck, or of the place where it is."""
+    """Whether a remark speaks of strokes that the fault struck, or of the place where it is."""
     if not copy.strokes:
         return remark.region is None or copy.fault not in ("extra", "blot") or _meet(remark, copy)
     if not remark.outline:
         return False
+    if copy.fault == "entry" and not _meet(remark, copy):
+        return False  # a heavy beginning, but of another stroke or at the wrong end
     points = np.concatenate([np.array(line) for line in remark.outline])
     size = np.array(glyph.mask.shape, float)
-    for k in copy.strokes:
-        path = (glyph.strokes[k].path / size)[:, ::-1]
-        away = np.sqrt(((points[:, None] - path[None]) ** 2).sum(axis=2)).min(axis=1)
-        if float((away < NEAR).mean()) >= 0.6:
-            return True
-    return False
+    paths = np.concatenate([(glyph.strokes[k].path / size)[:, ::-1] for k in copy.strokes])
+    away = np.sqrt(((points[:, None] - paths[None]) ** 2).sum(axis=2)).min(axis=1)
+    return float((away < NEAR).mean()) >= 0.6
 
 
 def _meet(remark: Remark, copy: Faulted) -> bool:
