@@ -179,6 +179,7 @@ def import_works(
     from rumu.gallery.catalog import open_gallery
     from rumu.gallery.importing import import_folder
     from rumu.gallery.restoring import holds_starter
+    from rumu.gallery.sweeping import sweep
 
     told = _told(
         title_zh=title_zh, title_en=title_en, script=script, hand=hand, dynasty=dynasty, material=material,
@@ -187,6 +188,7 @@ def import_works(
     gallery = open_gallery(starter=not holds_starter(folder))
     with bar("Importing") as advance:
         done = import_folder(gallery, folder, told=told, progress=advance)
+    sweep(gallery)
     lines = [f"{done.added} works added, {done.there} were there already: {', '.join(done.collections)}"]
     if done.left_out:
         lines.append(f"{len(done.left_out)} left out, such as {': '.join(done.left_out[0])}")

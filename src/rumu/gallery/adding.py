@@ -224,7 +224,8 @@ def _keep_picture(
 
 def _of_font(entry: Entry, face: Face, character: str) -> Entry:
     family = face.says("family") or face.path.stem
-    designer = face.says("designer") or family
+    drawn_by = face.says("designer")
+    designer = f"{drawn_by} ({family})" if drawn_by else family
     name = (
         entry.title
         if entry.title != NOTHING

@@ -113,7 +113,7 @@ def facets(
     collection: str | None = None,
     query: str | None = None,
 ) -> dict[str, tuple[FacetValue, ...]]:
-    """For each facet its values and how many works each would leave; see `rumu.gallery.facets.count_facets`."""
+    """For each facet its values and how many works each would leave; see `facets.count_facets`."""
     filters = Filters(
         script=script, dynasty=dynasty, hand=hand, character=character, collection=collection, query=query
     )

@@ -57,8 +57,7 @@ def _put_batch(
     new = [entry for entry in batch if entry["id"] not in there]
     for entry in new:
         for key in entry["files"]:
-            if not gallery.store.exists(key):
-                gallery.store.write(key, _file(folder, key))
+            gallery.store.write(key, _file(folder, key))
     rows = [_work(entry, titles) for entry in batch]
     same = [row for row in rows if there.get(row["id"]) == (row["digest"], True)]
     with gallery.database.writing() as session:

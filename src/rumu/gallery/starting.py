@@ -44,7 +44,7 @@ def put_starter(gallery: Gallery) -> bool:
     with gallery.database.writing() as session:
         put_collection(session, STARTER)
         put_works(session, rows)
-        put_others(session, Annotation, [_texts(one) for one in said["annotations"]])
+        put_others(session, Annotation, [_annotation(n, one) for n, one in enumerate(said["annotations"])])
         put_others(session, Tour, [_tour(one) for one in said["tours"]])
     return True
 
@@ -77,6 +77,11 @@ def _texts(one: dict[str, Any]) -> dict[str, Any]:
         if name in one:
             row |= {f"{name}_{language}": one[name][language] for language in ("zh", "en")}
     return row
+
+
+def _annotation(number: int, one: dict[str, Any]) -> dict[str, Any]:
+    row = _texts(one)
+    return row | {"work_id": row.pop("work"), "position": number}
 
 
 def _tour(one: dict[str, Any]) -> dict[str, Any]:
