@@ -1,0 +1,48 @@
+import { describe, expect, it } from "vitest";
+import { readFilters, without, writeFilters } from "../../src/gallery/filters";
+import { shade, type Card } from "../../src/gallery/relit";
+import { lamp } from "../../src/viewer/arithmetic";
+
+describe("filters in the address", () => {
+  it("come back as they were", () => {
+    const filters = { script: "regular", hand: "顏真卿", q: "天 地" };
+    expect(readFilters(new URLSearchParams(writeFilters(filters).toString()))).toEqual(filters);
+  });
+
+  it("forget what is empty or unknown", () => {
+    expect(readFilters(new URLSearchParams("script=&colour=red&q=%20"))).toEqual({});
+    expect(writeFilters(without({ q: "a", script: "seal" }, "q")).toString()).toBe("script=seal");
+  });
+});
+
+describe("a relit card", () => {
+  const slope = Math.SQRT1_2;
+  // White paper, then dark ink sloping to the left, then dark ink sloping to the right.
+  const card: Card = {
+    width: 3,
+    height: 1,
+    linear: Float32Array.from([1, 1, 1, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02]),
+    normals: Float32Array.from([0, 0, 1, -slope, 0, slope, slope, 0, slope]),
+  };
+  const under = (tilt: number, slant: number, sheen?: number) => {
+    const out = new Uint8ClampedArray(12);
+    shade(card, lamp(tilt, slant), out, sheen);
+    return [out[0]!, out[4]!, out[8]!];
+  };
+
+  it("shines on the slope that faces the lamp", () => {
+    const [, left, right] = under(180, 50);
+    expect(left).toBeGreaterThan(right! + 40);
+    const [, leftAgain, rightAgain] = under(0, 50);
+    expect(rightAgain).toBe(left);
+    expect(leftAgain).toBe(right);
+  });
+
+  it("keeps paper light, and measured ink matt", () => {
+    expect(under(90, 0)[0]).toBe(255);
+    expect(under(90, 60)[0]).toBeGreaterThan(190);
+    const [, glossy] = under(180, 50);
+    const [, matt] = under(180, 50, 0);
+    expect(matt).toBeLessThan(glossy! - 40);
+  });
+});

@@ -1,0 +1,98 @@
+import { describe, expect, it } from "vitest";
+import { plot } from "../../src/viewer/figures";
+import { HeightField } from "../../src/viewer/heightfield";
+import { lightAt } from "../../src/viewer/light";
+import { fit, orbit, pan, zoom } from "../../src/viewer/orbit";
+import { grid } from "../../src/viewer/stage";
+import type { Camera } from "../../src/viewer/state";
+
+/** A cone, 10 high, over the middle of 40 x 20 pixels. */
+function cone(): HeightField {
+  const values = Float32Array.from({ length: 800 }, (_, k) => Math.max(0, 10 - 2 * Math.hypot((k % 40) - 19.5, Math.floor(k / 40) - 9.5)));
+  return new HeightField(values, 40, 20, 0, 10, { width: 40, height: 20, spacing: 1, unit: "px" });
+}
+
+describe("the mesh", () => {
+  it("turns its faces to the eye and its rows downward", () => {
+    const mesh = grid({ wide: 1, tall: 0.5 }, 8);
+    const [at, uv, faces] = [mesh.getAttribute("position"), mesh.getAttribute("uv"), mesh.getIndex()!];
+    for (let k = 0; k < faces.count; k += 3) {
+      const [a, b, c] = [faces.getX(k), faces.getX(k + 1), faces.getX(k + 2)];
+      const turn = (at.getX(b) - at.getX(a)) * (at.getY(c) - at.getY(a)) - (at.getY(b) - at.getY(a)) * (at.getX(c) - at.getX(a));
+      expect(turn).toBeGreaterThan(0);
+    }
+    for (let k = 0; k < at.count; k++) expect(at.getY(k)).toBeCloseTo((0.5 - uv.getY(k)) * 0.5);
+  });
+});
+
+describe("a ray from the eye", () => {
+  it("meets the flat sheet where it points", () => {
+    const found = cone().meet([0.25, -0.125, 2], [0, 0, -1], 0);
+    expect(found).toEqual({ u: 0.75, v: 0.75 });
+    expect(cone().meet([0.75, 0, 2], [0, 0, -1], 0)).toBeNull();
+  });
+
+  it("meets the near slope of a raised cone before the paper behind it", () => {
+    const field = cone();
+    const aslant = { x: -1, z: 1 };
+    const length = Math.hypot(aslant.x, aslant.z);
+    const found = field.meet([aslant.x, 0, aslant.z], [-aslant.x / length, 0, -aslant.z / length], 2);
+    const flat = field.meet([aslant.x, 0, aslant.z], [-aslant.x / length, 0, -aslant.z / length], 0);
+    expect(flat!.u).toBeCloseTo(0.5);
+    expect(found!.u).toBeLessThan(0.45);
+    expect(found!.v).toBeCloseTo(0.5);
+  });
+});
+
+describe("the lamp under a pointer", () => {
+  it("stands above in the middle and leans to where the pointer is", () => {
+    const box = { width: 200, height: 100 };
+    expect(lightAt(100, 50, box).slant).toBe(0);
+    expect(lightAt(100, 25, box)).toEqual({ tilt: 90, slant: 30.000000000000004 });
+    expect(lightAt(65, 15, box).tilt).toBeCloseTo(135);
+    expect(lightAt(0, 50, box)).toEqual({ tilt: 180, slant: 88 });
+  });
+});
+
+describe("the eye", () => {
+  const start: Camera = [0, 0, 2, 0, 0, 0];
+  const distance = ([x, y, z, a, b, c]: Camera) => Math.hypot(x - a, y - b, z - c);
+
+  it("keeps its distance in orbit and never gets behind the sheet", () => {
+    let camera = start;
+    for (let k = 0; k < 50; k++) camera = orbit(camera, 0.3, 0.2);
+    expect(distance(camera)).toBeCloseTo(2);
+    expect(camera[2]).toBeGreaterThan(0);
+  });
+
+  it("zooms towards the pointer", () => {
+    const field = 2 * 2 * Math.tan((14 * Math.PI) / 180);
+    const nearer = zoom(start, 0.5, 0.25, 0.1);
+    expect(distance(nearer)).toBeCloseTo(1);
+    expect(nearer[3]).toBeCloseTo(0.25 * field * 0.5);
+    expect(nearer[4]).toBeCloseTo(0.1 * field * 0.5);
+  });
+
+  it("pans along the picture", () => {
+    const moved = pan(start, 0.1, 0);
+    expect(moved[3]).toBeGreaterThan(0);
+    expect(distance(moved)).toBeCloseTo(2);
+    expect(pan(start, 0, 0.1)[4]).toBeGreaterThan(0);
+  });
+
+  it("sees a wide sheet whole on a narrow screen", () => {
+    const [, , far] = fit("sheet", { wide: 1, tall: 0.4 }, 0.5);
+    const [, , near] = fit("sheet", { wide: 1, tall: 0.4 }, 2);
+    expect(far).toBeGreaterThan(near * 1.9);
+    expect(Math.tan((14 * Math.PI) / 180) * far * 0.5).toBeGreaterThan(0.5);
+  });
+});
+
+describe("a plotted section", () => {
+  it("puts higher points higher and later points to the right", () => {
+    const drawn = plot([{ distance: 0, height: 0 }, { distance: 10, height: 5 }], { left: 0, right: 100, top: 0, bottom: 50 });
+    expect(drawn.x(10)).toBe(100);
+    expect(drawn.y(5)).toBeLessThan(drawn.y(0));
+    expect(drawn.up).toContain(4);
+  });
+});

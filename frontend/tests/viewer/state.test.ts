@@ -1,0 +1,38 @@
+import { describe, expect, it } from "vitest";
+import { sane, START, stateFromQuery, stateToQuery, type ViewState } from "../../src/viewer/state";
+
+const turned: ViewState = {
+  mode: "heights",
+  tilt: 212.5,
+  slant: 70,
+  exaggeration: 2.5,
+  camera: [0.1, -0.2, 1.5, 0, 0.05, 0],
+  section: [0.1, 0.2, 0.9, 0.8],
+  ruler: [0, 0, 1, 1],
+  lens: "magnify",
+  look: "clay",
+  mixture: true,
+};
+
+describe("a permalink", () => {
+  it("brings back the view", () => {
+    expect(stateFromQuery(new URLSearchParams(stateToQuery(turned).toString()))).toEqual(turned);
+  });
+
+  it("is empty at the start", () => {
+    expect(stateToQuery(START).toString()).toBe("");
+    expect(stateFromQuery(new URLSearchParams())).toEqual(START);
+  });
+
+  it("that was cut or bent still opens", () => {
+    const query = new URLSearchParams("mode=horse&tilt=abc&slant=400&ex=-3&cam=1,2,3&sec=0,0,7,x&lens=&look=gold");
+    expect(stateFromQuery(query)).toEqual({ ...START, slant: 88, exaggeration: 0 });
+  });
+});
+
+describe("a state", () => {
+  it("turns angles into one round", () => {
+    expect(sane({ ...START, tilt: -90 }).tilt).toBe(270);
+    expect(sane({ ...START, tilt: 725 }).tilt).toBe(5);
+  });
+});

@@ -1,0 +1,33 @@
+"""The front end's own tests, against vectors that are written here: shading, colours, sections, addresses."""
+
+from __future__ import annotations
+
+import os
+import runpy
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def vectors(frontend: Path) -> Path:
+    written = frontend / "tests" / "vectors" / "viewer.json"
+    runpy.run_path(str(ROOT / "scripts" / "write_vectors.py"))["main"](written)
+    return written
+
+
+def test_the_front_end_agrees_with_rumu(vectors: Path, frontend: Path) -> None:
+    assert vectors.stat().st_size > 10_000
+    ran = subprocess.run(
+        ["npx", "vitest", "run", "--reporter=dot"],
+        cwd=frontend,
+        env=os.environ | {"NO_COLOR": "1"},
+        capture_output=True,
+        text=True,
+        timeout=400,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stdout[-4000:] + ran.stderr[-4000:]
