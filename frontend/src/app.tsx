@@ -89,9 +89,12 @@ function Header({ path }: { path: string }) {
           {t("language")}
         </button>
         {person ? (
-          <button type="button" class="quiet" onClick={logout}>
-            {person.name} · {t("logout")}
-          </button>
+          <>
+            <a href="#/account">{person.name}</a>
+            <button type="button" class="quiet" onClick={logout}>
+              {t("logout")}
+            </button>
+          </>
         ) : (
           <a href="#/login">{t("login")}</a>
         )}

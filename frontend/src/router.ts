@@ -25,6 +25,7 @@ export const routes: [string, Load][] = [
   ["/login", () => import("./account/Login")],
   ["/join/:token", () => import("./account/Join")],
   ["/people", () => import("./account/People")],
+  ["/account", () => import("./account/Password")],
 ];
 
 const hash = signal(location.hash);

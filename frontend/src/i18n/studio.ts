@@ -98,6 +98,7 @@ export const studio = {
   aligned: { zh: "對齊", en: "Aligned" },
   alignLabel: { zh: "從原寫到對齊", en: "From as written to aligned" },
   alignValue: { zh: "對齊 {share} %", en: "{share} % aligned" },
+  colourNote: { zh: "顏色是對齊之後量得的偏離。", en: "Colours tell the distance once aligned." },
   near: { zh: "貼合", en: "on the line" },
   far: { zh: "偏離", en: "far off" },
   uncovered: { zh: "範字有而未寫到", en: "the master's, not covered" },
@@ -190,7 +191,7 @@ export const studio = {
   // which of two
   judgeTitle: { zh: "哪一張寫得好？", en: "Which is better?" },
   judgeNeeds: { zh: "比較要登入：每人每一對只比一次。", en: "Comparing needs a login: everybody judges a pair once." },
-  judgeLead: { zh: "兩張都臨「{title}」。只看字，不看分數。", en: "Both copy {title}. Look at the writing alone; no marks are shown." },
+  judgeLead: { zh: "兩張都臨{title}。只看字，不看分數。", en: "Both copy {title}. Look at the writing alone; no marks are shown." },
   left: { zh: "左邊好", en: "Left" },
   right: { zh: "右邊好", en: "Right" },
   same: { zh: "一樣好", en: "The same" },

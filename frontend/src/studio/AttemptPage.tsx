@@ -56,8 +56,10 @@ export default function AttemptPage({ params }: PageProps) {
         </div>
       </header>
       <MarkView attempt={attempt} />
-      <TeacherMarks attempt={attempt} onChange={found.again} />
-      {attempt.kind === "pen" && <Replay attempt={attempt} />}
+      <div class="below">
+        <TeacherMarks attempt={attempt} onChange={found.again} />
+        {attempt.kind === "pen" && <Replay attempt={attempt} />}
+      </div>
     </div>
   );
 }

@@ -103,27 +103,30 @@ function CropBox({ photo, square, grid, onSquare }: { photo: Photo; square: Squa
     event.preventDefault();
   };
   const { x, y, side } = square;
-  const knob = Math.max(size.width, size.height) / 28;
+  const knob = Math.max(size.width, size.height) / 52;
   return (
     <div class="crop">
-      <img src={photo.url} alt={w("photoAlt")} width={size.width} height={size.height} />
-      <svg
-        ref={box} viewBox={`0 0 ${size.width} ${size.height}`} tabIndex={0} role="application"
-        aria-label={w("cropLabel", { x: Math.round((100 * x) / size.width), y: Math.round((100 * y) / size.height), side: Math.round((100 * side) / size.width) })}
-        onPointerMove={drag} onPointerUp={() => (held.current = null)} onPointerCancel={() => (held.current = null)} onKeyDown={nudge}
-      >
-        <path class="crop-shade" fill-rule="evenodd" d={`M0 0H${size.width}V${size.height}H0ZM${x} ${y}v${side}h${side}v${-side}Z`} />
-        <rect class="crop-square" {...{ x, y }} width={side} height={side} onPointerDown={grab("all")} />
-        {linesOf(grid).map(([x1, y1, x2, y2], k) => (
-          <line key={k} class="crop-line" x1={x + x1 * side} y1={y + y1 * side} x2={x + x2 * side} y2={y + y2 * side} />
-        ))}
-        {HANDLES.map((handle) => (
-          <circle
-            key={handle} class={`crop-handle ${handle}`} r={knob} onPointerDown={grab(handle)}
-            cx={x + (handle.endsWith("e") ? side : 0)} cy={y + (handle.startsWith("s") ? side : 0)}
-          />
-        ))}
-      </svg>
+      <div class="crop-frame" style={{ aspectRatio: `${size.width} / ${size.height}`, "--shape": size.width / size.height }}>
+        <img src={photo.url} alt={w("photoAlt")} width={size.width} height={size.height} />
+        <svg
+          ref={box} viewBox={`0 0 ${size.width} ${size.height}`} tabIndex={0} role="application"
+          aria-label={w("cropLabel", { x: Math.round((100 * x) / size.width), y: Math.round((100 * y) / size.height), side: Math.round((100 * side) / size.width) })}
+          onPointerMove={drag} onPointerUp={() => (held.current = null)} onPointerCancel={() => (held.current = null)} onKeyDown={nudge}
+        >
+          <path class="crop-shade" fill-rule="evenodd" d={`M0 0H${size.width}V${size.height}H0ZM${x} ${y}v${side}h${side}v${-side}Z`} />
+          <rect class="crop-square" {...{ x, y }} width={side} height={side} onPointerDown={grab("all")} />
+          {linesOf(grid).map(([x1, y1, x2, y2], k) => (
+            <line key={k} class="crop-line" x1={x + x1 * side} y1={y + y1 * side} x2={x + x2 * side} y2={y + y2 * side} />
+          ))}
+          {HANDLES.map((handle) => (
+            <g key={handle} class={`crop-handle ${handle}`} onPointerDown={grab(handle)}>
+              {[2.2 * knob, knob].map((r) => (
+                <circle key={r} r={r} cx={x + (handle.endsWith("e") ? side : 0)} cy={y + (handle.startsWith("s") ? side : 0)} />
+              ))}
+            </g>
+          ))}
+        </svg>
+      </div>
       <p class="note">{w("cropHint")}</p>
     </div>
   );

@@ -8,6 +8,8 @@ const FRAME: Frame = { width: 640, height: 240, left: 34, right: 16, top: 12, bo
 
 export function Curve({ points, title }: { points: Point[]; title: string }) {
   const found = dots(points, FRAME);
+  const days = new Set(found.map(({ point }) => day(point.created))).size;
+  const when = days > 1 ? day : hour;
   return (
     <figure class="curve">
       <svg viewBox={`0 0 ${FRAME.width} ${FRAME.height}`} role="img" aria-label={w("curveLabel", { title, count: found.length })}>
@@ -31,11 +33,11 @@ export function Curve({ points, title }: { points: Point[]; title: string }) {
         {found.length > 0 && (
           <g class="curve-days">
             <text x={FRAME.left} y={FRAME.height - 8}>
-              {day(found[0]!.point.created)}
+              {when(found[0]!.point.created)}
             </text>
             {found.length > 1 && (
               <text class="end" x={FRAME.width - FRAME.right} y={FRAME.height - 8}>
-                {day(found.at(-1)!.point.created)}
+                {when(found.at(-1)!.point.created)}
               </text>
             )}
           </g>
@@ -70,5 +72,6 @@ export function Curve({ points, title }: { points: Point[]; title: string }) {
 
 const locale = () => (language.value === "zh" ? "zh-Hant-TW" : "en-GB");
 export const day = (time: string): string => new Date(time).toLocaleDateString(locale(), { month: "short", day: "numeric" });
+const hour = (time: string): string => new Date(time).toLocaleTimeString(locale(), { hour: "2-digit", minute: "2-digit" });
 export const moment = (time: string): string =>
   new Date(time).toLocaleString(locale(), { year: "numeric", month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });

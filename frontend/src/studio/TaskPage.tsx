@@ -1,9 +1,9 @@
 // One task: to a pupil what to write, to a teacher how it went, with their own marks beside ours.
 
 import { useState } from "preact/hooks";
-import { get, query, session } from "../api";
+import { get, query, remove, session } from "../api";
 import { say } from "../i18n";
-import type { PageProps } from "../router";
+import { go, type PageProps } from "../router";
 import type { Attempt, Page, Text } from "../types";
 import { Dialog, Trouble, useLoaded, Waiting } from "../ui";
 import { GiveMark } from "./AttemptPage";
@@ -47,15 +47,31 @@ function Shown({ id }: { id: string }) {
             {task.due && ` · ${w("due", { day: day(task.due) })}`}
           </p>
           {task.note && <p>{task.note}</p>}
-          <p class="row">
-            <a class="button" href={`#/studio/${task.work.id}?task=${id}`}>
-              {w("writeTask")}
-            </a>
-          </p>
+          <p class="row">{teaches ? <TakeBack task={task} /> : <WriteIt task={task} />}</p>
         </div>
       </header>
       {teaches ? <Table told={found.value} onChange={found.again} /> : <OwnCopies task={task} />}
     </div>
+  );
+}
+
+const WriteIt = ({ task }: { task: TaskCard }) => (
+  <a class="button" href={`#/studio/${task.work.id}?task=${task.id}`}>
+    {w("writeTask")}
+  </a>
+);
+
+function TakeBack({ task }: { task: TaskCard & { class_id: string } }) {
+  const [error, setError] = useState<unknown>(null);
+  const takeBack = () =>
+    confirm(w("takeBackSure")) && remove(`/api/tasks/${task.id}`).then(() => go(`/classes/${task.class_id}`), setError);
+  return (
+    <>
+      <button type="button" class="quiet small" onClick={takeBack}>
+        {w("takeBack")}
+      </button>
+      {error !== null && <Trouble error={error} />}
+    </>
   );
 }
 

@@ -19,7 +19,7 @@ export function paint(context: Context, strokes: readonly Stroke[], side: number
   for (const stroke of strokes) stampOn(context, shape(stroke, brush), side);
 }
 
-const FINE = 3; // drawn so much larger and shrunk: edges of many footprints in one path are hard otherwise
+const FINE = 2; // drawn so much larger and shrunk: edges of many footprints in one path are hard otherwise
 
 /** Black on white: what is marked. side: pixels. */
 export async function picture(strokes: readonly Stroke[], side = 512): Promise<Blob> {

@@ -49,7 +49,7 @@ export function Overlay({ attempt, picture }: { attempt: Attempt; picture: strin
           />
           <span>{w("aligned")}</span>
         </label>
-        {pose && <p class="note">{w("poseShort", poseWords(pose))}</p>}
+        {pose && <p class="note">{w("poseShort", poseWords(pose))} · {w("colourNote")}</p>}
         <Legend />
       </figcaption>
     </figure>
