@@ -15,6 +15,9 @@ Each message names what was given, what was expected and what came.
 
 from __future__ import annotations
 
+from functools import partial
+from typing import Any
+
 
 class RumuError(Exception):
     """Base of every error raised on purpose; its text is one clear line for a person."""
@@ -42,6 +45,9 @@ class RefusedImage(RumuError):  # noqa: N818  what it is, not that it went wrong
     def __init__(self, message: str, *, reason: str) -> None:
         super().__init__(message)
         self.reason = reason
+
+    def __reduce__(self) -> Any:
+        return partial(type(self), reason=self.reason), self.args  # as it comes back from another process
 
 
 class CalibrationError(RumuError):

@@ -62,7 +62,7 @@ def _candidates(session: Session, who: Identity, work_id: str | None) -> Sequenc
 
 def _judged_by(session: Session, judge_id: str) -> set[frozenset[str]]:
     wanted = select(Comparison.first_id, Comparison.second_id).where(Comparison.judge_id == judge_id)
-    return {frozenset(pair) for pair in session.execute(wanted).tuples()}
+    return {frozenset((first, second)) for first, second in session.execute(wanted)}
 
 
 def _left_over(group: Sequence[Attempt], judged: set[frozenset[str]]) -> int:
@@ -73,8 +73,8 @@ def _left_over(group: Sequence[Attempt], judged: set[frozenset[str]]) -> int:
 def _times(session: Session, ids: Sequence[str]) -> Counter[str]:
     """How often each attempt has been judged, by anybody."""
     among = or_(Comparison.first_id.in_(ids), Comparison.second_id.in_(ids))
-    pairs = session.execute(select(Comparison.first_id, Comparison.second_id).where(among)).tuples()
-    return Counter(itertools.chain.from_iterable(pairs))
+    pairs = session.execute(select(Comparison.first_id, Comparison.second_id).where(among))
+    return Counter(attempt for first, second in pairs for attempt in (first, second))
 
 
 def _least_judged(

@@ -3,6 +3,8 @@ person."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from rumu.errors import RumuError
 
 
@@ -12,6 +14,15 @@ class StudioError(RumuError):
     def __init__(self, code: str, *, zh: str, en: str) -> None:
         super().__init__(en)
         self.code, self.zh, self.en = code, zh, en
+
+    def __reduce__(self) -> Any:
+        return _again, (type(self), self.__dict__)  # as it comes back from another process
+
+
+def _again(kind: type[StudioError], told: dict[str, Any]) -> StudioError:
+    error = kind.__new__(kind, told["en"])
+    error.__dict__.update(told)
+    return error
 
 
 class Missing(StudioError):  # noqa: N818  what it is, not that it went wrong

@@ -49,7 +49,7 @@ def given_marks(session: Session, who: Identity, *, task_id: str | None = None) 
     )
     if task_id is not None:
         wanted = wanted.where(Attempt.task_id == task_id)
-    return [GivenMark(*row) for row in session.execute(wanted).tuples()]
+    return [GivenMark(attempt, work, mark) for attempt, work, mark in session.execute(wanted)]
 
 
 def marks_csv(marks: Sequence[GivenMark]) -> str:

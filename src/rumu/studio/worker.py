@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import io
 import os
+import pickle
 import signal
 import threading
 import time
@@ -12,10 +13,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from rumu.errors import RumuError
 from rumu.studio.pictures import Kept, kept
 from rumu.studio.place import Place
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rumu.assessment.calibration import Calibration
     from rumu.gallery.catalog import Gallery
     from rumu.gallery.derived import Derived
@@ -49,6 +53,18 @@ def begin() -> None:
 def _end_with(parent: Any) -> None:
     parent.join()
     os._exit(1)
+
+
+def answered(work: Callable[..., Any], place: Place, terms: dict[str, Any]) -> Any:
+    """`work(place, **terms)`; an error that cannot travel between processes is told by its words."""
+    try:
+        return work(place, **terms)
+    except Exception as error:
+        try:
+            pickle.loads(pickle.dumps(error))
+        except Exception:
+            raise RumuError(f"{type(error).__name__}: {error}") from None
+        raise
 
 
 def ready(place: Place) -> int:

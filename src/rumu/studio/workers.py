@@ -75,7 +75,7 @@ class Workers:
 
     def _submitted(self, pool: Executor, work: Callable[..., Answer], terms: Any) -> Future[Answer]:
         try:
-            return pool.submit(work, self.place, **terms)
+            return pool.submit(worker.answered, work, self.place, terms)
         except RuntimeError as error:  # shut down meanwhile
             raise BrokenProcessPool(str(error)) from error
 

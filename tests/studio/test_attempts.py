@@ -1,0 +1,135 @@
+"""Attempts: kept whole, seen by whom they should be, gone when they are deleted."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from rumu.database.tables import Attempt, Membership, Work
+from rumu.studio import attempts, worker
+from rumu.studio.access import seen_attempt
+from rumu.studio.classes import add_task, create_class, found_class
+from rumu.studio.errors import Missing, NotAllowed, Unusable
+
+
+@pytest.fixture
+def marked(place, gallery, copy_of):
+    with gallery.database.reading() as session:
+        row = session.get_one(Work, "regular-tian")
+    return worker.mark(place, data=copy_of(), work_id=row.id, digest=row.digest, script=row.script)
+
+
+@pytest.fixture
+def kept(gallery, marked):
+    def keep(who, **more):
+        return attempts.keep(
+            gallery, marked, work_id="regular-tian", person_id=who and who.id, kind="photo", **more
+        )
+
+    return keep
+
+
+def seen(gallery, attempt, who):
+    with gallery.database.reading() as session:
+        return seen_attempt(session, attempt.id, who=who)
+
+
+def test_what_was_kept_is_all_there(gallery, kept, marked, person):
+    attempt = kept(person("林"), strokes="[[[0,0,1]]]", grid="mi")
+    assert gallery.store.read(attempt.picture) == marked.picture.data
+    assert json.loads(gallery.store.read(attempt.strokes)) == [[[0, 0, 1]]]
+    assert attempts.residual(gallery.store, attempt) == marked.residual
+    assert attempt.score == marked.facts["score"] and attempt.mark["parts"]
+
+
+def test_a_deleted_attempt_leaves_no_file(gallery, kept, person, tmp_path):
+    from rumu.gallery.derived import derived_of
+    from rumu.gallery.originals import picture_original
+
+    lin = person("林")
+    before = {p for p in (tmp_path / "files").rglob("*") if p.is_file()}
+    attempt = kept(lin, strokes="[]")
+    derived_of(gallery.store, picture_original(gallery.store, attempt.picture), "thumb")
+    attempts.delete(gallery, attempt.id, who=lin)
+    assert {p for p in (tmp_path / "files").rglob("*") if p.is_file()} == before
+    with pytest.raises(Missing):
+        seen(gallery, attempt, lin)
+
+
+def test_who_sees_and_who_deletes(gallery, kept, person):
+    lin, wu, owner = person("林"), person("吳"), person("館主", "owner")
+    own, other = person("師", "teacher"), person("師二", "teacher")
+    with gallery.database.writing() as session:
+        school_class = create_class(session, own, name="a")
+        session.add(Membership(class_id=school_class.id, person_id=lin.id))
+    attempt = kept(lin)
+    for who in (lin, own, owner):
+        assert seen(gallery, attempt, who).id == attempt.id
+    for who in (wu, other, None):
+        with pytest.raises(Missing):
+            seen(gallery, attempt, who)
+    with pytest.raises(NotAllowed):
+        attempts.delete(gallery, attempt.id, who=own)
+    with gallery.database.reading() as session:
+        listed = {who.name: attempts.listed(session, who)[1] for who in (lin, wu, own, other, owner)}
+    assert listed == {"林": 1, "吳": 0, "師": 1, "師二": 0, "館主": 1}
+
+
+def test_a_simulated_copy_is_for_all_and_nobody_s(gallery, kept, person):
+    attempt = kept(None)
+    with gallery.database.writing() as session:
+        session.get_one(Attempt, attempt.id).kind = "simulated"
+    owner = person("館主", "owner")
+    for who in (None, person("林"), owner):
+        assert seen(gallery, attempt, who).kind == "simulated"
+    with pytest.raises(NotAllowed):
+        attempts.delete(gallery, attempt.id, who=owner)
+
+
+def test_a_teacher_s_mark_replaces_their_own_and_stands_beside_another_s(gallery, kept, person):
+    lin, one, two = person("林"), person("師", "teacher"), person("館主", "owner")
+    with gallery.database.writing() as session:
+        session.add(Membership(class_id=create_class(session, one, name="a").id, person_id=lin.id))
+    attempt = kept(lin)
+    with gallery.database.writing() as session:
+        for who, mark in ((one, 50), (one, 60), (two, 80)):
+            attempts.mark_by_teacher(session, attempt.id, who=who, mark=mark, note="")
+        (shown,) = attempts.shown(session, [attempt])
+        assert sorted((p.name, m.mark) for p, m in shown.teacher_marks) == [("師", 60), ("館主", 80)]
+        with pytest.raises(NotAllowed):
+            attempts.mark_by_teacher(session, attempt.id, who=lin, mark=100, note="")
+
+
+def test_a_task_is_for_its_class_and_its_work(gallery, person):
+    teacher, lin, wu = person("師", "teacher"), person("林"), person("吳")
+    with gallery.database.writing() as session:
+        class_id = create_class(session, teacher, name="a").id
+        session.add(Membership(class_id=class_id, person_id=lin.id))
+        session.flush()
+        found = found_class(session, class_id, who=teacher)
+        task = add_task(session, found, work_id="regular-tian", title="")
+        assert attempts.task_for(session, task.id, who=lin, work_id="regular-tian").id == task.id
+        for who, work, refusal in (
+            (lin, "regular-shui", Unusable),
+            (wu, "regular-tian", Missing),
+            (teacher, "regular-tian", NotAllowed),
+        ):
+            with pytest.raises(refusal):
+                attempts.task_for(session, task.id, who=who, work_id=work)
+
+
+@pytest.mark.parametrize(
+    "text", ["[]", "[[]]", '[{"points":[[1,2,0.5,0]],"tool":"pen"}]', '{"strokes":[[[1,2]]]}']
+)
+def test_strokes(text):
+    assert json.loads(attempts.checked_strokes(text)) == json.loads(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "x", "{}", "1", "[1]", "[[1]]", '[[["a",1]]]', "[[[NaN,1]]]", "[[[1]]]", "[" * 100_000, "null"],
+)
+def test_what_are_no_strokes(text):
+    with pytest.raises(Unusable):
+        attempts.checked_strokes(text)

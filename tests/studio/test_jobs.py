@@ -1,0 +1,128 @@
+"""Jobs: taken in order, told as they go, taken up again after whatever ended the server."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import pytest
+
+from rumu.database.tables import Job
+from rumu.studio import handlers, jobs
+from rumu.studio.errors import Missing, NotAllowed, Unusable
+from rumu.studio.place import Place
+from rumu.studio.workers import Workers
+
+
+@pytest.fixture
+def handler(monkeypatch):
+    def put(work):
+        monkeypatch.setitem(handlers.HANDLERS, "test", work)
+
+    return put
+
+
+@pytest.fixture
+def queued(gallery):
+    def put(payload=None, person_id=None):
+        with gallery.database.writing() as session:
+            return jobs.add(session, "test", payload or {}, person_id=person_id).id
+
+    return put
+
+
+def row(gallery, job_id) -> Job:
+    with gallery.database.reading() as session:
+        return session.get_one(Job, job_id)
+
+
+def done(gallery, place, work_id):
+    assert jobs.take(gallery.database) == work_id
+    jobs.perform(gallery, work_id, place=place)
+    return row(gallery, work_id)
+
+
+def test_a_job_is_done_and_says_so(gallery, place, handler, queued):
+    handler(lambda gallery, payload, progress, place: (progress(1, 2), {"twice": 2 * payload["n"]})[1])
+    job = done(gallery, place, queued({"n": 21}))
+    assert (job.state, job.result, job.tries, job.done, job.total) == ("done", {"twice": 42}, 1, 2, 2)
+    assert jobs.take(gallery.database) is None
+
+
+@pytest.mark.parametrize(
+    "failure",
+    [(Unusable(zh="壞", en="bad"), "壞 bad"), (ZeroDivisionError(), "unexpected ZeroDivisionError")],
+)
+def test_a_job_that_fails_says_why_and_the_next_goes_on(gallery, place, handler, queued, failure):
+    error, told = failure
+
+    def fails(*_):
+        raise error
+
+    handler(fails)
+    first, second = queued(), queued()
+    job = done(gallery, place, first)
+    assert (job.state, job.error) == ("failed", told)
+    handler(lambda *_: {})
+    assert done(gallery, place, second).state == "done"
+
+
+def test_what_was_cut_off_is_done_again_but_not_for_ever(gallery, place, handler, queued):
+    job_id = queued()
+    for _ in range(jobs.MOST_TRIES):
+        assert jobs.take(gallery.database) == job_id  # and the server dies
+        jobs.take_up(gallery.database)
+    assert row(gallery, job_id).state == "failed" and "cut off" in row(gallery, job_id).error
+    handler(lambda *_: {"whole": True})
+    job_id = queued()
+    jobs.take(gallery.database)
+    assert jobs.take_up(gallery.database) == 1
+    assert done(gallery, place, job_id).result == {"whole": True}
+
+
+def test_a_cancelled_job_stops_at_its_next_step(gallery, place, handler, queued, person):
+    owner = person("館主", "owner")
+    steps = []
+
+    def long(gallery, payload, progress, place):
+        for k in range(100):
+            steps.append(k)
+            if k == 3:
+                with gallery.database.writing() as session:
+                    jobs.cancel(session, job_id, who=owner)
+                progress.told = 0.0
+            progress(k, 100)
+        return {}
+
+    handler(long)
+    job_id = queued()
+    job = done(gallery, place, job_id)
+    assert job.state == "cancelled" and len(steps) == 4
+    with gallery.database.writing() as session, pytest.raises(NotAllowed):
+        jobs.cancel(session, job_id, who=owner)
+
+
+def test_a_job_is_its_owner_s(gallery, queued, person):
+    lin, wu, owner = person("林", "teacher"), person("吳", "teacher"), person("館主", "owner")
+    job_id = queued(person_id=lin.id)
+    with gallery.database.reading() as session:
+        assert jobs.found(session, job_id, who=lin).id == jobs.found(session, job_id, who=owner).id
+        with pytest.raises(Missing):
+            jobs.found(session, job_id, who=wu)
+
+
+def test_the_runner_works_through_the_queue_when_woken(gallery, place: Place, handler, queued):
+    handler(lambda *_: {"thread": threading.current_thread().name})
+    workers = Workers(place, processes=0)
+    runner = jobs.Runner(gallery.database, workers)
+    runner.start()
+    try:
+        ids = [queued() for _ in range(3)]
+        runner.wake()
+        until = time.monotonic() + 20
+        while any(row(gallery, one).state != "done" for one in ids):
+            assert time.monotonic() < until
+            time.sleep(0.02)
+    finally:
+        runner.stop()
+        workers.stop()

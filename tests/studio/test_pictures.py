@@ -1,0 +1,96 @@
+"""What is taken for a picture, and what is left of it."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rumu.studio.errors import Unusable
+from rumu.studio.pictures import KEPT_SIDE, format_of, kept, looked_at
+
+
+def test_a_picture_is_known_by_what_it_holds(packed, cross):
+    assert kept(packed(cross())).ending == "png"
+    assert kept(packed(cross(), "JPEG")).ending == "jpg"
+    for no_picture in (
+        b"",
+        b"x",
+        b"<svg/>",
+        b"\x89PNG\r\n\x1a\n",
+        packed(cross(), "GIF"),
+        packed(cross(), "BMP"),
+    ):
+        with pytest.raises(Unusable):
+            looked_at(no_picture)
+
+
+def test_a_cut_picture_is_none(packed, cross):
+    whole = packed(cross(400, 400))
+    looked_at(whole[: len(whole) // 2])  # its head is fine
+    with pytest.raises(Unusable, match="whole"):
+        kept(whole[: len(whole) // 2])
+
+
+def test_pixels_are_counted_before_they_are_decoded():
+    """A head that promises 30000 x 30000 pixels and a body that has none: refused from the head."""
+    head = struct.pack(">IIBBBBB", 30000, 30000, 8, 0, 0, 0, 0)
+    chunk = b"IHDR" + head
+    data = b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + chunk + struct.pack(">I", zlib.crc32(chunk))
+    body = zlib.compress(b"\0" * 1000)
+    data += struct.pack(">I", len(body)) + b"IDAT" + body + struct.pack(">I", zlib.crc32(b"IDAT" + body))
+    with pytest.raises(Unusable) as refused:
+        looked_at(data)
+    assert refused.value.code in ("too_many_pixels", "no_picture")
+
+
+def test_too_many_bytes(packed, cross):
+    with pytest.raises(Unusable) as refused:
+        looked_at(packed(cross()), most_bytes=100)
+    assert refused.value.code == "too_large"
+
+
+def test_what_a_camera_wrote_of_place_and_time_is_left_behind_and_the_picture_stands(packed):
+    page = Image.new("RGB", (120, 60), "white")
+    page.paste("black", (0, 0, 30, 60))  # ink at the left
+    exif = Image.Exif()
+    exif[0x0112] = 6  # to be turned a quarter clockwise
+    exif[0x010E] = "secret place"
+    data = packed(page, "JPEG", exif=exif, quality=95)
+    assert b"secret" in data
+    told = kept(data)
+    assert b"secret" not in told.data and (told.width, told.height) == (60, 120)
+    upright = np.asarray(Image.open(io.BytesIO(told.data)).convert("L"))
+    assert upright[:25].mean() < 60  # now at the top
+    assert upright[40:].mean() > 200
+
+
+@pytest.mark.parametrize("mode", ["L", "RGB", "RGBA", "LA", "P", "1", "I;16"])
+def test_all_modes_keep_ink_dark_and_paper_pale(packed, cross, mode):
+    deep = Image.fromarray(np.asarray(cross(), np.uint16) * 257)
+    image = deep if mode == "I;16" else cross().convert(mode)
+    told = np.asarray(Image.open(io.BytesIO(kept(packed(image)).data)).convert("L"))
+    assert told[100, 100] < 60 and told[5, 5] > 240
+
+
+def test_what_is_clear_is_paper(packed):
+    clear = Image.new("RGBA", (50, 50), (0, 0, 0, 0))
+    told = np.asarray(Image.open(io.BytesIO(kept(packed(clear)).data)).convert("L"))
+    assert told.min() == 255
+
+
+def test_a_large_photograph_is_reduced(packed, cross):
+    told = kept(packed(cross(4000, 3000), "JPEG"))
+    assert (told.width, told.height) == (KEPT_SIDE, KEPT_SIDE * 3 // 4)
+
+
+def test_works_may_have_more_formats(packed, cross):
+    assert format_of(packed(cross(), "TIFF")) == "tif" and format_of(packed(cross(), "WEBP")) == "webp"
+    with pytest.raises(Unusable):
+        format_of(packed(cross(), "GIF"))
+    with pytest.raises(Unusable):
+        format_of(packed(cross(300, 300)), most_pixels=1000)

@@ -1,0 +1,90 @@
+"""The sheet to print: one page, in either language, with the Chinese on it whatever the reader's fonts
+are."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pypdf
+import pytest
+
+from rumu.database.tables import Attempt, Work, now
+from rumu.studio import lettering
+from rumu.studio.practice import Curve
+from rumu.studio.printing import Sheet, practice_pdf, shown_attempts
+
+
+@pytest.fixture
+def sheet(packed, cross):
+    def make(count=3, language="zh", remarks=2, name="林小明"):
+        work = Work(
+            id="w", title_zh="楷書「十」", title_en="Ten, regular script", hand_zh="某", hand_en="somebody"
+        )
+        remark = {"zh": "整字向右傾斜 12°。先看範本的中軸。" * 3, "en": "The whole leans 12° clockwise. " * 3}
+        attempts = tuple(
+            Attempt(
+                id=str(k),
+                created=now(),
+                kind="pen",
+                score=None if k == 1 else 40.0 + 5 * k,
+                level=None if k == 1 else "medium",
+                mark={
+                    "interval": None if k == 1 else [30.0, 70.0],
+                    "remarks": [remark] * remarks,
+                    "refused": None,
+                },
+            )
+            for k in range(count)
+        )
+        picture = packed(cross())
+        return Sheet(name, Curve(work, attempts), picture, {a.id: picture for a in attempts}, language)
+
+    return make
+
+
+def text_of(pdf: bytes) -> str:
+    pages = pypdf.PdfReader(io.BytesIO(pdf)).pages
+    assert len(pages) == 1 and [round(float(x)) for x in pages[0].mediabox[2:]] == [595, 842]
+    return pages[0].extract_text()
+
+
+def test_english_is_set_and_can_be_read(sheet):
+    text = text_of(practice_pdf(sheet(language="en", name="Lin")))
+    for words in ("Practice", "Ten, regular script", "Lin", "80 % interval", "leans 12°", "not marked"):
+        assert words in text
+
+
+def test_many_attempts_and_remarks_stay_on_one_page(sheet):
+    whole = sheet(count=40, remarks=9)
+    assert [a.id for a in shown_attempts(whole.curve)] == ["0", "37", "38", "39"]
+    text_of(practice_pdf(whole))
+    text_of(practice_pdf(sheet(count=1, remarks=0)))
+
+
+@pytest.mark.skipif(lettering.chinese_face() is None, reason="this machine has no Chinese font")
+def test_chinese_is_outlines_that_need_no_font(sheet):
+    page = pypdf.PdfReader(io.BytesIO(practice_pdf(sheet()))).pages[0]
+    fonts = {font.get_object()["/BaseFont"] for font in page["/Resources"]["/Font"].values()}
+    assert fonts <= {"/Helvetica", "/Helvetica-Bold"}
+    assert page.get_contents().get_data().count(b" c\n") + page.get_contents().get_data().count(b" c ") > 500
+
+
+def test_without_a_font_the_reader_s_own_is_asked_for(sheet, monkeypatch):
+    monkeypatch.setattr(lettering, "chinese_face", lambda: None)
+    page = pypdf.PdfReader(io.BytesIO(practice_pdf(sheet()))).pages[0]
+    fonts = {font.get_object()["/BaseFont"] for font in page["/Resources"]["/Font"].values()}
+    assert any("MSung" in font for font in fonts)
+
+
+def test_lines_are_as_long_as_they_may_be():
+    text = "整字向右傾斜 12°，先看範本的中軸，落筆時把重心扶正。 The whole character leans 12° clockwise."
+    folded = lettering.lines(text, 10, width=120)
+    assert len(folded) > 3 and "".join(folded).replace(" ", "") == text.replace(" ", "")
+    for line in folded:
+        assert lettering.text_width(line, 10) <= 132 and line[0] not in "，。"
+
+
+def test_runs_tell_latin_from_the_rest():
+    assert list(lettering.runs("A 十°B")) == [(False, "A "), (True, "十"), (False, "°B")]
+    assert np.isclose(lettering.text_width("十十", 10), 20, atol=1)

@@ -1,0 +1,62 @@
+"""Signed sessions: what was forged, cut or is too old is none."""
+
+from __future__ import annotations
+
+import pytest
+from itsdangerous import URLSafeTimedSerializer
+
+from rumu.studio.tickets import Tickets, open_tickets
+
+
+def test_a_ticket_comes_back_as_it_was_written():
+    tickets = Tickets("key")
+    ticket = tickets.fresh(person_id="p", epoch=3)
+    assert tickets.read(tickets.written(ticket)) == ticket
+
+
+@pytest.mark.parametrize("spoil", [lambda t: t[:-2], lambda t: "x" + t, lambda t: t.replace(".", "", 1)])
+def test_a_spoilt_ticket_is_none(spoil):
+    tickets = Tickets("key")
+    assert tickets.read(spoil(tickets.written(tickets.fresh(person_id="p")))) is None
+
+
+@pytest.mark.parametrize("text", [None, "", "x", "é" * 400, "a.b.c", "W10.x.y"])
+def test_nonsense_is_none(text):
+    assert Tickets("key").read(text) is None
+
+
+def test_another_key_reads_nothing():
+    one, other = Tickets("key"), Tickets("another")
+    ticket = one.fresh(person_id="p")
+    assert other.read(one.written(ticket)) is None
+    assert one.csrf(ticket) != other.csrf(ticket)
+
+
+def test_a_signed_value_of_another_shape_is_none():
+    tickets = Tickets("key")
+    signer = URLSafeTimedSerializer("key", salt="rumu-session", signer_kwargs=tickets._signer.signer_kwargs)
+    assert tickets.read(signer.dumps({"a": 1})) is None
+
+
+def test_an_old_ticket_is_none(monkeypatch):
+    tickets = Tickets("key")
+    text = tickets.written(tickets.fresh())
+    from itsdangerous import timed
+
+    now = timed.time.time()
+    monkeypatch.setattr(timed.time, "time", lambda: now + 31 * 86400)
+    assert tickets.read(text) is None
+
+
+def test_the_csrf_token_belongs_to_one_session():
+    tickets = Tickets("key")
+    one, other = tickets.fresh(), tickets.fresh()
+    assert tickets.says(one, tickets.csrf(one))
+    for token in (tickets.csrf(other), "", None, "é"):
+        assert not tickets.says(one, token)
+
+
+def test_the_key_stays_with_the_database(gallery):
+    ticket = open_tickets(gallery.database).fresh(person_id="p")
+    text = open_tickets(gallery.database).written(ticket)
+    assert open_tickets(gallery.database).read(text) == ticket
