@@ -1,0 +1,38 @@
+"""Counts of every choice."""
+
+from __future__ import annotations
+
+from rumu.gallery.catalog import change_work, facets, works
+
+
+def counts(values) -> dict[str, int]:
+    return {value.value: value.count for value in values}
+
+
+def test_each_count_is_what_choosing_it_gives(gallery):
+    change_work(gallery, "seal-ri", {"script": "", "hand_zh": "", "hand_en": "", "dynasty": "Tang"})
+    found = facets(gallery)
+    assert counts(found["script"]) == {
+        "none": 1,
+        "seal": 5,
+        "clerical": 6,
+        "regular": 6,
+        "running": 6,
+        "cursive": 6,
+    }
+    for name in ("script", "dynasty", "hand", "character", "collection"):
+        for value in found[name]:
+            assert works(gallery, **{name: value.value}).total == value.count, (name, value)
+
+
+def test_a_choice_narrows_the_others_but_not_itself(gallery):
+    found = facets(gallery, script="seal", query=["shui", "shu", "tian"][0])
+    assert counts(found["script"]) == dict.fromkeys(("seal", "clerical", "regular", "running", "cursive"), 1)
+    assert counts(found["character"]) == {"水": 1}
+    assert facets(gallery, query="nowhere")["script"] == ()
+
+
+def test_choices_are_named_in_both_languages(gallery):
+    found = facets(gallery)
+    assert {(v.zh, v.en) for v in found["collection"]} == {("入門碑帖", "Starter gallery")}
+    assert {(v.zh, v.en) for v in found["dynasty"]} == {("當代", "contemporary")}
