@@ -1,0 +1,214 @@
+"""Pictures, maps and meshes: what they hold, how large they are, and that each is made once."""
+
+from __future__ import annotations
+
+import io
+import json
+import threading
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rumu.errors import GalleryError, RefusedImage
+from rumu.gallery import making
+from rumu.gallery.catalog import surface
+from rumu.gallery.derived import KINDS, derived, viewer_facts
+from rumu.gallery.starting import put_starter
+from rumu.gallery.store import Store
+from rumu.gallery.works import starter_works
+
+
+@pytest.fixture
+def gallery(bare):
+    put_starter(bare)
+    return bare
+
+
+def picture_of(gallery, kind: str, work: str = "regular-shui") -> np.ndarray:
+    return np.asarray(Image.open(io.BytesIO(derived(gallery, work, kind).data)))
+
+
+def test_every_picture_is_of_its_type_and_size(gallery):
+    sides = {"thumb": 256, "thumb-normals": 128, "picture": 512, "albedo": 512, "normals": 512, "mask": 512}
+    for kind, side in sides.items():
+        file = derived(gallery, "regular-shui", kind)
+        with Image.open(io.BytesIO(file.data)) as image:
+            assert (image.size, Image.MIME[image.format]) == ((side, side), file.media_type), kind
+    assert (
+        derived(gallery, "regular-shui", "picture").data
+        == starter_works(script="regular")[2].path.read_bytes()
+    )
+
+
+def test_maps_hold_the_numbers_of_the_surface(gallery):
+    known, facts = (
+        surface(gallery, "regular-shui"),
+        json.loads(derived(gallery, "regular-shui", "facts").data),
+    )
+    eight = picture_of(gallery, "normals").astype(float) / 127.5 - 1
+    assert np.abs(eight - known.normals).max() < 0.006
+    heights = np.frombuffer(derived(gallery, "regular-shui", "heights").data, "<f4").reshape(512, 512)
+    assert np.array_equal(heights, known.height)
+    assert (facts["heights"]["min"], facts["heights"]["max"]) == (heights.min(), heights.max())
+    told = facts["height16"]
+    sixteen = picture_of(gallery, "height16").astype(float) * told["scale"] + told["offset"]
+    assert np.abs(sixteen - known.height).max() < 1e-3
+    assert np.array_equal(picture_of(gallery, "mask") > 127, known.mask)
+    import cv2
+
+    packed = cv2.imdecode(np.frombuffer(derived(gallery, "regular-shui", "normals-16").data, np.uint8), -1)
+    assert packed.dtype == np.uint16
+    assert np.abs(packed[..., ::-1] / 32767.5 - 1 - known.normals).max() < 5e-5
+
+
+def test_the_viewer_is_told_where_the_height_comes_from(gallery):
+    facts = viewer_facts(gallery, "seal-tian", url=lambda kind, tag: f"{kind}#{tag}")
+    assert (facts["source"], facts["unit"], facts["pixels"], facts["three_lamps"]) == (
+        "inflation",
+        "px",
+        [512, 512],
+        None,
+    )
+    assert "not measured" in facts["source_text"]["en"] and "並非量得" in facts["source_text"]["zh"]
+    assert facts["height"]["url"].startswith("heights#") and facts["glb"].startswith("glb#")
+
+
+@pytest.mark.parametrize("work", [work.id for work in starter_works()])
+def test_every_starter_mesh_is_sound_and_small(gallery, work):
+    import trimesh
+
+    data = derived(gallery, work, "glb").data
+    assert len(data) <= making.GLB_BYTES
+    mesh = trimesh.load(io.BytesIO(data), file_type="glb", force="mesh")
+    assert mesh.is_winding_consistent and len(mesh.faces) > 10_000
+    assert mesh.extents[:2] == pytest.approx([0.1, 0.1], rel=0.02)
+    assert mesh.face_normals[:, 2].min() > 0
+
+
+def test_a_large_photometric_mesh_stays_below_5_mb(bare):
+    """Noise is what a JPEG and a mesh pack worst."""
+    from rumu.gallery.originals import Original
+    from rumu.values import Surface
+
+    rng = np.random.default_rng(3)
+    shape = (1500, 2000)
+    slopes = rng.normal(0, 0.3, (*shape, 2))
+    normals = np.dstack([slopes, np.ones(shape)]).astype(np.float32)
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    noisy = Surface(
+        height=rng.normal(0, 2, shape).astype(np.float32),
+        normals=normals,
+        albedo=rng.uniform(0, 1, (*shape, 3)).astype(np.float32),
+        mask=np.ones(shape, bool),
+        confidence=np.ones(shape, np.float32),
+        spacing=0.05,
+        unit="mm",
+        source="photometric",
+    )
+    data = making.glb(Original(digest="x", picture=bytes, surface=lambda: noisy), exaggeration=1.0)
+    assert 500_000 < len(data) <= making.GLB_BYTES
+
+
+def test_the_real_photographs_give_a_small_mesh(bare, data):
+    from rumu.gallery.adding import add_capture
+    from rumu.gallery.entries import Entry
+    from rumu.gallery.works import Bilingual
+
+    added = add_capture(
+        bare, data / "photometric" / "uw-psm" / "cat", entry=Entry(title=Bilingual("貓", "Cat"))
+    )
+    assert len(derived(bare, added.id, "glb").data) <= making.GLB_BYTES
+
+
+def test_a_mesh_can_be_exaggerated_and_nothing_else(gallery):
+    import trimesh
+
+    heights = [
+        trimesh.load(
+            io.BytesIO(derived(gallery, "seal-ri", "stl", exaggeration=times).data), file_type="stl"
+        ).extents[2]
+        for times in (1.0, 3.0)
+    ]
+    assert heights[1] == pytest.approx(3 * heights[0], rel=1e-4)
+    for kind, times in (("normals", 2.0), ("glb", 0.0), ("glb", float("nan"))):
+        with pytest.raises(GalleryError, match="exaggeration"):
+            derived(gallery, "seal-ri", kind, exaggeration=times)
+    with pytest.raises(GalleryError, match="expected a kind of file"):
+        derived(gallery, "seal-ri", "../../secret")
+
+
+def test_each_file_is_made_once_and_then_kept(gallery, monkeypatch):
+    made, real = [], making.normals
+    monkeypatch.setattr(making, "normals", lambda original: made.append(1) or real(original))
+    answers = []
+    threads = [
+        threading.Thread(target=lambda: answers.append(derived(gallery, "seal-ri", "normals")))
+        for _ in range(8)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(made) == 1 and len(answers) == 8 and len({answer.data for answer in answers}) == 1
+    assert not [key for key in gallery.store.keys("derived") if key.endswith(".part")]
+
+
+def test_a_file_that_fails_half_way_is_not_kept(gallery, monkeypatch):
+    def fails(original) -> bytes:
+        raise RuntimeError
+
+    monkeypatch.setattr(making, "normals", fails)
+    with pytest.raises(RuntimeError):
+        derived(gallery, "seal-ri", "normals")
+    monkeypatch.undo()
+    assert derived(gallery, "seal-ri", "normals").data
+
+
+def test_the_tag_changes_with_the_content(gallery):
+    from rumu.gallery.catalog import change_work
+
+    before = derived(gallery, "seal-ri", "facts")
+    assert derived(gallery, "seal-ri", "facts").etag == before.etag
+    change_work(gallery, "seal-ri", {"spacing": 0.5})
+    after = derived(gallery, "seal-ri", "facts")
+    assert after.etag != before.etag and json.loads(after.data)["unit"] == "mm"
+    assert len({derived(gallery, "seal-ri", kind).etag for kind in ("thumb", "normals", "mask")}) == 3
+
+
+def test_a_picture_without_writing_has_a_picture_but_no_surface(bare, labelled):
+    from rumu.gallery.catalog import works
+    from rumu.gallery.importing import import_folder
+
+    folder = labelled(1)
+    Image.new("L", (64, 64), 250).save(folder / "img" / "00000.png")
+    import_folder(bare, folder)
+    (only,) = works(bare).items
+    assert derived(bare, only.id, "thumb").data and derived(bare, only.id, "picture").data
+    with pytest.raises(RefusedImage):
+        derived(bare, only.id, "normals")
+
+
+def test_a_large_picture_is_brought_down(bare, tmp_path):
+    from rumu.gallery.adding import add_picture
+    from rumu.gallery.entries import Entry
+    from rumu.gallery.works import Bilingual
+
+    page = np.full((2600, 3000, 3), 240, np.uint8)
+    page[400:2200, 1300:1600] = 20
+    page[1100:1400, 500:2500] = 20
+    Image.fromarray(page).save(tmp_path / "large.jpg")
+    added = add_picture(bare, tmp_path / "large.jpg", entry=Entry(title=Bilingual("十", "ten")))
+    assert max(surface(bare, added.id).height.shape) == 2400
+    assert picture_of(bare, "picture", added.id).shape == (1775, 2048, 3)
+    assert picture_of(bare, "normals", added.id).shape == (887, 1024, 3)
+    assert len(derived(bare, added.id, "heights").data) == 4 * 512 * 444
+
+
+def test_a_store_elsewhere_serves_as_well(bare):
+    from rumu.gallery.catalog import Gallery
+
+    there = Gallery(bare.database, Store.open("memory://derived"))
+    put_starter(there)
+    for kind in set(KINDS) - {"lamp-a", "lamp-b", "lamp-c"}:
+        assert derived(there, "regular-ri", kind).data == derived(there, "regular-ri", kind).data
