@@ -71,7 +71,7 @@ function Shown({ pair, busy, onJudge }: { pair: Pair; busy: boolean; onJudge: (w
       <p class="lead">{w("judgeLead", { title: say(pair.work.title) })}</p>
       <div class="judge-pair">
         {(["left", "right"] as const).map((side) => (
-          <button key={side} type="button" class="judge-copy" disabled={busy} aria-label={w(side)} onClick={() => onJudge(side)}>
+          <button key={side} type="button" class="judge-copy" disabled={busy} onClick={() => onJudge(side)}>
             <img src={pair[side].picture ?? ""} alt="" />
             <span>
               <kbd>{side === "left" ? "1" : "2"}</kbd> {w(side)}

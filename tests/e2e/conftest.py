@@ -1,0 +1,170 @@
+"""The whole system as a person meets it: the real server, the built pages, a real browser."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from tests.conftest import absent
+
+STATIC = Path(__file__).parents[2] / "src" / "rumu" / "web" / "static"
+FLAGS = [
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+]
+PATIENCE = 30_000  # milliseconds: the lamp is drawn by a processor here
+
+expect.set_options(timeout=PATIENCE)
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """url: of the running server, without its last slash. owner_link: makes the first login."""
+
+    url: str
+    owner_link: str
+
+
+@pytest.fixture(scope="session")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    if not (STATIC / "index.html").is_file():
+        absent("the built front end (scripts/install builds it)")
+    home = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "rumu.cli", "serve", "--port", "0", "--json"]
+    with (home / "stderr").open("wb") as errors:
+        server = subprocess.Popen(
+            command, env=os.environ | {"RUMU_HOME": str(home)}, stdout=subprocess.PIPE, stderr=errors
+        )
+    assert server.stdout is not None
+    line = server.stdout.readline()
+    try:
+        assert line, (home / "stderr").read_text()
+        said = json.loads(line)
+        yield Site(said["url"].rstrip("/"), said["owner_link"])
+    finally:
+        server.terminate()
+        server.wait(timeout=20)
+        assert "Traceback" not in (home / "stderr").read_text()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    if chromium is None:
+        absent("chromium (Debian: apt install chromium)")
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+        yield running
+        running.close()
+
+
+@dataclass(frozen=True, slots=True)
+class Visitor:
+    """One person at one browser: `page`, and what the page complained of."""
+
+    page: Page
+    url: str
+    complaints: list[str]
+
+    def go(self, path: str) -> Page:
+        self.page.goto(f"{self.url}/#{path}")
+        self.page.wait_for_load_state("networkidle")
+        return self.page
+
+
+Arrive = Callable[..., Visitor]
+
+
+@pytest.fixture
+def arrive(site: Site, browser: Browser) -> Iterator[Arrive]:
+    """Make a visitor with a browser of their own; at the end no page may have complained."""
+    contexts: list[BrowserContext] = []
+    visitors: list[Visitor] = []
+
+    def make(**options: Any) -> Visitor:
+        context = browser.new_context(
+            **({"viewport": {"width": 1280, "height": 800}, "locale": "en-GB"} | options)
+        )
+        context.set_default_timeout(PATIENCE)
+        page = context.new_page()
+        complaints: list[str] = []
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)
+        contexts.append(context)
+        visitors.append(Visitor(page, site.url, complaints))
+        return visitors[-1]
+
+    yield make
+    for context in contexts:
+        context.close()
+    assert [complaint for visitor in visitors for complaint in visitor.complaints] == []
+
+
+@pytest.fixture
+def visitor(arrive: Arrive) -> Visitor:
+    return arrive()
+
+
+@pytest.fixture(scope="session")
+def people(site: Site, browser: Browser) -> dict[str, tuple[str, str]]:
+    """Name and password of an owner, a teacher and two pupils, who came by their links."""
+    made: dict[str, tuple[str, str]] = {}
+    context = browser.new_context(locale="en-GB")
+    page = context.new_page()
+    _join(page, site.owner_link, "Mistress Wei", made, "owner")
+    for role, name in (("teacher", "Teacher Ouyang"), ("pupil", "Xiao Ming"), ("pupil", "Xiao Hua")):
+        link = page.evaluate(
+            """async (role) => {
+                const { csrf } = await (await fetch("/api/session")).json();
+                const headers = { "Content-Type": "application/json", "X-CSRF-Token": csrf };
+                const body = JSON.stringify({ role });
+                const answer = await fetch("/api/invitations", { method: "POST", headers, body });
+                return (await answer.json()).link;
+            }""",
+            role,
+        )
+        other = browser.new_context(locale="en-GB")
+        _join(other.new_page(), site.url + link, name, made, role if role not in made else f"other {role}")
+        other.close()
+    context.close()
+    return made
+
+
+def _join(page: Page, link: str, name: str, made: dict[str, tuple[str, str]], key: str) -> None:
+    password = f"brush and ink {key}"
+    page.goto(link)
+    page.get_by_label("Name").fill(name)
+    for field in page.locator("input[type=password]").all():
+        field.fill(password)
+    page.locator("form button[type=submit]").click()
+    expect(page.get_by_role("button", name="Log out")).to_be_visible()
+    made[key] = (name, password)
+
+
+@pytest.fixture
+def as_person(arrive: Arrive, people: dict[str, tuple[str, str]]) -> Callable[[str], Visitor]:
+    """A visitor who logged in as 'owner', 'teacher', 'pupil' or 'other pupil'."""
+
+    def log_in(key: str, **options: Any) -> Visitor:
+        visitor = arrive(**options)
+        page = visitor.go("/login")
+        name, password = people[key]
+        page.locator("input[autocomplete=username]").fill(name)
+        page.locator("input[type=password]").fill(password)
+        page.locator("form button[type=submit]").click()
+        expect(page.get_by_role("button", name=re.compile("Log out|登出"))).to_be_visible()
+        return visitor
+
+    return log_in
