@@ -21,7 +21,7 @@ QUALITIES = ("default", "color", "gray", "bitonal")
 MAX_SIDE = 4096  # pixels of an answer; a larger picture is served in parts
 TILE = 512
 
-_NUMBER = r"(?:\d+(?:\.\d*)?|\.\d+)"
+_NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
 _MIDDLE = 128  # gray from which on 'bitonal' is white
 
 
@@ -101,7 +101,7 @@ def region_box(region: str, *, width: int, height: int) -> Box:
     if region == "square":
         side = min(width, height)
         return Box((width - side) // 2, (height - side) // 2, side, side)
-    pixels = re.fullmatch(r"(\d{1,9}),(\d{1,9}),(\d{1,9}),(\d{1,9})", region)
+    pixels = re.fullmatch(r"([0-9]{1,9}),([0-9]{1,9}),([0-9]{1,9}),([0-9]{1,9})", region)
     shares = re.fullmatch(rf"pct:({_NUMBER}),({_NUMBER}),({_NUMBER}),({_NUMBER})", region)
     if pixels:
         x, y, w, h = map(int, pixels.groups())
@@ -136,10 +136,10 @@ def _asked_size(asked: str, box: Box, *, upscale: bool) -> tuple[int, int]:
     if share := re.fullmatch(rf"pct:({_NUMBER})", asked):
         factor = float(share[1]) / 100
         return max(1, round(box.width * factor)) if factor else 0, max(1, round(box.height * factor))
-    if fit := re.fullmatch(r"!(\d{1,9}),(\d{1,9})", asked):
+    if fit := re.fullmatch(r"!([0-9]{1,9}),([0-9]{1,9})", asked):
         width, height = min(int(fit[1]), MAX_SIDE), min(int(fit[2]), MAX_SIDE)
         return _within(box, width, height, upscale=upscale) if width and height else (0, 0)
-    sides = re.fullmatch(r"(\d{0,9}),(\d{0,9})", asked)
+    sides = re.fullmatch(r"([0-9]{0,9}),([0-9]{0,9})", asked)
     if sides is None or not (sides[1] or sides[2]):
         raise BadImageRequest(
             f"expected a size max, w,h or w, or ,h or !w,h or pct:n, with or without ^, got {asked!r:.60}"
