@@ -13,7 +13,7 @@ import numpy as np
 from rumu.assessment.calibration import Calibration
 from rumu.assessment.comparison import compare
 from rumu.assessment.marking import checked_terms, marked
-from rumu.assessment.refusal import Refusal, reason, refusal
+from rumu.assessment.refusal import Refusal, judged, reason
 from rumu.assessment.remarks import remarks as remarks_on
 from rumu.assessment.similarity import sim_paper, similarity
 from rumu.capture.folder import read_capture
@@ -99,11 +99,11 @@ def assess(
         except RefusedImage as error:
             coming.result()  # a master that is no use is an error, whatever the copy is
             return _refused(replace(reason(error.reason), en=str(error)))
-    no_copy = refusal(copy, master, registration=registration)
+    no_copy, highest = judged(copy, master, registration=registration)
     if no_copy is not None:
         return _refused(no_copy)
     return Assessment(
-        **marked(features, terms=terms),
+        **marked(features, terms=terms, highest=highest),
         sim_paper=sim_paper(registration),
         similarity=similarity(registration),
         remarks=remarks_on(registration, copy=copy, master=master) if remarks else (),

@@ -14,7 +14,7 @@ from PIL import Image
 import rumu
 from rumu.assessment.comparison import compare
 from rumu.assessment.evidence import Evidence, filled, parts_of
-from rumu.assessment.refusal import RefusalLimits, reason, refusal
+from rumu.assessment.refusal import RefusalLimits, judged, reason, refusal
 from rumu.gallery.works import find_work, starter_works
 from rumu.simulation import faults
 from rumu.simulation.impostors import impostor, picture_of
@@ -243,6 +243,26 @@ def test_where_the_ink_is_not_clean_another_character_is_not_refused():
     silk = replace(copy, quality={**copy.quality, "noise": 9.0})
     assert refusal(copy, master("regular-shu"), registration=registration).code == "another character"
     assert refusal(silk, master("regular-shu"), registration=registration) is None
+
+
+def test_what_may_be_another_character_gets_no_more_than_a_bad_mark_and_a_copy_may_get_all():
+    copy = rumu.relief(picture_of(mask("regular-ri")))
+    registration, _ = compare(copy, master("regular-shu"))
+    strange = Evidence(copy, master("regular-shu"), registration).strangeness
+    between = RefusalLimits(strange=strange + 0.1, odd=strange - 0.1)
+    own = {"registration": registration}
+    assert judged(copy, master("regular-shu"), **own, limits=between) == (None, between.odd_most)
+    beyond = RefusalLimits(strange=strange + 0.2, odd=strange + 0.1)
+    assert judged(copy, master("regular-shu"), **own, limits=beyond) == (None, 100.0)
+    itself, _ = compare(copy, copy)
+    assert judged(copy, copy, registration=itself, limits=RefusalLimits(odd=-9.0)) == (None, 100.0)
+
+
+def test_the_mark_keeps_below_what_the_copy_may_get(monkeypatch):
+    from rumu import pipeline
+
+    monkeypatch.setattr(pipeline, "judged", lambda *_, **__: (None, 39.0))
+    assert pipeline.assess(master("regular-shu"), master("regular-shu")).score == 39.0
 
 
 # the evidence

@@ -16,11 +16,11 @@ from rumu.report.wording import Text
 TABLE = Table(
     "levels",
     Text("表", "A table"),
-    (Column("method", Text("方法", "method")), Column("mae", Text("误差", "error"), 1)),
+    (Column("method", Text("方法", "method")), Column("mae", Text("誤差", "error"), 1)),
     ({"method": "MBSE", "mae": 9.87654}, {"method": "constant", "mae": None}, {"method": "x", "mae": -0.01}),
     (Text("注", "A note."),),
 )
-FOUND = Findings("levels", {"n": np.int64(3), "bad": float("nan")}, (TABLE,), (Text("话", "Said."),))
+FOUND = Findings("levels", {"n": np.int64(3), "bad": float("nan")}, (TABLE,), (Text("話", "Said."),))
 
 
 def test_it_comes_back(quick):

@@ -39,7 +39,7 @@ def test_the_page_needs_nothing_and_hides_nothing(results):
     assert text.count(results.protocol.sha256) > len(made.figures) / 2  # on the page and under every table
     assert set(made.missing) == {"e3c", "levels", "ablation", "remarks", "identity", "pictures"}
     assert all(f"<code>{name}</code>" in text for name in made.missing)
-    assert "no result" in text and "小样快跑" in text
+    assert "no result" in text and "小樣快跑" in text
     assert "none &lt;above&gt; 40" in text
     for sentence in human.run(results).sentences:
         assert sentence.zh in text

@@ -48,10 +48,13 @@ def checked_terms(
     )
 
 
-def marked(features: Features, *, terms: Terms) -> dict[str, Any]:
-    """Those fields of an Assessment that follow from features and terms: the mark and what it rests on."""
+def marked(features: Features, *, terms: Terms, highest: float = 100.0) -> dict[str, Any]:
+    """Those fields of an Assessment that follow from features and terms: the mark and what it rests on.
+
+    highest: the mark that the copy may reach, 0-100; see `refusal.judged`.
+    """
     calibration = terms.calibration or panel()
-    score = calibration.score(features, weights=terms.weights)
+    score = min(calibration.score(features, weights=terms.weights), highest)
     notes = _notes(terms)
     return {
         "score": score,

@@ -30,7 +30,8 @@ class RefusalLimits:
     reversed_at, reversal: likeness to the master mirrored or turned, and how much more than as it is.
     clear: clearness from which ink is clean. Old silk and rubbings lie below it: their crops hold stains and
         parts of neighbours, so they are never refused as several characters or as another.
-    strange: strangeness from which it is another character.
+    strange: strangeness from which it is another character; odd: from which it may be one, so that the mark
+        stays below `odd_most`.
     """
 
     half_dark: float = 20.0
@@ -50,6 +51,8 @@ class RefusalLimits:
     reversal: float = 0.15
     clear: float = 25.0
     strange: float = -0.47
+    odd: float = -0.60
+    odd_most: float = 39.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,15 +68,24 @@ def refusal(
     copy: Surface, master: Surface, *, registration: Registration, limits: RefusalLimits | None = None
 ) -> Refusal | None:
     """The reason why a copy that was laid on its master is no copy of it to be marked, or None."""
+    return judged(copy, master, registration=registration, limits=limits)[0]
+
+
+def judged(
+    copy: Surface, master: Surface, *, registration: Registration, limits: RefusalLimits | None = None
+) -> tuple[Refusal | None, float]:
+    """(why there is no copy to be marked, or None; the highest mark, 0-100, of one that is hardly like its
+    master: it may be another character, which a mark alone does not see when its strokes lie alike)."""
     evidence, limits = Evidence(copy, master, registration), limits or RefusalLimits()
     for code, holds in _ALWAYS.items():
         if holds(evidence, limits):
-            return reason(code)
+            return reason(code), 0.0
     if evidence.position < limits.fits or evidence.likeness > limits.like:
-        return None
+        return None, 100.0
     if evidence.in_place >= limits.in_place:
-        return None
-    return next((reason(code) for code, holds in _MISFITS.items() if holds(evidence, limits)), None)
+        return None, 100.0
+    found = next((reason(code) for code, holds in _MISFITS.items() if holds(evidence, limits)), None)
+    return found, limits.odd_most if evidence.strangeness > limits.odd else 100.0
 
 
 def reason(code: str) -> Refusal:

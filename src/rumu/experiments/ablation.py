@@ -137,49 +137,49 @@ _VARIANTS = tuple(
     Column(key, Text(zh, en), digits)
     for key, zh, en, digits in (
         ("method", "做法", "variant", 0),
-        ("n", "件数", "N", 0),
-        ("within", "同字等级相关", "Spearman within", 3),
+        ("n", "件數", "N", 0),
+        ("within", "同字等級相關", "Spearman within", 3),
         ("within_low", "下限", "low", 3),
         ("within_high", "上限", "high", 3),
-        ("all", "总等级相关", "Spearman all", 3),
-        ("mae", "绝对误差均值", "mean abs. error", 2),
-        ("sd", "标准差", "SD", 2),
+        ("all", "總等級相關", "Spearman all", 3),
+        ("mae", "絕對誤差均值", "mean abs. error", 2),
+        ("sd", "標準差", "SD", 2),
     )
 )
 _GAINS = tuple(
     Column(key, Text(zh, en), 3)
     for key, zh, en in (
-        ("what", "加上什么", "what is added"),
-        ("n", "字数", "characters"),
-        ("gain", "同字等级相关增加", "gain in Spearman within"),
+        ("what", "加上什麼", "what is added"),
+        ("n", "字數", "characters"),
+        ("gain", "同字等級相關增加", "gain in Spearman within"),
         ("low", "下限", "low"),
         ("high", "上限", "high"),
-        ("clear", "结论", "shown"),
+        ("clear", "結論", "shown"),
     )
 )
 
 
 def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     about = Text(
-        f"{facts['copies']} 件、{facts['characters']} 个字；"
-        "每种做法只有一个数（残差上四分位的均值），不拟合权重；"
-        f"分数所用的是“{facts['base']}”。",
+        f"{facts['copies']} 件、{facts['characters']} 個字；"
+        "每種做法只有一個數（殘差上四分位的均值），不擬合權重；"
+        f"分數所用的是「{facts['base']}」。",
         f"{facts['copies']} copies of {facts['characters']} characters. One number a variant (mean upper "
         f"quartile of the residuals), no weight fitted; the mark uses '{facts['base']}'.",
     )
     density = Text(
-        "以墨色浓淡为高度：这些图已二值化，"
+        "以墨色濃淡為高度：這些圖已二值化，"
         f"{facts['copies']} 件中能比的有 {facts['density_measurable']} 件。",
         "Ink density as height: these pictures are binarised, so it can be measured on "
         f"{facts['density_measurable']} of {facts['copies']}.",
     )
     fitted = Text(
-        "权重在其余的字上重新拟合；未锚定，不扣倾斜、位置、大小。各组名出自程序。",
+        "權重在其餘的字上重新擬合；未錨定，不扣傾斜、位置、大小。各組名出自程序。",
         "Weights are fitted anew on the other characters; not anchored, no charges for lean, place and size. "
         "The groups are those of the code.",
     )
     gains = Text("各部分的增益（按字自助法，95 %）", "What each part adds (bootstrap over characters, 95 %)")
-    title, groups = Text("消融", "Ablations"), Text("分数去掉一组依据", "The mark with groups left out")
+    title, groups = Text("消融", "Ablations"), Text("分數去掉一組依據", "The mark with groups left out")
     tables = [
         Table("ablation", title, _VARIANTS, tuple(facts["variants"]), (about, density)),
         Table("ablation-gains", gains, _GAINS, tuple(facts["gains"]), (about,)),
@@ -193,12 +193,12 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
     found = facts["third_dimension"]
     span = f"{found['gain']:+.3f} [{found['low']:+.3f}, {found['high']:+.3f}]"
     told = {
-        "helps": ("第三维有用", "The third dimension helps"),
-        "harms": ("第三维有害", "The third dimension harms"),
-        "not shown": ("第三维有用与否，未能证明", "That the third dimension helps is NOT shown"),
+        "helps": ("第三維有用", "The third dimension helps"),
+        "harms": ("第三維有害", "The third dimension harms"),
+        "not shown": ("第三維有用與否，未能證明", "That the third dimension helps is NOT shown"),
     }[str(found["clear"])]
     alone = Text(
-        f"{told[0]}：以分数所用的权重，单看残差（不拟合），同字等级相关增加 {span}。",
+        f"{told[0]}：以分數所用的權重，單看殘差（不擬合），同字等級相關增加 {span}。",
         f"{told[1]} at the weight that the mark uses, as one residual with nothing fitted: gain in Spearman "
         f"within a character {span}.",
     )
@@ -216,7 +216,7 @@ def _left_out(groups: Sequence[Mapping[str, Any]]) -> Text:
 
     needed, spared = named(True) or "-", named(False) or "-"
     return Text(
-        f"分数的各组依据逐一去掉：证明有用的是 {needed}；未能证明的是 {spared}。",
+        f"分數的各組依據逐一去掉：證明有用的是 {needed}；未能證明的是 {spared}。",
         f"Of the mark's own groups of evidence, left out one at a time: shown to help {needed}; "
         f"not shown {spared}.",
     )

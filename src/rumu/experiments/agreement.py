@@ -137,17 +137,17 @@ def _ends(name: str, interval: tuple[float, float]) -> dict[str, Cell]:
 
 COLUMNS: tuple[Column, ...] = (
     Column("method", Text("方法", "method")),
-    Column("n", Text("件数", "N")),
-    Column("within", Text("同字等级相关", "Spearman within"), 3),
+    Column("n", Text("件數", "N")),
+    Column("within", Text("同字等級相關", "Spearman within"), 3),
     Column("within_low", Text("下限", "low"), 3),
     Column("within_high", Text("上限", "high"), 3),
-    Column("all", Text("总等级相关", "Spearman all"), 3),
-    Column("order", Text("成对次序正确率", "pairs in order"), 3),
-    Column("mae", Text("绝对误差均值", "mean abs. error")),
-    Column("sd", Text("标准差", "SD")),
+    Column("all", Text("總等級相關", "Spearman all"), 3),
+    Column("order", Text("成對次序正確率", "pairs in order"), 3),
+    Column("mae", Text("絕對誤差均值", "mean abs. error")),
+    Column("sd", Text("標準差", "SD")),
     Column("mae_low", Text("下限", "low")),
     Column("mae_high", Text("上限", "high")),
-    Column("difference", Text("比我们多", "more than ours")),
+    Column("difference", Text("比我們多", "more than ours")),
     Column("difference_low", Text("下限", "low")),
     Column("difference_high", Text("上限", "high")),
     Column("p", Text("p（按字）", "p, clusters"), 4),
@@ -156,8 +156,8 @@ COLUMNS: tuple[Column, ...] = (
 
 
 FEW_CLUSTERS = Text(
-    "p 为 Wilcoxon 符号秩检验（Holm 校正）：按字（或作品）的均值，成对数少，不易分出高下；"
-    "按件则把同一字的各件当作独立，其实不然。",
+    "p 為 Wilcoxon 符號秩檢驗（Holm 校正）：按字（或作品）的均值，成對數少，不易分出高下；"
+    "按件則把同一字的各件當作獨立，其實不然。",
     "p: Wilcoxon signed rank, Holm's. On means of clusters there are few pairs, so it tells little apart; on "
     "copies it takes those of one character as independent, which they are not.",
 )
@@ -196,7 +196,7 @@ def verdict(rows: Sequence[Mapping[str, Any]], *, ours: str, besides: Sequence[s
 def verdict_sentence(found: Mapping[str, Any], *, zh: str, en: str) -> Text:
     """The verdict in words. zh, en: on what."""
     figures_zh = (
-        f"绝对误差均值 {found['mae']:.2f}，最好的对手（{found['best_rival']}）{found['best_rival_mae']:.2f}"
+        f"絕對誤差均值 {found['mae']:.2f}，最好的對手（{found['best_rival']}）{found['best_rival_mae']:.2f}"
     )
     figures_en = (
         f"mean absolute error {found['mae']:.2f} against {found['best_rival_mae']:.2f} of the best rival "
@@ -204,16 +204,16 @@ def verdict_sentence(found: Mapping[str, Any], *, zh: str, en: str) -> Text:
     )
     if found["clear"]:
         return Text(
-            f"{zh}，我们明显居首：{figures_zh}。", f"{en}, ours is first by a clear margin: {figures_en}."
+            f"{zh}，我們明顯居首：{figures_zh}。", f"{en}, ours is first by a clear margin: {figures_en}."
         )
     if not found["ahead"]:
         near = ", ".join(found["not_beaten"])
         return Text(
-            f"{zh}，我们居首，但并非明显领先：{figures_zh}；与这些方法未能分出高下：{near}。",
+            f"{zh}，我們居首，但並非明顯領先：{figures_zh}；與這些方法未能分出高下：{near}。",
             f"{en}, ours is first, but NOT by a clear margin: {figures_en}; "
             f"it is not clearly apart from {near}.",
         )
     return Text(
-        f"{zh}，我们不居首，名列第 {found['rank']}（共 {found['rivals'] + 1}）：{figures_zh}。",
+        f"{zh}，我們不居首，名列第 {found['rank']}（共 {found['rivals'] + 1}）：{figures_zh}。",
         f"{en}, ours is NOT first but number {found['rank']} of {found['rivals'] + 1}: {figures_en}.",
     )

@@ -80,13 +80,13 @@ def _table(rows: list[dict[str, Cell]]) -> Table:
         Column("fault", Text("毛病", "fault")),
         Column("n", Text("系列", "series")),
         Column("whole", Text("可量的", "measured")),
-        Column("inflation", Text("充气为高度", "height by inflation")),
-        Column("density", Text("墨色为高度", "height by density")),
+        Column("inflation", Text("充氣為高度", "height by inflation")),
+        Column("density", Text("墨色為高度", "height by density")),
     )
     note = Text(
-        "真人评分的临作已二值化，墨色只有一种，故此项只能在模拟的墨病上比。数为与程度的等级相关，一为最好。",
+        "真人評分的臨作已二值化，墨色只有一種，故此項只能在模擬的墨病上比。數為與程度的等級相關，一為最好。",
         "Copies with human marks are binarised, so this is compared on simulated faults of the ink. Spearman "
         "with falling severity, 1 is best.",
     )
-    title = Text("以墨色浓淡为高度", "Ink density as height")
+    title = Text("以墨色濃淡為高度", "Ink density as height")
     return Table("ablation-density", title, columns, tuple(rows), (note,))

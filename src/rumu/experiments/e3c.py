@@ -21,6 +21,7 @@ from rumu.assessment.calibration import LEVELS, Calibration, level_of
 from rumu.assessment.comparison import compare
 from rumu.assessment.features import Features
 from rumu.assessment.fitting import PARTS, WEIGHED, anchored, fit_scale
+from rumu.assessment.refusal import judged
 from rumu.errors import CalibrationError, RefusedImage
 from rumu.processes import in_order
 from rumu.values import FloatArray, Surface
@@ -46,13 +47,17 @@ class Copy:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """A copy with what was measured of it, or the reason why it was refused."""
+    """A copy with what was measured of it, or the reason why it was refused.
+
+    highest: the mark that it may reach, since it is hardly like its master; see `refusal.judged`.
+    """
 
     copy: Copy
     features: Features | None
     sim_paper: float = float("nan")
     similarity: float = float("nan")
     refused: str | None = None
+    highest: float = 100.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -158,11 +163,16 @@ def measure_copy(copy: Copy) -> Measured:
     from rumu import pipeline
     from rumu.assessment.similarity import sim_paper, similarity
 
+    master = _master(copy.template)
     try:
-        registration, features = compare(pipeline.surface_of(copy.image), _master(copy.template))
+        surface = pipeline.surface_of(copy.image)
+        registration, features = compare(surface, master)
     except RefusedImage as refusal:
         return Measured(copy, None, refused=str(refusal))
-    return Measured(copy, features, sim_paper(registration), similarity(registration))
+    no_copy, highest = judged(surface, master, registration=registration)
+    if no_copy is not None:
+        return Measured(copy, None, refused=no_copy.en)
+    return Measured(copy, features, sim_paper(registration), similarity(registration), highest=highest)
 
 
 def other_characters(copies: list[Copy]) -> list[Features]:
@@ -198,7 +208,7 @@ def held_out(measured: list[Measured], refused: list[Measured], others: list[Fea
         own = characters == character
         calibration = fit_panel([m for m, mine in zip(measured, own, strict=True) if not mine], others)
         scores[own] = [
-            calibration.score(m.features)
+            min(calibration.score(m.features), m.highest)
             for m, mine in zip(measured, own, strict=True)
             if mine and m.features
         ]

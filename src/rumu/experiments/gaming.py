@@ -154,7 +154,7 @@ def judge(trial: Trial) -> Verdict:
 
     master = _master(trial.master)
     copy = trial.other if trial.other else impostor(master.mask, trial.kind, seed=trial.seed)
-    mark = pipeline.assess(copy, master)
+    mark = pipeline.assess(copy, master, remarks=False)
     code = mark.refused.split(":")[0] if mark.refused else None
     return Verdict(trial, mark.score, code, right=_is_its_own(trial))
 

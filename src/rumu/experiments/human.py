@@ -126,23 +126,23 @@ def _table(rows: list[dict[str, Cell]], facts: Mapping[str, Any]) -> Table:
     return Table(
         "table-2-human",
         Text(
-            "表二（真人评分）：各方法与评委的差距",
+            "表二（真人評分）：各方法與評委的差距",
             "Table 2 on human marks: how far each method is from the panel",
         ),
         COLUMNS,
         tuple(rows),
         (
             Text(
-                f"E3C：{facts['copies']} 件临作、{facts['characters']} 个字，整字留出；"
-                "所有方法用同样的数据、同样的分组、同一个校准器。"
-                f"一位评委对其余评委：{error}。",
+                f"E3C：{facts['copies']} 件臨作、{facts['characters']} 個字，整字留出；"
+                "所有方法用同樣的數據、同樣的分組、同一個校準器。"
+                f"一位評委對其餘評委：{error}。",
                 f"E3C: {facts['copies']} copies of {facts['characters']} characters, whole characters held "
                 "out; the same data, folds and calibrator for all. "
                 f"One rater against the others: {error}.",
             ),
             Text(
-                "我们的残差及权重曾看着这些字选定；其他方法没有为它们调过。"
-                "MBSE、GFSE、IGLS、VICP、AEST 是我们据摘要的重建。",
+                "我們的殘差及權重曾看着這些字選定；其他方法沒有為它們調過。"
+                "MBSE、GFSE、IGLS、VICP、AEST 是我們據摘要的重建。",
                 "Our residuals and their weights were chosen with these characters in view; the others were "
                 "not tuned on them. MBSE, GFSE, IGLS, VICP and AEST are our reconstructions from abstracts.",
             ),
@@ -155,14 +155,14 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
     found = facts["verdict"]
     ours, rival, name = found["within"], found["best_rival_within"], found["best_rival_by_rank"]
     second = Text(
-        f"同字等级相关：我们 {ours:.3f}，对手最高 {rival:.3f}（{name}）。",
+        f"同字等級相關：我們 {ours:.3f}，對手最高 {rival:.3f}（{name}）。",
         f"Spearman within a character: ours {ours:.3f}, the best rival {rival:.3f} ({name}).",
     )
     return (
-        verdict_sentence(found, zh="在真人评分上（同一校准器）", en="On human marks, one calibrator for all"),
+        verdict_sentence(found, zh="在真人評分上（同一校準器）", en="On human marks, one calibrator for all"),
         verdict_sentence(
             facts["verdict_as_used"],
-            zh="在真人评分上（我们用自己的校准，对手用共用的）",
+            zh="在真人評分上（我們用自己的校準，對手用共用的）",
             en="On human marks, ours with its own calibration, which the others do not have",
         ),
         second,

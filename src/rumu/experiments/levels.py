@@ -154,42 +154,42 @@ def confusion(truth: Sequence[int], given: Sequence[int]) -> list[list[int]]:
 
 
 _COLUMNS = (
-    Column("where", Text("书体", "where")),
-    Column("n", Text("件数", "N")),
-    Column("right", Text("正确", "right")),
-    Column("accuracy", Text("正确率 %", "accuracy %"), 1),
+    Column("where", Text("書體", "where")),
+    Column("n", Text("件數", "N")),
+    Column("right", Text("正確", "right")),
+    Column("accuracy", Text("正確率 %", "accuracy %"), 1),
     Column("low", Text("下限", "low"), 1),
     Column("high", Text("上限", "high"), 1),
-    Column("kappa", Text("二次加权 κ", "weighted kappa"), 3),
-    Column("far", Text("差两级以上", "off by two or more")),
+    Column("kappa", Text("二次加權 κ", "weighted kappa"), 3),
+    Column("far", Text("差兩級以上", "off by two or more")),
 )
 
 
 def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     exact = Text(
-        "区间为 95 % 精确（Clopper-Pearson）区间；κ 为二次加权。",
+        "區間為 95 % 精確（Clopper-Pearson）區間；κ 為二次加權。",
         "Intervals are exact (Clopper-Pearson), 95 %; kappa is quadratic weighted.",
     )
     made = Text(
-        "模拟临作的“真”级别是制作时声明的程度，不是评分；配方早先是看着我们的分数拉开的，故以真人评分为重。",
+        "模擬臨作的「真」級別是製作時聲明的程度，不是評分；配方早先是看着我們的分數拉開的，故以真人評分為重。",
         "The true level of a simulated copy is the degree it was made at, no mark; its recipes were spaced "
         "earlier with a mark of ours in view, so the human levels weigh more.",
     )
     same = Text(
-        "所有方法用同一个校准器，在其余四种书体上拟合到各级的中点。",
+        "所有方法用同一個校準器，在其餘四種書體上擬合到各級的中點。",
         "One calibrator for all, fitted to the middle of each level on the other four scripts.",
     )
     tables = [
         Table(
             "table-1-scripts",
-            Text("表一：五体定级正确率（模拟临作）", "Table 1: level accuracy by script, simulated copies"),
+            Text("表一：五體定級正確率（模擬臨作）", "Table 1: level accuracy by script, simulated copies"),
             _COLUMNS,
             tuple(facts["scripts"]),
             (exact, made),
         ),
         Table(
             "table-1-methods",
-            Text("同样的临作，各方法定级", "The same copies, levels by every method"),
+            Text("同樣的臨作，各方法定級", "The same copies, levels by every method"),
             _COLUMNS,
             tuple(facts["methods"]),
             (same, made),
@@ -200,7 +200,7 @@ def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
             1,
             Table(
                 "table-1-human",
-                Text("表一：真人评分的楷书", "Table 1: regular script, human marks"),
+                Text("表一：真人評分的楷書", "Table 1: regular script, human marks"),
                 _COLUMNS,
                 tuple(facts["human"]),
                 (exact,),
@@ -215,8 +215,8 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
     span = f"{whole['accuracy']:.0f} % [{whole['low']:.0f}, {whole['high']:.0f}]"
     found = [
         Text(
-            f"模拟临作定级正确率 {span}；同一校准器下我们 {ours['accuracy']:.0f} %，"
-            f"最高为 {best['where']} {best['accuracy']:.0f} %。",
+            f"模擬臨作定級正確率 {span}；同一校準器下我們 {ours['accuracy']:.0f} %，"
+            f"最高為 {best['where']} {best['accuracy']:.0f} %。",
             f"Levels of simulated copies are right in {span}; through the shared calibrator ours reaches "
             f"{ours['accuracy']:.0f} %, the best is {best['where']} with {best['accuracy']:.0f} %.",
         )
@@ -225,7 +225,7 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
         us, rater, common = (f"{row['accuracy']:.0f} %" for row in facts["human"])
         found.append(
             Text(
-                f"真人评分的楷书：我们 {us}，一位评委 {rater}，总猜最常见的一级 {common}。",
+                f"真人評分的楷書：我們 {us}，一位評委 {rater}，總猜最常見的一級 {common}。",
                 f"On human marks (regular script): ours {us}, one rater {rater}, "
                 f"always the commonest level {common}.",
             )

@@ -48,7 +48,7 @@ def run(setting: Setting, *, name: str, seed: str | None = None, log: Path | Non
     openings = [line for line in read_log(log) if line["event"] == "opened"]
     times = len(openings)
     said = Text(
-        f"封存测试至今打开过 {times} 次（{log}）。" + ("" if times == 1 else "只有第一次算数。"),
+        f"封存測試至今打開過 {times} 次（{log}）。" + ("" if times == 1 else "只有第一次算數。"),
         f"The locked test has been opened {times} times so far ({log})."
         + ("" if times == 1 else " Only the first counts."),
     )

@@ -70,7 +70,7 @@ def measure_ours(task: Task, *, pictures: Path | None = None) -> Measured:
     """One copy by our mark, and the grades that come with our registration."""
     from rumu import pipeline
 
-    mark = pipeline.assess(drawn(task.copy, pictures), _surface(task.master))
+    mark = pipeline.assess(drawn(task.copy, pictures), _surface(task.master), remarks=False)
     if mark.score is None or mark.registration is None:
         return Measured(task.key, task.cluster, refused=str(mark.refused))
     own = {

@@ -117,28 +117,28 @@ def nuisance_rows(shots: Sequence[Shot]) -> list[dict[str, Cell]]:
 
 def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     about = Text(
-        f"{facts['copies']} 件模拟临作，共 {facts['pictures']} 张；字迹不变，只换照片。"
-        f"每级毛病使我们的分数下降 {facts['step_of_severity']:.2f} 分。",
+        f"{facts['copies']} 件模擬臨作，共 {facts['pictures']} 張；字跡不變，只換照片。"
+        f"每級毛病使我們的分數下降 {facts['step_of_severity']:.2f} 分。",
         f"{facts['copies']} simulated copies, {facts['pictures']} pictures; the writing is the same. "
         f"One step of severity takes {facts['step_of_severity']:.2f} points of our mark.",
     )
     methods = (
         Column("method", Text("方法", "method")),
-        Column("drift", Text("漂移（标准差）", "drift (SD), raw"), 4),
-        Column("step", Text("每级下降", "fall a step, raw"), 4),
+        Column("drift", Text("漂移（標準差）", "drift (SD), raw"), 4),
+        Column("step", Text("每級下降", "fall a step, raw"), 4),
         Column("ratio", Text("比值", "ratio"), 2),
-        Column("kept", Text("低于三分之一", "below a third")),
+        Column("kept", Text("低於三分之一", "below a third")),
     )
     nuisances = (
-        Column("nuisance", Text("干扰", "nuisance")),
-        Column("n", Text("件数", "N")),
-        Column("refused", Text("拒评", "refused")),
-        Column("mean", Text("平均变动", "mean, points")),
+        Column("nuisance", Text("干擾", "nuisance")),
+        Column("n", Text("件數", "N")),
+        Column("refused", Text("拒評", "refused")),
+        Column("mean", Text("平均變動", "mean, points")),
         Column("rms", Text("均方根", "rms, points")),
         Column("most", Text("最大", "most, points")),
     )
-    title = Text("照片的干扰：漂移与一级毛病之比", "Nuisance drift against one step of severity")
-    each = Text("哪些干扰动了我们的分数", "Which nuisances move our mark")
+    title = Text("照片的干擾：漂移與一級毛病之比", "Nuisance drift against one step of severity")
+    each = Text("哪些干擾動了我們的分數", "Which nuisances move our mark")
     return (
         Table("nuisance-methods", title, methods, tuple(facts["methods"]), (about,)),
         Table("nuisance-kinds", each, nuisances, tuple(facts["nuisances"]), (about,)),
@@ -149,12 +149,12 @@ def _sentence(facts: Mapping[str, Any]) -> Text:
     ratio, losers = facts["ours"]["ratio"], ", ".join(facts["losers"])
     if ratio is None:
         return Text(
-            "我们的分数不随程度下降，无从比较。", "Our mark does not fall with severity: no comparison."
+            "我們的分數不隨程度下降，無從比較。", "Our mark does not fall with severity: no comparison."
         )
     fine = ratio < facts["wanted"]
     return Text(
-        f"我们的漂移是一级毛病的 {ratio:.2f} 倍，{'低于' if fine else '未低于'}三分之一；"
-        f"单项超过三分之一的干扰：{losers or '无'}。",
+        f"我們的漂移是一級毛病的 {ratio:.2f} 倍，{'低於' if fine else '未低於'}三分之一；"
+        f"單項超過三分之一的干擾：{losers or '無'}。",
         f"Our drift is {ratio:.2f} of one step of severity, "
         f"{'below' if fine else 'NOT below'} the third that was wanted; "
         f"nuisances that by themselves exceed it: {losers or 'none'}.",

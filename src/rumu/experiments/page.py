@@ -74,20 +74,20 @@ def warnings_of(found: Mapping[str, Mapping[str, Any]]) -> tuple[Text, ...]:
     if any(plain["quick"] for plain in found.values()):
         warnings.append(
             Text(
-                "这是小样快跑，数字不成结果。",
+                "這是小樣快跑，數字不成結果。",
                 "This is a quick run on a small subset: its figures are no result.",
             )
         )
     if any(plain["protocol_sha256"] != declared().sha256 for plain in found.values()):
         warnings.append(
             Text(
-                "有的结果出自另一份方案。",
+                "有的結果出自另一份方案。",
                 "Some results were made under a protocol other than the present one.",
             )
         )
     if len({plain["code_sha256"] for plain in found.values()}) > 1:
         warnings.append(
-            Text("各项结果不是同一版程序所得。", "Not all results were made by the same version of the code.")
+            Text("各項結果不是同一版程序所得。", "Not all results were made by the same version of the code.")
         )
     return tuple(warnings)
 
@@ -111,16 +111,16 @@ def _paint_human(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
         label="Spearman with the panel, mean within a character",
         ours=ours,
     )
-    span = "粗线为 95 % 区间，细线为一个标准差。"
+    span = "粗線為 95 % 區間，細線為一個標準差。"
     return (
         _charted(
             error,
             out,
-            f"图七（真人评分）：绝对误差。{span}",
+            f"圖七（真人評分）：絕對誤差。{span}",
             "Figure 7 on human marks: absolute error. Thick line: 95 % interval of the mean; thin: one SD.",
         ),
         _charted(
-            ranks, out, "同字等级相关，95 % 区间。", "Rank correlation within a character, 95 % intervals."
+            ranks, out, "同字等級相關，95 % 區間。", "Rank correlation within a character, 95 % intervals."
         ),
     )
 
@@ -147,13 +147,13 @@ def _paint_severities(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]
         _charted(
             error,
             out,
-            "图七（模拟毛病）：与声明程度的绝对误差。",
+            "圖七（模擬毛病）：與聲明程度的絕對誤差。",
             "Figure 7 on simulated severities: absolute error against the declared scale.",
         ),
         _charted(
             fall,
             out,
-            "毛病渐重，分数渐低；虚线为三张声明的程度表。",
+            "毛病漸重，分數漸低；虛線為三張聲明的程度表。",
             "Our mean mark as one fault grows, beside the three declared tables.",
         ),
     )
@@ -169,7 +169,7 @@ def _paint_levels(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
         label="levels that are right, %, with the exact 95 % interval",
         ours=[row["where"] for row in facts["scripts"]],
     )
-    return (_charted(chart, out, "表一的正确率与精确区间。", "Table 1 as a chart, with exact intervals."),)
+    return (_charted(chart, out, "表一的正確率與精確區間。", "Table 1 as a chart, with exact intervals."),)
 
 
 def _paint_nuisance(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
@@ -182,7 +182,7 @@ def _paint_nuisance(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
         ours=("rumu",),
         limit=facts["wanted"],
     )
-    return (_charted(chart, out, "照片干扰下的漂移。", "Drift under nuisances of the photograph."),)
+    return (_charted(chart, out, "照片干擾下的漂移。", "Drift under nuisances of the photograph."),)
 
 
 def _paint_runtime(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
@@ -195,7 +195,7 @@ def _paint_runtime(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
         ours=("rumu",),
         logarithmic=True,
     )
-    return (_charted(chart, out, "每对所需时间。", "Time for a pair."),)
+    return (_charted(chart, out, "每對所需時間。", "Time for a pair."),)
 
 
 def _paint_ablation(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:

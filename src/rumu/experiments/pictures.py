@@ -61,7 +61,7 @@ def _figure_4(folder: Path, setting: Setting) -> Shown:
     return Shown(
         "figures/figure-4.png",
         Text(
-            f"图四：{zh}：原图、曲面、带纹理的曲面、网格。高度由墨迹算出，不是实测。",
+            f"圖四：{zh}：原圖、曲面、帶紋理的曲面、網格。高度由墨跡算出，不是實測。",
             f"Figure 4: {en}: picture, surface, textured surface, mesh. The height is computed from the "
             "ink, not measured.",
         ),
@@ -75,10 +75,10 @@ def _photograph(setting: Setting) -> tuple[Path, str, str]:
     if photos:
         return (
             photos[0],
-            "兰亭序（神龙本）的“永”",
+            "蘭亭序（神龍本）的「永」",
             "a character of the Lanting Xu (Shenlong copy, a photograph)",
         )
-    return find_work("running-shui").path, "行书“水”（馆藏起始作品）", "a starter work in running script"
+    return find_work("running-shui").path, "行書「水」（館藏起始作品）", "a starter work in running script"
 
 
 def _figure_5(folder: Path, setting: Setting) -> Shown:
@@ -96,7 +96,7 @@ def _figure_5(folder: Path, setting: Setting) -> Shown:
     )
     return Shown(
         "figures/figure-5.png",
-        Text("图五：五体的“天”：原图、曲面、网格。", "Figure 5: one work of each of the five scripts."),
+        Text("圖五：五體的「天」：原圖、曲面、網格。", "Figure 5: one work of each of the five scripts."),
     )
 
 
@@ -109,7 +109,7 @@ def _figure_6(folder: Path, setting: Setting) -> Shown:
     chosen = four_levels(copies, setting.protocol.cut_offs)
     if chosen:
         template, examples = chosen
-        about = Text("真人临作，分数为评委平均分", "copies by learners, with the mark of the panel")
+        about = Text("真人臨作，分數為評委平均分", "copies by learners, with the mark of the panel")
         labels = [f"{e.level}, panel {e.mark:.0f}" for e in examples]
     else:
         work = find_work("regular-tian")
@@ -117,7 +117,7 @@ def _figure_6(folder: Path, setting: Setting) -> Shown:
             work.path,
             [Example(d, float("nan"), AtDegree(work.path, d, 11).picture()) for d in reversed(DEGREES)],
         )
-        about = Text("模拟临作，并非真人书写，也无评分", "simulated copies: nobody wrote or marked them")
+        about = Text("模擬臨作，並非真人書寫，也無評分", "simulated copies: nobody wrote or marked them")
         labels = [f"made as {e.level}" for e in examples]
     rows = [_views(pipeline.surface_of(thing)) for thing in (template, *(e.copy for e in examples))]
     columns = [[row[k] for row in rows] for k in (0, 1, 3)]
@@ -126,7 +126,7 @@ def _figure_6(folder: Path, setting: Setting) -> Shown:
     return Shown(
         "figures/figure-6.png",
         Text(
-            f"图六：范字与优、良、中、差四级的临作（{about.zh}）。",
+            f"圖六：範字與優、良、中、差四級的臨作（{about.zh}）。",
             f"Figure 6: a master with copies that are excellent, good, medium and bad ({about.en}).",
         ),
     )

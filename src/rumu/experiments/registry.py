@@ -36,20 +36,20 @@ _E3C = ("e3c/scores.csv",)
 _MASTERS = ("masters/regular/labels.csv",)
 
 EXPERIMENTS: tuple[Experiment, ...] = (
-    Experiment("e3c", "people", Text("分数与真人评分", "The mark against people"), _E3C, in_quick=False),
-    Experiment("human", "human", Text("表二、图七：真人评分", "Table 2 and Figure 7: human marks"), _E3C),
-    Experiment("levels", "levels", Text("表一：定级", "Table 1: levels")),
-    Experiment("severities", "severities", Text("表二：模拟毛病", "Table 2: simulated severities")),
+    Experiment("e3c", "people", Text("分數與真人評分", "The mark against people"), _E3C, in_quick=False),
+    Experiment("human", "human", Text("表二、圖七：真人評分", "Table 2 and Figure 7: human marks"), _E3C),
+    Experiment("levels", "levels", Text("表一：定級", "Table 1: levels")),
+    Experiment("severities", "severities", Text("表二：模擬毛病", "Table 2: simulated severities")),
     Experiment("ablation", "ablation", Text("消融", "Ablations"), _E3C),
-    Experiment("nuisance", "nuisance", Text("照片的干扰", "Nuisances of the photograph")),
-    Experiment("remarks", "remarks", Text("评语说中了没有", "Faults told back by the remarks"), _E3C, False),
-    Experiment("gaming", "gaming", Text("蒙混过关", "Copies that try to fool the mark"), (), False),
-    Experiment("identity", "identity", Text("同字与异字", "Same character or another"), _MASTERS, False),
-    Experiment("pictures", "pictures", Text("图四、图五、图六", "Figures 4, 5 and 6")),
-    Experiment("runtime", "runtime", Text("所需时间", "Runtime")),
-    Experiment("development", "locked", Text("开发字表", "Development list"), _MASTERS, False, True),
-    Experiment("validation", "locked", Text("验证字表", "Validation list"), _MASTERS, False, True),
-    Experiment("locked", "locked", Text("封存测试", "The locked test"), _MASTERS, False, True),
+    Experiment("nuisance", "nuisance", Text("照片的干擾", "Nuisances of the photograph")),
+    Experiment("remarks", "remarks", Text("評語說中了沒有", "Faults told back by the remarks"), _E3C, False),
+    Experiment("gaming", "gaming", Text("蒙混過關", "Copies that try to fool the mark"), (), False),
+    Experiment("identity", "identity", Text("同字與異字", "Same character or another"), _MASTERS, False),
+    Experiment("pictures", "pictures", Text("圖四、圖五、圖六", "Figures 4, 5 and 6")),
+    Experiment("runtime", "runtime", Text("所需時間", "Runtime")),
+    Experiment("development", "locked", Text("開發字表", "Development list"), _MASTERS, False, True),
+    Experiment("validation", "locked", Text("驗證字表", "Validation list"), _MASTERS, False, True),
+    Experiment("locked", "locked", Text("封存測試", "The locked test"), _MASTERS, False, True),
 )
 
 

@@ -51,6 +51,8 @@ ANSWERS: Mapping[str, tuple[str, ...]] = {
 }
 """The kinds of remark that name a fault, the faults that were asked for first."""
 SEVERITIES = (2.0, 3.0, 4.0, 5.0)
+MIDDLE = (3.0,)
+"""What `run` puts in unless told otherwise: all four take four times as long."""
 ASKED: tuple[tuple[str, float], ...] = (("lean", 1.5), ("small", 1.5), ("horizontal", 3.0))
 """A lean of 6 degrees, a character 12 % too small, a horizontal that leans by 6 degrees."""
 _SEEN = """
@@ -120,8 +122,9 @@ class Result:
         clean = self.figures["clean"]
         return "\n".join(
             [
-                f"Faults told back by name on {self.figures['held_out_masters']} masters that no "
-                "threshold was set on:",
+                f"Faults told back by name, severity {self.figures['severities']}: "
+                f"N = {self.figures['copies']} copies of {self.figures['held_out_masters']} masters that no "
+                "threshold was set on.",
                 table,
                 f"Clean copies, at another size or place: {clean['copies']}, of which {clean['stroke']} "
                 f"got a remark on a stroke and {clean['any']} any remark.",
@@ -135,12 +138,12 @@ def run(
     out: str | Path | None = None,
     progress: Progress | None = None,
     masters: Iterable[Master] | None = None,
-    severities: tuple[float, ...] = SEVERITIES,
+    severities: tuple[float, ...] = MIDDLE,
 ) -> Result:
     """Put every fault into every master and ask for the remarks.
 
     data: holds e3c and masters/regular. out: a folder for remarks.csv, one row a copy. masters: others than
-    the standard ones. Raises CalibrationError when the data is not there.
+    the standard ones. severities: of SEVERITIES. Raises CalibrationError when the data is not there.
     """
     chosen = list(masters) if masters is not None else standard_masters(Path(data))
     told: list[Told] = []
@@ -284,7 +287,10 @@ def figures(told: Iterable[Told]) -> dict[str, Any]:
     }
     names |= {f"{name} {severity:g}": [t for t in faulted if (t.fault, t.severity) == (name, severity)]
               for name, severity in ASKED}  # fmt: skip
+    usual = sorted({t.severity for t in faulted if (t.fault, t.severity) not in asked})
     return {
+        "severities": ", ".join(f"{s:g}" for s in usual),
+        "copies": sum(not t.seen for t in faulted),
         "held_out_masters": len({t.master for t in told if not t.seen}),
         "seen_masters": sorted({t.master for t in told if t.seen}),
         "faults": {

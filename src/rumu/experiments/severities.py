@@ -237,8 +237,8 @@ def _sensitivity(
 def _tables(name: str, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     about = (
         Text(
-            f"与所声明的程度表一致与否，不是与人一致与否。{facts['series']} 个系列、{facts['copies']} 件；"
-            "每次留出一种书体（或一个字）。",
+            f"與所聲明的程度表一致與否，不是與人一致與否。{facts['series']} 個系列、{facts['copies']} 件；"
+            "每次留出一種書體（或一個字）。",
             "Agreement with a declared severity scale on simulated faults, not with people. "
             f"{facts['series']} series, {facts['copies']} copies of {facts['where']}; "
             "one script (or character) held out at a time.",
@@ -249,9 +249,9 @@ def _tables(name: str, facts: Mapping[str, Any]) -> tuple[Table, ...]:
         for key, zh, en in (
             ("method", "方法", "method"),
             ("n", "系列", "series"),
-            ("spearman", "等级相关", "Spearman"),
-            ("kendall", "肯德尔 τ", "Kendall's tau"),
-            ("order", "成对次序正确率", "pairs in order"),
+            ("spearman", "等級相關", "Spearman"),
+            ("kendall", "肯德爾 τ", "Kendall's tau"),
+            ("order", "成對次序正確率", "pairs in order"),
             ("violations", "不降反升", "steps that rise"),
         )
     )
@@ -259,27 +259,27 @@ def _tables(name: str, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     faults = (
         Column("fault", Text("毛病", "fault")),
         Column("n", Text("系列", "series")),
-        Column("ours_fall", Text("我们每级扣分", "our fall a step"), 1),
+        Column("ours_fall", Text("我們每級扣分", "our fall a step"), 1),
         *(Column(method, Text(method, method)) for method in methods),
     )
     return (
         Table(
             f"table-2-{name}",
-            Text("表二（模拟毛病）：与声明程度的差距", "Table 2 on simulated severities"),
+            Text("表二（模擬毛病）：與聲明程度的差距", "Table 2 on simulated severities"),
             COLUMNS,
             tuple(facts["methods"]),
             (*about, FEW_CLUSTERS),
         ),
         Table(
             f"ranks-{name}",
-            Text("毛病越重，分数是否越低", "Whether marks fall as a fault grows"),
+            Text("毛病越重，分數是否越低", "Whether marks fall as a fault grows"),
             ranks,
             tuple(facts["ranks"]),
             about,
         ),
         Table(
             f"faults-{name}",
-            Text("逐项毛病的等级相关", "Spearman with falling severity, fault by fault"),
+            Text("逐項毛病的等級相關", "Spearman with falling severity, fault by fault"),
             faults,
             tuple(facts["by_fault"]),
             about,
@@ -291,16 +291,16 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
     sensitivity, worst = facts["sensitivity"], facts["worst_fold"]
     places = sensitivity["places_of_ours"]
     en = ", ".join(f"{place} ({name})" for name, place in places.items())
-    stable_zh = "换一张程度表，名次会变：不成结论" if sensitivity["order_changes"] else "换程度表，名次不变"
+    stable_zh = "換一張程度表，名次會變：不成結論" if sensitivity["order_changes"] else "換程度表，名次不變"
     stable_en = (
         "the order of the methods changes with the table of expected scores, so it is no result"
         if sensitivity["order_changes"]
         else "the order of the methods is the same under all three tables"
     )
     return (
-        verdict_sentence(facts["verdict"], zh="在模拟毛病上", en="On simulated severities"),
+        verdict_sentence(facts["verdict"], zh="在模擬毛病上", en="On simulated severities"),
         Text(
-            f"{stable_zh}；我们的名次：{en}。最差一组：{worst['fold']}，{worst['mae']:.2f}。",
+            f"{stable_zh}；我們的名次：{en}。最差一組：{worst['fold']}，{worst['mae']:.2f}。",
             f"Sensitivity: {stable_en}; place of ours: {en}. "
             f"Worst fold: {worst['fold']}, mean absolute error {worst['mae']:.2f}.",
         ),
