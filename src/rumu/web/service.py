@@ -26,7 +26,7 @@ class Service:
         self.tickets = open_tickets(self.gallery.database)
         self.rates = RateLimits()
         self.workers = Workers(place, processes=settings.processes)
-        self.job_workers = Workers(place, processes=min(1, settings.processes or 1))
+        self.job_workers = Workers(place, processes=0 if settings.processes == 0 else 1)
         self.files = Files(self.gallery, self.workers)
         self.over = False
         self.runner = jobs.Runner(self.gallery.database, self.job_workers)

@@ -1,0 +1,134 @@
+"""A service in this process with people of every role, and browsers that behave as the pages do."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from rumu.database.tables import Membership, Person
+from rumu.gallery.works import starter_samples
+from rumu.studio.classes import create_class
+from rumu.studio.people import create_person, identity
+from rumu.studio.place import Place
+from rumu.web.app import create_app
+from rumu.web.guard import COOKIE
+from rumu.web.settings import ServiceSettings
+
+PASSWORD = "a long password"
+
+
+class Browser:
+    """Keeps cookies, and sends the token with what changes something."""
+
+    def __init__(self, client: TestClient) -> None:
+        self.client = client
+        self.facts: dict[str, Any] = client.get("/api/session").json()
+
+    def __call__(self, method: str, url: str, **more: Any) -> Any:
+        headers = {"X-CSRF-Token": self.facts["csrf"]} | more.pop("headers", {})
+        return self.client.request(method, url, headers=headers, follow_redirects=False, **more)
+
+    def let_in(self, tickets: Any, person_id: str) -> Browser:
+        """With a session of the service's own making: passwords take long, and have a test of their own."""
+        self.client.cookies.clear()
+        self.client.cookies.set(COOKIE, tickets.written(tickets.fresh(person_id=person_id)))
+        self.facts = self.client.get("/api/session").json()
+        assert self.facts["person"]["id"] == person_id
+        return self
+
+    def marked(self, picture: bytes, *, work: str = "regular-tian", **more: Any) -> Any:
+        return self("POST", "/api/marks", data={"work": work} | more, files={"picture": ("a.png", picture)})
+
+
+@dataclasses.dataclass
+class World:
+    """app, and the ids of people, classes and attempts in it."""
+
+    app: Any
+    ids: dict[str, str]
+
+    @property
+    def service(self) -> Any:
+        return self.app.state.service
+
+    def browser(self, name: str | None = None) -> Browser:
+        browser = Browser(TestClient(self.app, raise_server_exceptions=False))
+        return browser if name is None else browser.let_in(self.service.tickets, self.ids[name])
+
+
+def settings_in(folder: Path, **more: Any) -> ServiceSettings:
+    place = Place(database=more.pop("database", str(folder / "rumu.sqlite")), files=str(folder / "files"))
+    return ServiceSettings(place, processes=0, prepare=False, **more)
+
+
+def populated(app: Any) -> dict[str, str]:
+    """館主 (owner), 林 and 陳 (teachers), 吳 (pupil of 林), 周 (pupil of 陳)."""
+    ids = {}
+    with app.state.service.gallery.database.writing() as session:
+        for name, role in (
+            ("館主", "owner"),
+            ("林", "teacher"),
+            ("陳", "teacher"),
+            ("吳", "pupil"),
+            ("周", "pupil"),
+        ):
+            ids[name] = create_person(session, name=name, password=PASSWORD, role=role).id
+            if role == "teacher":
+                who = identity(session.get_one(Person, ids[name]))
+                ids[f"{name}班"] = create_class(session, who, name=f"{name}班").id
+        for teacher, pupil in (("林", "吳"), ("陳", "周")):
+            session.add(Membership(class_id=ids[f"{teacher}班"], person_id=ids[pupil]))
+    return ids
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    """One for all tests of a module: they may read it, and add to it what harms no other."""
+    app = create_app(settings_in(tmp_path_factory.mktemp("world")))
+    with TestClient(app):
+        yield World(app, populated(app))
+
+
+@pytest.fixture
+def own_world(tmp_path: Path) -> Iterator[Callable[..., World]]:
+    """Make one of this test alone, with settings."""
+    opened = []
+
+    def make(*, people: bool = True, **settings: Any) -> World:
+        app = create_app(settings_in(tmp_path, **settings))
+        client = TestClient(app)
+        client.__enter__()
+        opened.append(client)
+        return World(app, populated(app) if people else {})
+
+    yield make
+    for client in opened:
+        client.__exit__(None, None, None)
+
+
+@pytest.fixture(scope="session")
+def copy_of() -> Callable[..., bytes]:
+    """A simulated copy's bytes, by work and degree."""
+
+    def read(work: str = "regular-tian", degree: str = "good") -> bytes:
+        return next(s for s in starter_samples(work=work) if s.degree == degree).path.read_bytes()
+
+    return read
+
+
+@pytest.fixture(scope="session")
+def code_of() -> Callable[[Any], str]:
+    """The code of a refusal, which is told in both languages."""
+
+    def read(answer: Any) -> str:
+        told = json.loads(answer.text)["error"]
+        assert told["zh"] and told["en"]
+        return str(told["code"])
+
+    return read

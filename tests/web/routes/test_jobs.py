@@ -1,0 +1,106 @@
+"""Long work over HTTP: sent, told as it goes, stopped."""
+
+from __future__ import annotations
+
+import io
+import json
+import threading
+import time
+import zipfile
+
+import pytest
+
+from rumu.gallery.works import starter_works
+from rumu.studio import handlers
+
+
+def zipped(files):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, data in files.items():
+            archive.writestr(name, data)
+    return stream.getvalue()
+
+
+@pytest.fixture
+def shelf():
+    """A zip with labels.csv and two pictures that the gallery does not have under these labels."""
+    works = starter_works(script="regular")[:2]
+    labels = "file,character,script,work\n" + "".join(
+        f"{w.id}.png,{w.character},regular,新收\n" for w in works
+    )
+    return zipped({"labels.csv": labels} | {f"{w.id}.png": w.path.read_bytes() for w in works})
+
+
+def events(browser, job_id):
+    told = []
+    with browser.client.stream("GET", f"/api/jobs/{job_id}/events") as stream:
+        assert stream.headers["content-type"].startswith("text/event-stream")
+        for line in stream.iter_lines():
+            if line.startswith("data: "):
+                told.append(json.loads(line.removeprefix("data: ")))
+    return told
+
+
+def sent(browser, data, **facts):
+    return browser("POST", "/api/imports", data=facts, files={"zip": ("a.zip", data)})
+
+
+def test_an_import_is_a_job_that_tells_how_far_it_is(own_world, shelf):
+    teacher = own_world().browser("林")
+    before = teacher("GET", "/api/works").json()["total"]
+    answer = sent(teacher, shelf)
+    assert answer.status_code == 202, answer.text
+    told = events(teacher, answer.json()["job"]["id"])
+    assert told[-1]["state"] == "done" and told[-1]["result"]["added"] == 2
+    assert told[0]["state"] in ("queued", "running", "done")
+    assert all(one["id"] == told[0]["id"] for one in told)
+    assert teacher("GET", "/api/works").json()["total"] == before + 2
+    again = events(teacher, sent(teacher, shelf).json()["job"]["id"])
+    assert again[-1]["result"]["added"] == 0 and again[-1]["result"]["there"] == 2
+
+
+@pytest.mark.parametrize(
+    ("data", "word"),
+    [(zipped({"../out": b"1"}), "leads out"), (zipped({"a": b""}), ""), (b"PK\x03\x04nonsense", "zip")],
+)
+def test_a_zip_that_will_not_do_fails_with_its_reason_and_is_forgotten(own_world, data, word, tmp_path):
+    teacher = own_world().browser("林")
+    told = events(teacher, sent(teacher, data).json()["job"]["id"])
+    assert told[-1]["state"] == "failed" and word in told[-1]["error"] and told[-1]["error"]
+    until = time.monotonic() + 5
+    while any(p.is_file() for p in (tmp_path / "files" / "uploads").rglob("*")) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not any(p.is_file() for p in (tmp_path / "files" / "uploads").rglob("*"))
+
+
+def test_what_is_no_zip_is_refused_at_once(own_world, code_of):
+    assert code_of(sent(own_world().browser("林"), b"no zip")) == "no_zip"
+
+
+def test_a_job_is_told_step_by_step_and_can_be_stopped(own_world, shelf, monkeypatch):
+    world = own_world()
+    teacher, other, owner = world.browser("林"), world.browser("陳"), world.browser("館主")
+    going = threading.Event()
+
+    def slow(gallery, payload, progress, place):
+        for k in range(1000):
+            progress.told = 0.0
+            progress(k, 1000, f"step {k}")
+            going.set()
+            time.sleep(0.02)
+        return {}
+
+    monkeypatch.setitem(handlers.HANDLERS, "import", slow)
+    job_id = sent(teacher, shelf).json()["job"]["id"]
+    told = []
+    listener = threading.Thread(target=lambda: told.extend(events(owner, job_id)))
+    listener.start()
+    assert going.wait(20), owner("GET", f"/api/jobs/{job_id}").json()
+    time.sleep(0.8)
+    assert other("POST", f"/api/jobs/{job_id}/cancel").status_code == 404
+    assert other("GET", f"/api/jobs/{job_id}/events").status_code == 404
+    assert teacher("POST", f"/api/jobs/{job_id}/cancel").json()["state"] == "cancelled"
+    listener.join(20)
+    assert told[-1]["state"] == "cancelled" and len({one["done"] for one in told}) >= 2
+    assert teacher("POST", f"/api/jobs/{job_id}/cancel").status_code == 403

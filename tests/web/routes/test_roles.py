@@ -1,0 +1,152 @@
+"""Every route for every role: who gets in, who is sent to log in, who is told that there is nothing there."""
+
+from __future__ import annotations
+
+import pytest
+
+from rumu.database.tables import Attempt, Job, Task, new_id
+
+ROLES = ("visitor", "周", "吳", "陳", "林", "館主")
+"""Nobody; a pupil of another class; the pupil whose things these are; another teacher; theirs; the owner."""
+
+OPEN = (200,) * 6
+LOGIN = (401, 200, 200, 200, 200, 200)
+OWN = (401, 404, 200, 404, 200, 200)  # what one pupil wrote
+TEACH = (401, 403, 403, 200, 200, 200)
+CLASS_TEACH = (401, 403, 403, 404, 200, 200)
+OWNER = (401, 403, 403, 403, 403, 200)
+
+ATTEMPT, TASK, CLASS = "/api/attempts/{attempt}", "/api/tasks/{task}", "/api/classes/{class}"
+
+READING = {
+    **dict.fromkeys(
+        ("/", "/api/session", "/api/works", "/api/facets", "/api/collections", "/api/tours"), OPEN
+    ),
+    **dict.fromkeys(
+        ("/api/works/regular-shui", "/api/works/regular-shui/files/thumb", "/api/openapi.json"), OPEN
+    ),
+    **dict.fromkeys(
+        ("/api/docs", "/iiif/works/regular-shui/manifest.json", "/api/works/regular-shui/annotations"), OPEN
+    ),
+    **dict.fromkeys(("/api/attempts", "/api/practice", "/api/practice.csv", "/api/classes"), LOGIN),
+    "/api/comparisons/next": LOGIN,
+    **dict.fromkeys((ATTEMPT, f"{ATTEMPT}/picture", f"{ATTEMPT}/viewer", f"{ATTEMPT}/files/thumb"), OWN),
+    "/api/practice?person={pupil}": OWN,
+    "/api/practice.csv?person={pupil}": OWN,
+    "/api/practice.pdf?work=regular-tian&person={pupil}": OWN,
+    "/api/jobs/{job}": (401, 404, 200, 404, 404, 200),
+    CLASS: OWN,
+    TASK: OWN,
+    f"{TASK}/marks.csv": (401, 403, 403, 404, 200, 200),
+    f"{TASK}/marks.zip": (401, 403, 403, 404, 200, 200),
+    "/api/marks.zip": TEACH,
+    "/api/comparisons.csv": TEACH,
+    "/api/people": OWNER,
+}
+
+CHANGING = {
+    ("POST", "/api/classes", '{"name": "a"}'): (401, 403, 403, 201, 201, 201),
+    ("POST", "/api/invitations", '{"role": "teacher"}'): (401, 403, 403, 403, 403, 201),
+    ("POST", "/api/invitations", '{"role": "pupil", "class_id": "{class}"}'): (401, 403, 403, 404, 201, 201),
+    ("POST", f"{CLASS}/tasks", '{"work": "regular-shui"}'): (401, 403, 403, 404, 201, 201),
+    ("PUT", f"{ATTEMPT}/mark", '{"mark": 50}'): (401, 403, 403, 404, 200, 200),
+    ("POST", "/api/works/regular-shui/annotations", '{"x": 0, "y": 0, "title": {"zh": "a"}}'): (
+        *(*OWNER[:5], 201),
+    ),
+    ("POST", "/api/tours", '{"title": {"zh": "a"}, "steps": []}'): (*OWNER[:5], 201),
+    ("PATCH", "/api/works/regular-shui", "{}"): OWNER,
+    ("PATCH", "/api/people/{pupil}", '{"language": "en"}'): OWNER,
+    ("DELETE", "/api/works/seal-none", ""): (*OWNER[:5], 404),
+    ("DELETE", f"{CLASS}/pupils/none", ""): (401, 403, 403, 404, 204, 204),
+    ("POST", "/api/comparisons", '{"left": "none", "right": "none", "winner": "left"}'): (401, *[404] * 5),
+    ("PATCH", "/api/session", '{"language": "en"}'): LOGIN,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def here(world, copy_of):
+    """(a browser for each role, ids of a pupil's things)."""
+    pupil = world.browser("吳")
+    attempt = pupil.marked(copy_of()).json()["id"]
+    ids = {
+        "attempt": attempt,
+        "class": world.ids["林班"],
+        "pupil": world.ids["吳"],
+        "task": new_id(),
+        "job": new_id(),
+    }
+    with world.service.gallery.database.writing() as session:
+        session.add(Task(id=ids["task"], class_id=ids["class"], work_id="regular-tian"))
+        session.add(Job(id=ids["job"], kind="test", state="done", person_id=ids["pupil"]))
+    return {role: world.browser(None if role == "visitor" else role) for role in ROLES}, ids
+
+
+def filled(text, ids):
+    for name, value in ids.items():
+        text = text.replace(f"{{{name}}}", value)
+    return text
+
+
+@pytest.mark.parametrize("url", READING)
+def test_reading(here, url):
+    browsers, ids = here
+    found = tuple(browsers[role]("GET", filled(url, ids)).status_code for role in ROLES)
+    assert found == READING[url]
+
+
+@pytest.mark.parametrize("asked", CHANGING, ids=lambda asked: " ".join(asked[:2]))
+def test_changing(here, asked):
+    browsers, ids = here
+    method, url, body = asked
+    more = {"content": filled(body, ids), "headers": {"Content-Type": "application/json"}} if body else {}
+    found = tuple(browsers[role](method, filled(url, ids), **more).status_code for role in ROLES)
+    assert found == CHANGING[asked]
+
+
+def test_deleting_an_attempt(here, world, copy_of):
+    browsers, _ = here
+    url = f"/api/attempts/{browsers['吳'].marked(copy_of()).json()['id']}"
+    found = [browsers[role]("DELETE", url).status_code for role in ("visitor", "周", "陳", "林", "吳")]
+    assert found == [401, 404, 404, 403, 204]
+
+
+def test_lists_hold_what_one_may_see_and_no_more(here, world):
+    browsers, ids = here
+    with world.service.gallery.database.reading() as session:
+        assert session.query(Attempt).count() == 1
+    found = [browsers[role]("GET", "/api/attempts").json()["total"] for role in ROLES[1:]]
+    assert found == [0, 1, 0, 1, 1]
+    classes = [len(browsers[role]("GET", "/api/classes").json()) for role in ("周", "吳")]
+    assert classes == [1, 1]
+    assert browsers["周"]("GET", f"/api/attempts?person={ids['pupil']}").json()["total"] == 0
+
+
+def test_every_route_is_in_one_of_these_lists(world):
+    """A new route must say who may use it."""
+    import re
+
+    listed = {re.sub(r"\?.*", "", url) for url in READING} | {url for _, url, _ in CHANGING}
+    known = {
+        re.sub(r"regular-shui|seal-none", "{work}", re.sub(r"\{\w+\}|none", "{x}", url)) for url in listed
+    }
+    plain = {re.sub(r"\{\w+\}", "{x}", url) for url in known}
+    elsewhere = {  # in test_app, test_jobs and test_guard
+        *("/api/login", "/api/logout", "/api/password", "/api/invitations/{x}", "/api/marks", "/api/imports"),
+        *(
+            "/api/collections/{x}",
+            "/api/works/{x}/viewer",
+            "/api/works/{x}/annotations/{x}",
+            "/api/tours/{x}",
+        ),
+        *(
+            "/api/attempts/{x}/strokes",
+            "/api/jobs/{x}/cancel",
+            "/api/jobs/{x}/events",
+            "/iiif/image/{x}/info.json",
+        ),
+        *("/iiif/collections/{x}.json", "/iiif/image/{x}/{x}/{x}/{x}/{x}", "/api/works/{x}/export.html"),
+    }
+    files = {"/api/works/{x}/files/{x}", "/api/attempts/{x}/files/{x}"}
+    routes = {re.sub(r"\{\w+\}", "{x}", path) for path in world.app.openapi()["paths"]}
+    plain = {re.sub(r"files/thumb$", "files/{x}", url) for url in plain}
+    assert routes - plain - elsewhere - files == set()

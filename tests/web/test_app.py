@@ -1,0 +1,244 @@
+"""The service as a person meets it, from the owner's link to the marks of a class."""
+
+from __future__ import annotations
+
+import csv
+import io
+import zipfile
+
+import pytest
+
+from rumu.studio.samples import put_samples
+from rumu.web.answers import FOR_EVER
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "/api/works",
+        "/api/facets",
+        "/api/collections",
+        "/api/works/regular-shui",
+        "/api/works/regular-shui/viewer",
+        "/api/tours",
+        "/iiif/collections/starter.json",
+        "/iiif/works/regular-shui/manifest.json",
+        "/",
+    ],
+)
+def test_reading_is_open_and_what_is_known_is_not_sent_again(world, url):
+    browser = world.browser()
+    first = browser("GET", url)
+    assert first.status_code == 200
+    again = browser("GET", url, headers={"If-None-Match": first.headers["etag"]})
+    assert (
+        again.status_code == 304 and again.content == b"" and again.headers["etag"] == first.headers["etag"]
+    )
+    assert browser("GET", url, headers={"If-None-Match": '"other"'}).content == first.content
+
+
+def test_works_are_found_and_lead_on(world):
+    browser = world.browser()
+    page = browser("GET", "/api/works?script=regular&character=水").json()
+    assert [card["id"] for card in page["items"]] == ["regular-shui"] and page["total"] == 1
+    work = browser("GET", "/api/works/regular-shui").json()
+    assert work["next"] or work["previous"]
+    for url in (*work["files"].values(), work["thumb"], work["thumb_normals"]):
+        answer = browser("GET", url)
+        assert answer.status_code == 200 and len(answer.content) > 50, url
+    viewer = browser("GET", "/api/works/regular-shui/viewer").json()
+    heights = browser("GET", viewer["heights"]["url"])
+    assert len(heights.content) == 4 * viewer["heights"]["width"] * viewer["heights"]["height"]
+    assert heights.headers["content-encoding"] == "gzip" and heights.headers["cache-control"] == FOR_EVER
+    assert viewer["source"] == "inflation" and "not measured" in viewer["source_text"]["en"]
+
+
+def test_what_is_not_there(world, code_of):
+    browser = world.browser()
+    missing = (
+        "/api/works/none",
+        "/api/works/none/viewer",
+        "/api/works/none/files/thumb",
+        "/api/collections/none",
+        "/api/tours/none",
+        "/iiif/works/none/manifest.json",
+        "/iiif/collections/none.json",
+        "/iiif/image/none/info.json",
+        "/api/invitations/0123456789ab",
+        "/nowhere",
+        "/api/nowhere",
+    )
+    for url in missing:
+        assert (browser("GET", url).status_code, code_of(browser("GET", url))) == (404, "not_found"), url
+    assert browser("GET", "/api/works/regular-shui/files/lamp-a").status_code == 422
+    assert browser("GET", "/api/works?script=gothic").status_code == 422
+
+
+def test_images_for_viewers_of_other_sites(world):
+    browser = world.browser()
+    part = "/iiif/image/regular-shui/square/64,/90/gray.png"
+    first = browser("GET", part)
+    assert first.status_code == 200 and first.headers["access-control-allow-origin"] == "*"
+    assert browser("GET", part, headers={"If-None-Match": first.headers["etag"]}).status_code == 304
+    assert browser("GET", "/iiif/image/regular-shui").headers["location"].endswith("/info.json")
+    assert browser("GET", "/iiif/image/regular-shui/nonsense/max/0/default.jpg").status_code == 400
+    facts = browser("GET", "/iiif/works/regular-shui/manifest.json").json()
+    assert facts["id"] == "http://testserver/iiif/works/regular-shui/manifest.json"
+
+
+def test_a_visitor_tries_and_nothing_is_kept(world, copy_of, code_of, tmp_path):
+    browser = world.browser()
+    answer = browser.marked(copy_of(), keep="false")
+    told = answer.json()
+    assert answer.status_code == 201 and told["id"] is None and told["picture"] is None
+    assert told["mark"]["score"] and len(told["mark"]["residual"]["copy"]) > 500
+    assert told["mark"]["align"]["matrix"][:1] != [0]
+    assert code_of(browser.marked(copy_of())) == "login"
+    assert world.browser("館主")("GET", "/api/attempts").json()["total"] == 0
+
+
+def test_pictures_that_are_none_and_copies_that_are_refused(world, copy_of, code_of):
+    browser = world.browser()
+    assert code_of(browser.marked(b"no picture", keep="false")) == "no_picture"
+    assert code_of(browser.marked(copy_of()[:3000], keep="false")) == "no_picture"
+    assert code_of(browser.marked(copy_of(), keep="false", work="none")) == "not_found"
+    told = browser.marked(copy_of(work="regular-shui"), keep="false", work="seal-tian").json()["mark"]
+    assert told["refused"] is None or told["refused"]["zh"]
+    import numpy as np
+    from PIL import Image
+
+    blank = io.BytesIO()
+    Image.fromarray(np.full((200, 200), 255, np.uint8)).save(blank, "PNG")
+    told = browser.marked(blank.getvalue(), keep="false").json()["mark"]
+    assert told["score"] is None and told["refused"]["code"] and told["refused"]["zh"]
+
+
+def test_from_the_owner_s_link_to_the_marks_of_a_class(own_world, copy_of):
+    world = own_world(people=False)
+    token = world.service.owner_link().rsplit("/", 1)[1]
+    owner = world.browser()
+    assert not owner.facts["owner_exists"]
+    assert owner("GET", f"/api/invitations/{token}").json()["role"] == "owner"
+
+    def joins(browser, link, name):
+        told = {"name": name, "password": "a long password"}
+        answer = browser("POST", f"/api/invitations/{link.rsplit('/', 1)[-1]}", json=told)
+        assert answer.status_code == 201, answer.text
+        browser.facts = answer.json()
+        return browser
+
+    joins(owner, token, "館主")
+    assert world.service.owner_link() is None and owner.facts["person"]["role"] == "owner"
+    link = owner("POST", "/api/invitations", json={"role": "teacher"}).json()["link"]
+    teacher = joins(world.browser(), link, "林")
+    class_id = teacher("POST", "/api/classes", json={"name": "三年二班"}).json()["id"]
+    link = teacher("POST", "/api/invitations", json={"role": "pupil", "class_id": class_id}).json()["link"]
+    assert (
+        world.browser()("GET", f"/api/invitations/{link.rsplit('/', 1)[1]}").json()["class"]["name"]
+        == "三年二班"
+    )
+    pupil = joins(world.browser(), link, "吳")
+    order = {"work": "regular-tian", "title": "天", "due": "2030-01-01T00:00:00+08:00"}
+    task = teacher("POST", f"/api/classes/{class_id}/tasks", json=order).json()["id"]
+    marks = [
+        pupil.marked(copy_of(degree=degree), task=task, kind="pen", strokes="[[[1,2,0.5]]]", grid="mi").json()
+        for degree in ("good", "bad")
+    ]
+    assert [mark["task"] for mark in marks] == [task, task]
+    table = teacher("GET", f"/api/tasks/{task}").json()
+    (row,) = table["rows"]
+    assert (row["person"]["name"], row["attempts"], row["last"]) == ("吳", 2, marks[1]["mark"]["score"])
+    assert (
+        row["best"] == marks[0]["mark"]["score"] > row["last"]
+        and table["common"][0]["count"] == 1
+        and table["common"][0]["zh"]
+    )
+    given = teacher("PUT", f"/api/attempts/{marks[1]['id']}/mark", json={"mark": 77, "note": "好"})
+    assert given.status_code == 200
+    shown = pupil("GET", f"/api/attempts/{marks[1]['id']}").json()
+    assert shown["teacher_marks"] == [{"teacher": "林", "mark": 77.0, "note": "好"}]
+    assert shown["mark"]["residual"]["master"]
+    rows = list(
+        csv.DictReader(
+            io.StringIO(teacher("GET", f"/api/tasks/{task}/marks.csv").content.decode("utf-8-sig"))
+        )
+    )
+    assert [(r["mark"], r["image"]) for r in rows] == [("77", f"copies/{marks[1]['id']}.png")]
+    with zipfile.ZipFile(io.BytesIO(teacher("GET", f"/api/tasks/{task}/marks.zip").content)) as packed:
+        assert set(packed.namelist()) == {"marks.csv", rows[0]["image"], rows[0]["reference"]}
+    practice = pupil("GET", "/api/practice").json()
+    assert practice["works"][0]["count"] == 2 and len(practice["works"][0]["curve"]) == 2
+    assert teacher("GET", f"/api/practice?person={pupil.facts['person']['id']}").json()["works"]
+    assert pupil("GET", "/api/practice.pdf?work=regular-tian").content[:5] == b"%PDF-"
+    assert pupil("GET", "/api/practice.csv").text.count("\n") == 3
+    for name in ("picture", "strokes", "viewer", "files/normals"):
+        assert pupil("GET", f"/api/attempts/{marks[1]['id']}/{name}").status_code == 200
+    assert pupil("DELETE", f"/api/attempts/{marks[0]['id']}").status_code == 204
+    assert pupil("GET", "/api/attempts").json()["total"] == 1
+
+
+def test_the_simulated_samples_are_judged(own_world):
+    world = own_world()
+    put_samples(world.service.gallery, place=world.service.settings.place, advance=lambda done, total: None)
+    pupil = world.browser("吳")
+    pair = pupil("GET", "/api/comparisons/next").json()
+    assert pair["left"]["simulated"] and pair["right"]["kind"] == "simulated" and pair["left_over"] == 12
+    verdict = {"left": pair["left"]["id"], "right": pair["right"]["id"], "winner": "left", "seconds": 3.5}
+    assert pupil("POST", "/api/comparisons", json=verdict).status_code == 201
+    assert pupil("POST", "/api/comparisons", json=verdict).status_code == 409
+    table = world.browser("林")("GET", "/api/comparisons.csv").content.decode("utf-8-sig")
+    (row,) = csv.DictReader(io.StringIO(table))
+    assert (row["judge"], row["winner"], row["seconds"]) == (world.ids["吳"], "left", "3.5")
+    assert (row["left"], row["right"], row["work"]) == (verdict["left"], verdict["right"], pair["work"]["id"])
+
+
+def test_the_owner_changes_the_gallery(own_world):
+    world = own_world()
+    owner = world.browser("館主")
+    told = {
+        "x": 0.2,
+        "y": 0.4,
+        "title": {"zh": "起筆", "en": "Entry"},
+        "text": {"zh": "逆鋒", "en": "against"},
+    }
+    said = owner("POST", "/api/works/regular-shui/annotations", json=told).json()
+    url = f"/api/works/regular-shui/annotations/{said['id']}"
+    assert owner("PATCH", url, json={"x": 0.5}).json()["title"]["zh"] == "起筆"
+    assert owner("GET", "/api/works/regular-shui").json()["annotations"][-1]["x"] == 0.5
+    assert owner("DELETE", url).status_code == 204
+    step = {"work": "regular-shui", "view": "mode=sheet&tilt=45", "text": {"zh": "看", "en": "look"}}
+    tour = owner("POST", "/api/tours", json={"title": {"zh": "遊", "en": "Walk"}, "steps": [step]}).json()
+    assert tour["steps"][0]["view"] == step["view"] and tour["steps"][0]["text"]["zh"] == "看"
+    assert owner("PATCH", f"/api/tours/{tour['id']}", json={"title": {"zh": "二", "en": "Two"}}).json()[
+        "steps"
+    ]
+    assert owner("DELETE", f"/api/tours/{tour['id']}").status_code == 204
+    changed = owner("PATCH", "/api/works/regular-shui", json={"title": {"zh": "水字", "en": "Water"}}).json()
+    assert changed["title"] == {"zh": "水字", "en": "Water"}
+    before = owner("GET", "/api/works").json()["total"]
+    assert owner("DELETE", "/api/works/seal-tian").status_code == 204
+    assert owner("GET", "/api/works").json()["total"] == before - 1
+
+
+def test_a_teacher_adds_a_work(own_world, copy_of):
+    world = own_world()
+    teacher = world.browser("林")
+    facts = {"title_zh": "我的天", "character": "天", "script": "regular", "collection": "課堂"}
+    answer = teacher("POST", "/api/works", data=facts, files={"picture": ("x", copy_of())})
+    assert answer.status_code == 201, answer.text
+    work = answer.json()
+    assert work["title"] == {"zh": "我的天", "en": "我的天"} and work["collection_title"]["zh"] == "課堂"
+    assert teacher("GET", work["thumb"]).status_code == 200
+    assert teacher("POST", "/api/works", data=facts, files={"picture": ("x", b"<svg/>")}).status_code == 422
+    assert (
+        teacher("POST", "/api/works", data=facts, files={"picture": ("x.png", _blank())}).status_code == 422
+    )
+
+
+def _blank() -> bytes:
+    import numpy as np
+    from PIL import Image
+
+    stream = io.BytesIO()
+    Image.fromarray(np.full((80, 80), 255, np.uint8)).save(stream, "PNG")
+    return stream.getvalue()
