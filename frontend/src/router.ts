@@ -59,7 +59,7 @@ export function go(path: string): void {
 
 /** Change the query of the present page without a new entry in the history: a view that is being turned. */
 export function rewrite(query: URLSearchParams): void {
-  const text = query.toString();
+  const text = query.toString().replaceAll("%2C", ",");
   history.replaceState(null, "", `#${place.value.path}${text ? `?${text}` : ""}`);
   hash.value = location.hash; // replaceState tells nobody
 }

@@ -73,7 +73,7 @@ function Shelf({ work, facts, query }: { work: Work; facts: ViewerFacts; query: 
       </div>
       <aside class="label">
         <WorkFacts work={work} facts={facts} />
-        <a class="button write" href={`#/studio/${encodeURIComponent(work.id)}`}><Icon name="edit" />{t("write")}</a>
+        {work.character && <a class="button write" href={`#/studio/${encodeURIComponent(work.id)}`}><Icon name="edit" />{t("write")}</a>}
         <Notes notes={notes} chosen={chosen} choose={choose} owner={owner} edit={setForm} drop={(note) => void drop(note)} />
         <nav class="neighbours" aria-label={t("collection")}>
           {work.previous ? <a href={`#/works/${encodeURIComponent(work.previous)}`}><Icon name="previous" />{t("previous")}</a> : <span />}
@@ -119,7 +119,7 @@ function useAddress(initial: ViewState, viewer: Viewer | null, query: URLSearchP
       extra.current = { [name]: value };
       write();
     },
-    link: () => `${location.href.split("#")[0]}${location.hash.split("?")[0]}?${whole()}`,
+    link: () => `${location.href.split("#")[0]}${location.hash.split("?")[0]}?${whole().toString().replaceAll("%2C", ",")}`,
   };
 }
 

@@ -40,7 +40,7 @@ export function ScaleBar({ viewer }: { viewer: Viewer }) {
       const apart = a && b ? Math.hypot(b.x - a.x, b.y - a.y) : 0;
       if (!straight || !viewer.field || !apart) return setBar(null);
       const perPixel = viewer.field.length([0.45, 0.5, 0.55, 0.5]) / apart;
-      const long = niceStep(perPixel * 110, 1);
+      const long = niceStep(perPixel * Math.min(110, (viewer.canvas?.clientWidth ?? 0) / 5), 1);
       setBar((now) => (now?.long === long && now.pixels === long / perPixel ? now : { long, pixels: long / perPixel }));
     };
     measure();

@@ -159,7 +159,7 @@ function Stage({ shown, initial, caption, onState, onPoint, onViewer, children }
   return (
     <div class="viewer-stage">
       <div class="viewer-host" ref={host} role="application" aria-label={`${say(shown.title)}. ${t("hostSaid")}`} />
-      {viewer ? children(viewer) : error ? <Trouble error={error} again={() => setTurn((n) => n + 1)} /> : <div class="viewer-wait"><Waiting /></div>}
+      {viewer ? children(viewer) : error ? <Trouble error={error} again={() => setTurn((n) => n + 1)} /> : <div class="viewer-wait"><img src={shown.facts.picture} alt="" /><Waiting /></div>}
       {caption && <p class="viewer-caption">{say(shown.title)}<small>{say(shown.facts.source_text)}</small></p>}
     </div>
   );

@@ -51,8 +51,9 @@ const WHAT: Record<Mode | Exclude<Lens, "none" | "heights">, number> = {
   normals: 5,
   magnify: 6,
 };
-/** Squares along the longer side: fine for a surface, coarse enough to be seen in the picture of the mesh. */
-const FINE = 384;
+/** Squares along the longer side: two for a flat sheet, for small triangles are dear; fine for a surface; coarse enough to be seen in the mesh. */
+const FLAT = 2;
+const FINE = 256;
 const COARSE = 96;
 const CONTOURS = 14;
 /** The eye over a flat sheet: so far that every point sees it straight above. */
@@ -68,8 +69,7 @@ export class Stage {
   /** Units of height between two contour lines. */
   readonly interval: number;
   private readonly textures: Texture[] = [];
-  private readonly fine: BufferGeometry;
-  private coarse: BufferGeometry | null = null;
+  private readonly grids = new Map<number, BufferGeometry>();
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -81,8 +81,7 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
     this.renderer.setClearColor(0, 0);
     this.interval = niceStep(field.max - field.min, CONTOURS);
-    this.fine = grid(field, FINE);
-    this.sheet = new Mesh(this.fine, this.material());
+    this.sheet = new Mesh(this.grid(FLAT), this.material());
     this.sheet.frustumCulled = false; // heights are only known on the GPU
     this.scene.add(this.sheet);
   }
@@ -127,8 +126,7 @@ export class Stage {
 
   dispose(): void {
     this.textures.forEach((texture) => texture.dispose());
-    this.fine.dispose();
-    this.coarse?.dispose();
+    this.grids.forEach((made) => made.dispose());
     this.sheet.material.dispose();
     const { albedo, normals, photo, lamps } = this.maps;
     [albedo, normals, photo, lamps?.a, lamps?.b, lamps?.c].forEach((bitmap) => bitmap?.close());
@@ -137,8 +135,8 @@ export class Stage {
   }
 
   private prepare(state: ViewState, lensPlace: LensPlace | null, eye: Vec3): void {
-    if (state.mode === "mesh") this.coarse ??= grid(this.field, COARSE);
-    this.sheet.geometry = state.mode === "mesh" && this.coarse ? this.coarse : this.fine;
+    const longest = state.mode === "sheet" ? FLAT : state.mode === "mesh" ? COARSE : FINE;
+    this.sheet.geometry = this.grid(longest);
     const is = (name: string) => this.sheet.material.uniforms[name]!;
     is("mode").value = WHAT[state.mode];
     is("lens").value = state.lens === "none" || !lensPlace ? -1 : WHAT[state.lens];
@@ -148,7 +146,7 @@ export class Stage {
     is("exaggeration").value = state.exaggeration;
     is("look").value = LOOKS.indexOf(state.look);
     is("eye").value.set(...eye);
-    is("cells").value.set(...squares(this.field, state.mode === "mesh" ? COARSE : FINE));
+    is("cells").value.set(...squares(this.field, longest));
     const { lamps } = this.maps;
     is("mixture").value.set(...(state.mixture && lamps ? mixtureWeights(state.tilt, state.slant, lamps.slant) : [0, 0, 0]));
     const style = getComputedStyle(this.canvas);
@@ -199,6 +197,13 @@ export class Stage {
         paperColour: { value: new Vector3(1, 1, 1) },
       },
     });
+  }
+
+  /** Made when first needed. */
+  private grid(longest: number): BufferGeometry {
+    const made = this.grids.get(longest) ?? grid(this.field, longest);
+    this.grids.set(longest, made);
+    return made;
   }
 
   private texture(bitmap: ImageBitmap, encoded: boolean): Texture {

@@ -59,6 +59,8 @@ const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera", "look"] as co
 const KEY_STEP = 5;
 const LENS_RADIUS = 90;
 const SHEEN = 0.34;
+/** True while one viewer tells its partner: what it hears so is not told back. */
+let passing = false;
 
 /** Fills `host` with a viewer. Without WebGL2 it shows the picture and a message. Rejects when a file cannot be read. */
 export async function createViewer(host: HTMLElement, facts: ViewerFacts, options: ViewerOptions = {}): Promise<Viewer> {
@@ -86,7 +88,6 @@ class SheetViewer implements Viewer {
   private readonly listeners = new Set<() => void>();
   private readonly ends: (() => void)[] = [];
   private other: Viewer | null = null;
-  private passing = false;
   private frame = 0;
   private gliding = 0;
   private lens: { x: number; y: number } | null = null;
@@ -248,10 +249,10 @@ class SheetViewer implements Viewer {
   /** What both share goes to the other one, and is not sent back. */
   private pass(partial: Partial<ViewState>): void {
     const shared = Object.fromEntries(SHARED.filter((name) => name in partial).map((name) => [name, partial[name]]));
-    if (!this.other || this.passing || !Object.keys(shared).length) return;
-    this.passing = true;
+    if (!this.other || passing || !Object.keys(shared).length) return;
+    passing = true;
     this.other.set(shared);
-    this.passing = false;
+    passing = false;
   }
 
   private invalidate(): void {
