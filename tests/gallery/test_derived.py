@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import io
 import json
+import shutil
+import subprocess
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -84,6 +87,28 @@ def test_every_starter_mesh_is_sound_and_small(gallery, work):
     assert mesh.is_winding_consistent and len(mesh.faces) > 10_000
     assert mesh.extents[:2] == pytest.approx([0.1, 0.1], rel=0.02)
     assert mesh.face_normals[:, 2].min() > 0
+
+
+_VALIDATE = """
+const {validateBytes} = require(process.argv[1] + "/node_modules/gltf-validator");
+const bytes = new Uint8Array(require("fs").readFileSync(0));
+validateBytes(bytes).then((told) => console.log(JSON.stringify(told.issues)));
+"""
+
+
+@pytest.mark.parametrize("work", ["regular-shui", "cursive-tian"])
+def test_khronos_validator_finds_no_fault_in_a_mesh(gallery, work):
+    frontend, node = Path(__file__).parents[2] / "frontend", shutil.which("node")
+    if node is None or not (frontend / "node_modules" / "gltf-validator").is_dir():
+        pytest.skip("absent: gltf-validator of frontend/node_modules (npm ci)")
+    told = subprocess.run(
+        [node, "-e", _VALIDATE, str(frontend)],
+        input=derived(gallery, work, "glb").data,
+        capture_output=True,
+        check=True,
+    )
+    issues = json.loads(told.stdout)
+    assert (issues["numErrors"], issues["numWarnings"]) == (0, 0), issues["messages"]
 
 
 def test_a_large_photometric_mesh_stays_below_5_mb(bare):
