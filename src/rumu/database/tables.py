@@ -27,6 +27,7 @@ def new_id() -> str:
 
 
 def now() -> datetime:
+    """This moment, in UTC."""
     return datetime.now(UTC)
 
 

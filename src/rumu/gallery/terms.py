@@ -92,4 +92,5 @@ def period_in_words(told: str) -> Bilingual:
 
 
 def script_name(script: str) -> Bilingual:
+    """A script in both languages; an unknown word stays as it is."""
     return SCRIPT_NAMES.get(script, UNKNOWN if not script else Bilingual(zh=script, en=script))

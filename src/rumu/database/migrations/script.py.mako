@@ -11,8 +11,10 @@ down_revision = ${repr(down_revision)}
 
 
 def upgrade() -> None:
+    """To this state."""
     ${upgrades if upgrades else "pass"}
 
 
 def downgrade() -> None:
+    """Back to the state before."""
     ${downgrades if downgrades else "pass"}
