@@ -109,7 +109,7 @@ function Heading({ work, task }: { work: Work; task: string | null }) {
       <div>
         <h1>{say(work.title)}</h1>
         <p class="note">
-          {[say(work.hand), say(work.period)].filter(Boolean).join(" · ")} · <a href="#/studio">{w("otherMaster")}</a>
+          {say(work.hand)} <span class="period">· {say(work.period)} </span>· <a href="#/studio">{w("otherMaster")}</a>
         </p>
         {task && (
           <p>
