@@ -186,6 +186,17 @@ def test_a_raised_mesh_is_not_inside_out(
     hollow.close()
 
 
+def test_contours_leave_the_plain_white(dome_page: Page) -> None:
+    """The plain lies at a level itself, 0: it is no line. On the dome there are lines."""
+    state = {"mode": "contours", "camera": [0, 0, 2.2, 0, 0, 0]}
+    seen = drawn(dome_page, state, how="snapshot").mean(axis=2)
+    drawn(dome_page, {"camera": None, "mode": "sheet"})
+    row, column = (length // 2 for length in seen.shape)
+    corner = int(0.46 * seen.shape[0] / (2.2 * 2 * np.tan(np.radians(14))))
+    assert seen[row - corner, column - corner] > 0.8
+    assert seen[row, column - corner : column + corner].min() < 0.5
+
+
 def test_what_is_picked_and_cut_is_the_surface(dome_page: Page) -> None:
     top, ends = dome_page.evaluate(
         """async () => {

@@ -70,7 +70,7 @@ function FilterBar({ filters, facets, change }: { filters: Filters; facets: Face
       <div class="chips" role="group" aria-label={t("script")}>
         <Chip label={t("every")} on={!filters.script} act={() => set("script", "")} />
         {(facets?.script ?? []).map((facet) => (
-          <Chip key={facet.value} label={scriptName(facet.value) || t("every")} count={facet.count} on={filters.script === facet.value}
+          <Chip key={facet.value} label={scriptName(facet.value) === facet.value ? say(facet) : scriptName(facet.value)} count={facet.count} on={filters.script === facet.value}
             act={() => set("script", filters.script === facet.value ? "" : facet.value)} />
         ))}
       </div>

@@ -127,7 +127,8 @@ vec3 contoursAt(vec2 uv) {
   float fifth = 1.0 - smoothstep(0.6, 1.6, contourDistance(h, interval * 5.0) / (wide / 5.0) / 1.8);
   float t = (h - range.x) / max(range.y - range.x, 1e-9);
   vec3 base = mix(decode(paperColour), decode(heightColour(t)), 0.18);
-  float crowded = 1.0 - smoothstep(0.25, 0.6, wide);
+  // Where it is flat no line can be drawn, even when the plain lies at a level itself.
+  float crowded = smoothstep(5e-4, 2e-3, wide) * (1.0 - smoothstep(0.25, 0.6, wide));
   return mix(base, decode(inkColour), max(line * 0.75, fifth) * crowded);
 }
 vec3 meshAt() {

@@ -17,9 +17,9 @@ export function Legend({ viewer }: { viewer: Viewer }) {
   return (
     <div class="legend" role="img" aria-label={t("legendSaid", { low: length(min, unit), high: length(max, unit) })}>
       <span class="legend-title">{t("height")} ({unit})</span>
-      <div class="legend-bar" style={{ background: `linear-gradient(to top, ${STOPS})` }}>
+      <div class="legend-bar" style={{ "--colours": STOPS }}>
         {levels(min, max, 4).map((level) => (
-          <span key={level} class="legend-tick" style={{ bottom: `${((level - min) / (max - min || 1)) * 100}%` }}>{level}</span>
+          <span key={level} class="legend-tick" style={{ "--at": `${((level - min) / (max - min || 1)) * 100}%` }}>{level}</span>
         ))}
       </div>
       {contours && <span class="legend-note">{t("interval", { step: length(viewer.interval, unit) })}</span>}
