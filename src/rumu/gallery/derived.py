@@ -94,6 +94,14 @@ def derived_of(store: Store, original: Original, kind: str, *, exaggeration: flo
     return Derived(data, KINDS[kind].media_type, etag(original, kind, exaggeration=exaggeration))
 
 
+def kept(store: Store, original: Original, kind: str, *, exaggeration: float = 1.0) -> Derived | None:
+    """The same where it is there without being made, else None."""
+    data = _kept(store, _key(original, kind, exaggeration))
+    if data is None:
+        return None
+    return Derived(data, KINDS[kind].media_type, etag(original, kind, exaggeration=exaggeration))
+
+
 def etag(original: Original, kind: str, *, exaggeration: float = 1.0) -> str:
     """What names the content of a derived file, known before it is made."""
     return hashlib.sha256(_key(original, kind, exaggeration).encode()).hexdigest()[:20]

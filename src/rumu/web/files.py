@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rumu.gallery.catalog import Gallery
-from rumu.gallery.derived import etag
+from rumu.gallery.derived import etag, kept
 from rumu.gallery.originals import Original, original_of, picture_original
 from rumu.studio import worker
 from rumu.studio.workers import Workers
@@ -37,6 +37,7 @@ class Files:
         self._lock = threading.Lock()
         self._held: OrderedDict[str, Sent] = OrderedDict()
         self._bytes = 0
+        self._making = tuple(threading.Lock() for _ in range(64))
 
     def of_work(
         self, work_id: str, kind: str, *, exaggeration: float = 1.0, known: str | None = None
@@ -65,8 +66,14 @@ class Files:
         held = self._remembered(tag)
         if held is not None:
             return held
-        made = self._workers.ask(worker.derived_file, kind=kind, exaggeration=exaggeration, **source)
-        return self._kept(Sent(made.data, _packed(made.data, made.media_type), made.media_type, tag))
+        with self._making[hash(tag) % len(self._making)]:  # once, however many ask at a time
+            held = self._remembered(tag)
+            if held is not None:
+                return held
+            made = kept(self._gallery.store, original, kind, exaggeration=exaggeration)
+            if made is None:
+                made = self._workers.ask(worker.derived_file, kind=kind, exaggeration=exaggeration, **source)
+            return self._kept(Sent(made.data, _packed(made.data, made.media_type), made.media_type, tag))
 
     def _remembered(self, tag: str) -> Sent | None:
         with self._lock:

@@ -59,7 +59,9 @@ def serve(
         listening = Listening(f"{url}/", link and f"{url}{link}")
         says(listening)
         server = uvicorn.Server(
-            uvicorn.Config(app, log_level="warning", access_log=False, timeout_graceful_shutdown=5)
+            uvicorn.Config(
+                app, log_level="warning", access_log=False, timeout_graceful_shutdown=5, timeout_keep_alive=65
+            )
         )
         if ready is not None:
             threading.Thread(target=_when_ready, args=(server, listening, ready), daemon=True).start()
