@@ -4,19 +4,21 @@ import { language } from "../i18n";
 import { bandOf, dots, heightOf, pathOf, type Frame, type Point } from "./chart";
 import { w } from "./say";
 
-const FRAME: Frame = { width: 640, height: 240, left: 34, right: 16, top: 12, bottom: 30 };
+const WIDE: Frame = { width: 640, height: 240, left: 34, right: 16, top: 12, bottom: 30 };
+const NARROW: Frame = { ...WIDE, width: 340, height: 220 }; // a phone: letters keep their size
 
 export function Curve({ points, title }: { points: Point[]; title: string }) {
-  const found = dots(points, FRAME);
+  const frame = innerWidth > 640 ? WIDE : NARROW;
+  const found = dots(points, frame);
   const days = new Set(found.map(({ point }) => day(point.created))).size;
   const when = days > 1 ? day : hour;
   return (
     <figure class="curve">
-      <svg viewBox={`0 0 ${FRAME.width} ${FRAME.height}`} role="img" aria-label={w("curveLabel", { title, count: found.length })}>
+      <svg viewBox={`0 0 ${frame.width} ${frame.height}`} role="img" aria-label={w("curveLabel", { title, count: found.length })}>
         {[0, 25, 50, 75, 100].map((score) => (
           <g key={score} class="curve-line">
-            <path d={`M${FRAME.left} ${heightOf(score, FRAME)}H${FRAME.width - FRAME.right}`} />
-            <text x={FRAME.left - 8} y={heightOf(score, FRAME) + 4}>
+            <path d={`M${frame.left} ${heightOf(score, frame)}H${frame.width - frame.right}`} />
+            <text x={frame.left - 8} y={heightOf(score, frame) + 4}>
               {score}
             </text>
           </g>
@@ -32,11 +34,11 @@ export function Curve({ points, title }: { points: Point[]; title: string }) {
         ))}
         {found.length > 0 && (
           <g class="curve-days">
-            <text x={FRAME.left} y={FRAME.height - 8}>
+            <text x={frame.left} y={frame.height - 8}>
               {when(found[0]!.point.created)}
             </text>
             {found.length > 1 && (
-              <text class="end" x={FRAME.width - FRAME.right} y={FRAME.height - 8}>
+              <text class="end" x={frame.width - frame.right} y={frame.height - 8}>
                 {when(found.at(-1)!.point.created)}
               </text>
             )}
