@@ -47,7 +47,7 @@ class Evidence:
     @cached_property
     def likeness(self) -> float:
         """Of the outlines: 1 for the same, about 0 for any two characters."""
-        return float(likeness(self._vector, _described(self.master)))
+        return float(likeness(self._vector, _described(self._reference)))
 
     @cached_property
     def mirrored(self) -> float:
@@ -103,7 +103,7 @@ class Evidence:
         ink = ink_mask(self.copy)
         full = filled(ink)
         vector = describe(sample_points(_only(self.copy, full)))
-        gained = float(likeness(vector, _described(self.master))) - self.likeness
+        gained = float(likeness(vector, _described(self._reference))) - self.likeness
         return 1.0 - float(np.count_nonzero(ink) / np.count_nonzero(full)), gained
 
     @cached_property
@@ -129,12 +129,12 @@ class Evidence:
                 vector = describe(sample_points(_only(self.copy, part)))
             except RumuError:
                 continue
-            best = max(best, float(likeness(vector, _described(self.master))))
+            best = max(best, float(likeness(vector, _described(self._reference))))
         return (best, best - self.likeness) if best > -1.0 else (0.0, -1.0)
 
     @cached_property
     def _vector(self) -> FloatArray:
-        return describe(sample_points(self.copy))
+        return describe(self.registration.probe)
 
     @property
     def _reference(self) -> PointSet:
@@ -149,8 +149,8 @@ class Evidence:
 
 
 @lru_cache(maxsize=2)  # many copies of one master come in a row
-def _described(master: Surface) -> FloatArray:
-    return describe(sample_points(master))
+def _described(reference: PointSet) -> FloatArray:
+    return describe(reference)
 
 
 def filled(ink: BoolArray) -> BoolArray:

@@ -7,6 +7,7 @@ fits. The size of the writing is divided out here, and recorded, so that registr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -65,13 +66,13 @@ def sample_points(surface: Surface, *, settings: Sampling | None = None) -> Poin
     was measured and is flat, as ink on paper is.
     """
     mask = ink_mask(surface)
-    centre, radius = _place(mask)
+    centre, radius, ink = _brought(surface)
     height = surface.height / surface.spacing
     bounds, noise = (0.0, INFLATION_TOP * radius), 0.0
     if surface.source != "inflation":
         bounds, noise = _own_bounds(height, ink=mask, paper=surface.mask & ~mask)
     relief = normalise_height(height, mask=mask, bounds=bounds, noise=noise)
-    ink, relief = (_canvas(image, centre=centre, radius=radius) for image in (mask, relief))
+    relief = _canvas(relief, centre=centre, radius=radius)
     rows_in_all, columns_in_all = surface.height.shape
     longer = max(rows_in_all, columns_in_all)
     settings = settings or Sampling()
@@ -131,9 +132,17 @@ def canvas_ink(surface: Surface) -> FloatArray:
 
     Raises RegistrationError when the surface holds too little ink.
     """
+    return _brought(surface)[2]
+
+
+@lru_cache(maxsize=4)  # points and edges of one surface follow each other
+def _brought(surface: Surface) -> tuple[FloatArray, float, FloatArray]:
+    """Centre and radius of the ink, see `_place`, and the ink on the common canvas, not to be written to."""
     mask = ink_mask(surface)
     centre, radius = _place(mask)
-    return _canvas(mask, centre=centre, radius=radius)
+    ink = _canvas(mask, centre=centre, radius=radius)
+    ink.flags.writeable = False
+    return centre, radius, ink
 
 
 def _place(mask: BoolArray) -> tuple[FloatArray, float]:
