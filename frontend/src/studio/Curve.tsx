@@ -14,7 +14,7 @@ export function Curve({ points, title }: { points: Point[]; title: string }) {
   const when = days > 1 ? day : hour;
   return (
     <figure class="curve">
-      <svg viewBox={`0 0 ${frame.width} ${frame.height}`} role="img" aria-label={w("curveLabel", { title, count: found.length })}>
+      <svg viewBox={`0 0 ${frame.width} ${frame.height}`} role="group" aria-label={w("curveLabel", { title, count: found.length })}>
         {[0, 25, 50, 75, 100].map((score) => (
           <g key={score} class="curve-line">
             <path d={`M${frame.left} ${heightOf(score, frame)}H${frame.width - frame.right}`} />

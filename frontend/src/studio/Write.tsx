@@ -1,6 +1,6 @@
 // The studio: a master, a sheet to write on, and the mark.
 
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { get, session } from "../api";
 import { say, t } from "../i18n";
 import type { PageProps } from "../router";
@@ -49,7 +49,7 @@ function Desk({ work, task }: { work: Work; task: string | null }) {
   const mark = (tried = false) => void (make && ask(make, { tried }));
   useEffect(() => keepRecent(work.id), [work.id]);
   useEffect(() => keepSettings(settings), [settings]);
-  useEffect(() => keepDraft(work.id, strokes), [strokes]);
+  useLayoutEffect(() => keepDraft(work.id, strokes), [strokes]); // at once: the next thing may be another page
   useAutoMark(settings.auto && !writing && way === "pen" && strokes.length > 0, strokes, () => mark(true));
   useKeys({ undo: () => change(undo), redo: () => change(redo), mark: () => mark() });
   return (
