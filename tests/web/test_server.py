@@ -212,6 +212,14 @@ def test_others_reach_nothing_that_nobody_owns(tmp_path):
         serve(settings, host="0.0.0.0", port=0, says=lambda listening: pytest.fail("it listens"))
 
 
+def test_small_answers_are_sent_at_once():
+    """Without its protocol, asyncio would leave Nagle's delay of 40 ms on every connection."""
+    import socket
+
+    with contextlib.closing(listen("127.0.0.1", 0)) as listening:
+        assert listening.proto == socket.IPPROTO_TCP
+
+
 def test_a_port_that_is_taken_is_said(tmp_path):
     with (
         contextlib.closing(listen("127.0.0.1", 0)) as taken,

@@ -71,7 +71,8 @@ def serve(
 def listen(host: str, port: int) -> socket.socket:
     """A socket that listens. Raises RumuError when it cannot be had."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    taken = socket.socket(family, socket.SOCK_STREAM)
+    # asyncio sends small answers at once only where the socket says TCP; else each waits 40 ms for an echo
+    taken = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         taken.bind((host, port))
