@@ -1,0 +1,83 @@
+"""A teacher's lesson: a class, links for its pupils, a task, their copies, a mark beside ours; judging."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from playwright.sync_api import Page, expect
+from tests.e2e.brush import write
+from tests.e2e.conftest import Arrive, Visitor
+
+LogIn = Callable[..., Visitor]
+
+
+def joined(page: Page, link: str, name: str) -> None:
+    page.goto(link)
+    page.locator("input[autocomplete=username]").fill(name)
+    for field in page.locator("input[type=password]").all():
+        field.fill(f"brush and ink {name}")
+    page.locator("form button[type=submit]").click()
+    expect(page.get_by_role("button", name="Log out")).to_be_visible()
+
+
+def test_a_lesson(as_person: LogIn, arrive: Arrive) -> None:
+    teacher = as_person("teacher")
+    page = teacher.go("/classes")
+    page.get_by_label("Name of the class").fill("三年二班")
+    page.get_by_role("button", name="Make it").click()
+    page.wait_for_url(re.compile("#/classes/"))
+    page.locator(".invitation > button").click()
+    link = page.get_by_label("Invitation link").input_value()
+    page.get_by_text("Give a task").click()
+    page.get_by_label("Search for a master").fill("人")
+    page.locator(".pick-row label").filter(has=page.locator("img[alt*='regular']")).first.click()
+    page.get_by_label("Title").fill("First week")
+    page.get_by_role("button", name="Give it").click()
+    page.wait_for_url(re.compile("#/tasks/"))
+    task = page.url
+
+    pupil = arrive()
+    joined(pupil.page, link, "Amy")
+    pupil.page.goto(task)
+    pupil.page.get_by_role("link", name="Write it").click()
+    expect(pupil.page.locator(".cell")).to_be_visible()
+    pupil.page.wait_for_load_state("networkidle")
+    write(pupil.page, "regular-ren")
+    with pupil.page.expect_response(re.compile("/api/marks")) as coming:
+        pupil.page.get_by_role("button", name="Mark it").click()
+    kept = coming.value.json()
+    assert kept["task"] and task.endswith(kept["task"])
+
+    page.reload()
+    row = page.locator("tbody tr").filter(has_text="Amy")
+    expect(row).to_contain_text(str(round(kept["mark"]["score"])))
+    page.get_by_role("button", name="Your mark for Amy").click()
+    page.get_by_role("dialog").get_by_label(re.compile("^Your mark")).fill("71")
+    page.get_by_role("button", name="Save").click()
+    page.reload()
+    expect(page.locator("tbody tr").filter(has_text="Amy")).to_contain_text("71")
+
+    pupil.page.goto(f"{pupil.url}/#/attempts/{kept['id']}")
+    expect(pupil.page.locator("main")).to_contain_text("Teacher Ouyang")
+    expect(pupil.page.locator("svg title", has_text="Teacher's mark: 71")).to_have_count(1)
+    pupil.page.goto(f"{pupil.url}/#/practice")
+    printed = pupil.page.get_by_role("link", name="Print (PDF)").first.get_attribute("href")
+    assert printed
+    assert pupil.page.request.get(f"{pupil.url}{printed}").body().startswith(b"%PDF-")
+
+
+def test_a_pair_is_judged_once(as_person: LogIn) -> None:
+    visitor = as_person("teacher")
+    page = visitor.go("/judge")
+    expect(page.locator(".judge-copy").first).to_be_enabled()
+    with page.expect_response(re.compile(r"/api/comparisons$")) as told:
+        page.keyboard.press("1")
+    assert told.value.ok
+    first = told.value.request.post_data_json
+    expect(page.get_by_role("progressbar")).to_have_attribute("value", "1")
+    with page.expect_response(re.compile(r"/api/comparisons$")) as again:
+        page.keyboard.press("3")
+    second = again.value.request.post_data_json
+    assert {first["left"], first["right"]} != {second["left"], second["right"]}
+    assert (first["winner"], second["winner"]) == ("left", "same")
