@@ -32,7 +32,7 @@ from rumu.web.routes import (
 from rumu.web.service import Service
 from rumu.web.settings import ServiceSettings
 
-THREADS = 96  # marks wait in threads for their process; those who browse must not wait behind them
+THREADS = 12  # that answer; more would only stand in each other's way, see also routes.marks
 
 _ABOUT = (
     "Chinese calligraphy as surfaces, and an honest mark for a learner's copy. Reading the gallery is open. "

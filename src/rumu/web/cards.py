@@ -17,8 +17,12 @@ def both(row: Any, name: str) -> dict[str, str]:
 
 def file_address(work: Work, kind: str) -> str:
     """The address of a file of a work; it changes when the file does, so that it may be kept for ever."""
-    version = f"{work.digest[:8]}{int(work.changed.timestamp()):x}-{VERSION}"
-    return f"/api/works/{work.id}/files/{kind}?v={version}"
+    return f"/api/works/{work.id}/files/{kind}?v={file_version(work)}"
+
+
+def file_version(work: Work) -> str:
+    """Changes when any file of a work may."""
+    return f"{work.digest[:8]}{int(work.changed.timestamp()):x}-{VERSION}"
 
 
 def work_card(work: Work) -> dict[str, Any]:

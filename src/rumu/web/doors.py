@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+from anyio.to_thread import run_sync
 from fastapi import Depends, Path, Query, Request, Response
 from pydantic import AfterValidator, StringConstraints
 
@@ -17,7 +18,7 @@ from rumu.web.service import Service
 _ID = r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$"
 
 
-def service_of(request: Request) -> Service:
+async def service_of(request: Request) -> Service:
     """The running service."""
     service: Service = request.app.state.service
     return service
@@ -32,15 +33,18 @@ def ticket_of(request: Request) -> Ticket | None:
     return ticket
 
 
-def anybody(request: Request, service: Running) -> Identity | None:
+async def anybody(request: Request, service: Running) -> Identity | None:
     """Who asks, or None for a visitor."""
-    return service.who(ticket_of(request))
+    ticket = ticket_of(request)
+    if ticket is None or ticket.person_id is None:
+        return None  # most who browse: no thread and no question to the database
+    return await run_sync(service.who, ticket)
 
 
 Visitor = Annotated[Identity | None, Depends(anybody)]
 
 
-def somebody(who: Visitor) -> Identity:
+async def somebody(who: Visitor) -> Identity:
     """Who asks; a visitor is sent to log in."""
     if who is None:
         raise LoginNeededError
@@ -50,7 +54,7 @@ def somebody(who: Visitor) -> Identity:
 Somebody = Annotated[Identity, Depends(somebody)]
 
 
-def a_teacher(who: Somebody) -> Identity:
+async def a_teacher(who: Somebody) -> Identity:
     """A teacher or an owner."""
     if not who.teaches:
         raise NotAllowed
@@ -60,7 +64,7 @@ def a_teacher(who: Somebody) -> Identity:
 Teacher = Annotated[Identity, Depends(a_teacher)]
 
 
-def an_owner(who: Somebody) -> Identity:
+async def an_owner(who: Somebody) -> Identity:
     """An owner."""
     if not who.owns:
         raise NotAllowed

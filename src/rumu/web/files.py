@@ -16,6 +16,7 @@ from rumu.studio.workers import Workers
 
 _MOST = 96 * 2**20  # bytes in memory
 _LARGEST = 8 * 2**20  # of one file that is kept there
+_ADDRESSES = 20_000
 _PACKED_ALREADY = ("image/", "application/zip")
 
 
@@ -37,6 +38,7 @@ class Files:
         self._lock = threading.Lock()
         self._held: OrderedDict[str, Sent] = OrderedDict()
         self._bytes = 0
+        self._tags: dict[tuple[str, str, float, str], str] = {}
         self._making = tuple(threading.Lock() for _ in range(64))
 
     def of_work(
@@ -48,6 +50,24 @@ class Files:
         """
         original = original_of(self._gallery, work_id)
         return self._sent(original, kind, exaggeration, known, {"work_id": work_id})
+
+    def quick(self, address: tuple[str, str, float, str]) -> Sent | None:
+        """What was sent from this address before, while it is in memory; asks nothing of the database.
+
+        address: work, kind, exaggeration and version, see `remember`.
+        """
+        tag = self._tags.get(address)
+        return None if tag is None else self._remembered(tag)
+
+    def remember(self, address: tuple[str, str, float, str], sent: Sent) -> None:
+        """That this address means this content; only for versions that are the work's own."""
+        if len(self._tags) >= _ADDRESSES:
+            self._tags.clear()
+        self._tags[address] = sent.tag
+
+    def forget(self) -> None:
+        """All addresses: a work has changed or gone."""
+        self._tags.clear()
 
     def of_picture(self, key: str, kind: str, *, known: str | None = None) -> Sent:
         """The same of a picture of the store, such as an attempt's."""

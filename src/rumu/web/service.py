@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from anyio import CapacityLimiter
 from sqlalchemy import select
 
 from rumu.database.tables import Attempt, Job, Work
@@ -14,6 +15,8 @@ from rumu.studio.workers import Workers
 from rumu.web.files import Files
 from rumu.web.rates import RateLimits
 from rumu.web.settings import ServiceSettings
+
+MARKING = 48  # that wait for a mark in threads of their own; further ones wait without
 
 
 class Service:
@@ -29,6 +32,7 @@ class Service:
         self.job_workers = Workers(place, processes=0 if settings.processes == 0 else 1)
         self.files = Files(self.gallery, self.workers)
         self.over = False
+        self.marking = CapacityLimiter(MARKING)
         self.runner = jobs.Runner(self.gallery.database, self.job_workers)
 
     def start(self) -> None:

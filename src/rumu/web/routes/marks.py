@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from dataclasses import dataclass
+from typing import Annotated, Any, BinaryIO, Literal
 
+from anyio.to_thread import run_sync
 from fastapi import APIRouter, File, Form, Request, UploadFile
 
 from rumu.database.tables import Attempt, Work, now
@@ -22,7 +24,7 @@ router = APIRouter(tags=["marks"])
 
 
 @router.post("/api/marks", response_model=AttemptFacts, response_model_by_alias=True, status_code=201)
-def mark(
+async def mark(
     *,
     request: Request,
     service: Running,
@@ -40,27 +42,46 @@ def mark(
         raise LoginNeededError
     rates = service.settings.rates
     service.rates.count(*((rates.marks, "marks", who.id) if who else (rates.tries, "tries", caller(request))))
-    master = found_work(service, work)
-    if task is not None and who is not None:
+    sent = Sent(work, picture.file, kind, grid, strokes, task, keep)
+    return await run_sync(_answer, service, who, sent, limiter=service.marking)
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """What came in, as `mark` names it."""
+
+    work: str
+    picture: BinaryIO
+    kind: str
+    grid: str
+    strokes: str | None
+    task: str | None
+    keep: bool
+
+
+def _answer(service: Service, who: Identity | None, sent: Sent) -> dict[str, Any]:
+    """Waits for a process in a thread beside those that answer who browses."""
+    master = found_work(service, sent.work)
+    if sent.task is not None and who is not None:
         with service.gallery.database.reading() as session:
-            attempts.task_for(session, task, who=who, work_id=master.id)
-    path = attempts.checked_strokes(strokes) if strokes and kind == "pen" else None
-    data = picture.file.read(MOST_BYTES + 1)
+            attempts.task_for(session, sent.task, who=who, work_id=master.id)
+    path = attempts.checked_strokes(sent.strokes) if sent.strokes and sent.kind == "pen" else None
+    data = sent.picture.read(MOST_BYTES + 1)
     looked_at(data)
     marked = service.workers.ask(
         worker.mark, data=data, work_id=master.id, digest=master.digest, script=master.script
     )
-    if not keep or who is None:
-        return _tried(marked, master, who, kind, grid)
+    if not sent.keep or who is None:
+        return _tried(marked, master, who, sent.kind, sent.grid)
     kept = attempts.keep(
         service.gallery,
         marked,
         work_id=master.id,
         person_id=who.id,
-        kind=kind,
-        grid=grid,
+        kind=sent.kind,
+        grid=sent.grid,
         strokes=path,
-        task_id=task,
+        task_id=sent.task,
     )
     return _told(service, kept, marked)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from anyio.to_thread import run_sync
 from fastapi import APIRouter, Query, Request, Response
 
 from rumu.assessment.scripts import SCRIPTS
@@ -14,8 +15,9 @@ from rumu.gallery import catalog
 from rumu.gallery.derived import KINDS, MESHES, viewer_facts
 from rumu.studio.errors import Missing, Unusable
 from rumu.web.answers import file_answer, known_tag
-from rumu.web.cards import collection_facts, work_card, work_facts
+from rumu.web.cards import collection_facts, file_version, work_card, work_facts
 from rumu.web.doors import Asked, Limit, Offset, Owner, PathId, Running
+from rumu.web.files import Sent
 from rumu.web.service import Service
 from rumu.web.shapes import CollectionFacts, FacetFacts, ViewerFacts, WorkChange, WorkFacts, WorkPage
 
@@ -103,29 +105,42 @@ def viewer(service: Running, work_id: PathId) -> dict[str, Any]:
 
 
 @router.get("/api/works/{work_id}/files/{kind}", response_class=Response)
-def file(
+async def file(
     *,
     request: Request,
     service: Running,
     work_id: PathId,
     kind: Kind,
+    v: Annotated[str | None, Query(max_length=80, description="The version, as addresses have it.")] = None,
     download: bool = False,
     exaggeration: Exaggeration = 1.0,
 ) -> Response:
     """A picture, map or mesh. exaggeration: of a mesh's height. download: to be saved."""
+    name = f"{work_id}.{kind}" if kind in MESHES else f"{work_id}-{kind}{KINDS[kind].suffix}"
+    sent = service.files.quick((work_id, kind, exaggeration, v or ""))
+    if sent is None:
+        sent = await run_sync(_file, request, service, work_id, kind, exaggeration)
+    return file_answer(request, sent, name=name if download else None)
+
+
+def _file(request: Request, service: Service, work_id: str, kind: str, exaggeration: float) -> Sent:
     if exaggeration != 1.0 and kind not in MESHES:
         raise Unusable(zh="只有立體模型可以放大高度。", en="Only a mesh has an exaggeration.")
-    found_work(service, work_id)
+    work = found_work(service, work_id)
     sent = service.files.of_work(work_id, kind, exaggeration=exaggeration, known=known_tag(request))
-    name = f"{work_id}.{kind}" if kind in MESHES else f"{work_id}-{kind}{KINDS[kind].suffix}"
-    return file_answer(request, sent, name=name if download else None)
+    version = request.query_params.get("v")
+    if version is not None and version in (sent.tag, file_version(work)):
+        service.files.remember((work_id, kind, exaggeration, version), sent)
+    return sent
 
 
 @router.patch("/api/works/{work_id}", response_model=WorkFacts)
 def change(service: Running, who: Owner, work_id: PathId, changes: WorkChange) -> dict[str, Any]:
     """Change what is known of a work."""
     found_work(service, work_id)
-    return told(service, catalog.change_work(service.gallery, work_id, columns(changes.model_dump())))
+    changed = catalog.change_work(service.gallery, work_id, columns(changes.model_dump()))
+    service.files.forget()
+    return told(service, changed)
 
 
 @router.delete("/api/works/{work_id}", status_code=204)
@@ -133,6 +148,7 @@ def delete(service: Running, who: Owner, work_id: PathId) -> None:
     """Forget a work with everything that hangs on it, attempts too."""
     found_work(service, work_id)
     catalog.delete_work(service.gallery, work_id)
+    service.files.forget()
 
 
 def told(service: Service, work: Work) -> dict[str, Any]:
