@@ -74,7 +74,7 @@ function Header({ path }: { path: string }) {
         {links
           .filter(([, , allowed]) => allowed)
           .map(([href, name]) => (
-            <a key={href} href={`#${href}`} aria-current={path === href ? "page" : undefined}>
+            <a key={href} href={`#${href}`} aria-current={path === href ? "page" : within(path, href) ? "true" : undefined}>
               {t(name)}
             </a>
           ))}
@@ -102,6 +102,9 @@ function Header({ path }: { path: string }) {
     </header>
   );
 }
+
+/** A page that lies below one of the menu: a work in the gallery, a sheet in the studio. */
+const within = (path: string, href: string): boolean => (href === "/" ? path.startsWith("/works/") : path.startsWith(`${href}/`));
 
 async function logout(): Promise<void> {
   await post("/api/logout");

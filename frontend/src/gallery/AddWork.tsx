@@ -5,7 +5,7 @@ import { gallery as table } from "../i18n/gallery";
 import { go, type PageProps } from "../router";
 import type { Facets, Job, Work } from "../types";
 import { Field, Trouble, useLoaded } from "../ui";
-import { JobProgress, useJob } from "./JobProgress";
+import { ENDED, JobProgress, useJob } from "./JobProgress";
 import { scriptName } from "./scripts";
 import "./gallery.css";
 import "./work.css";
@@ -62,7 +62,7 @@ function SendForm({ way }: { way: Way }) {
     <form onSubmit={(event) => void send(event)}>
       <Drop label={t(way === "addImage" ? "picture" : way === "addCapture" ? "captureZip" : "importZip")} accept={way === "addImage" ? PICTURES : ".zip,application/zip"} file={file} onFile={setFile} />
       {way === "addImport" ? <Collection /> : <FactFields way={way} />}
-      <button type="submit" disabled={!file || sending || (job !== null && job.state === "running")}>{t(sending ? "sending" : "send")}</button>
+      <button type="submit" disabled={!file || sending || (job !== null && !ENDED.has(job.state))}>{t(sending ? "sending" : "send")}</button>
       {error ? <Trouble error={error} /> : null}
       {job && <JobProgress job={job} />}
     </form>

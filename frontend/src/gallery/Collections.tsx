@@ -5,6 +5,7 @@ import type { PageProps } from "../router";
 import type { Page, Text, WorkCard } from "../types";
 import { Trouble, useLoaded, Waiting } from "../ui";
 import { RelitThumb } from "./Card";
+import { licenceName } from "./scripts";
 import { Linked } from "./WorkFacts";
 import "./gallery.css";
 import "./work.css";
@@ -51,7 +52,7 @@ function Room({ item }: { item: Collection }) {
         {item.note && say(item.note) && <p>{say(item.note)}</p>}
         <p class="note">
           {count !== undefined && t(count === 1 ? "countOne" : "count", { n: count.toLocaleString() })}
-          {item.licence && ` · ${item.licence}`}
+          {item.licence && ` · ${t("licence")}: ${licenceName(item.licence)}`}
         </p>
         {item.source && <p class="note"><Linked text={item.source} /></p>}
       </div>

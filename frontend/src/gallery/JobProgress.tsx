@@ -1,12 +1,12 @@
 import { useEffect, useState } from "preact/hooks";
 import { post } from "../api";
-import { words } from "../i18n";
+import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
 import type { Job } from "../types";
 
 const t = words(table);
 const NAMES = { queued: "queued", running: "runningJob", done: "doneJob", failed: "failedJob", cancelled: "cancelledJob" } as const;
-const ENDED = new Set<Job["state"]>(["done", "failed", "cancelled"]);
+export const ENDED = new Set<Job["state"]>(["done", "failed", "cancelled"]);
 
 /** What a job says of itself, as it goes: server-sent events, which the browser takes up again by itself. */
 export function useJob(given: Job | null): Job | null {
@@ -28,10 +28,10 @@ export function useJob(given: Job | null): Job | null {
 export function JobProgress({ job }: { job: Job }) {
   const ended = ENDED.has(job.state);
   return (
-    <section class="panel job" aria-live="polite">
-      <strong>{t(NAMES[job.state])}{job.total > 0 && ` · ${job.done} / ${job.total}`}</strong>
-      {job.state === "queued" || (job.state === "running" && !job.total) ? <progress /> : <progress value={job.state === "done" ? 1 : job.done} max={job.state === "done" ? 1 : job.total || 1} />}
-      {job.message && <p class="note">{job.message}</p>}
+    <section class="panel job" >
+      <strong role="status">{t(NAMES[job.state])}</strong>{job.total > 0 && <span class="count-of">{job.done.toLocaleString()} / {job.total.toLocaleString()}</span>}
+      {job.state === "queued" || (job.state === "running" && !job.total) ? <progress aria-label={t("runningJob")} /> : <progress aria-label={t("runningJob")} value={job.state === "done" ? 1 : job.done} max={job.state === "done" ? 1 : job.total || 1} />}
+      {job.message && !ended && <p class="note">{oneLanguage(job.message)}</p>}
       {job.error && <p class="trouble">{job.error}</p>}
       {!ended && <button type="button" class="quiet" onClick={() => void post(`/api/jobs/${job.id}/cancel`)}>{t("stop")}</button>}
       {job.state === "done" && <Outcome result={job.result} />}
@@ -39,17 +39,32 @@ export function JobProgress({ job }: { job: Job }) {
   );
 }
 
-function Outcome({ result }: { result: Record<string, unknown> }) {
-  const { work, collection } = result;
-  const counted = Object.entries(result).filter(([, value]) => typeof value === "number");
+type Imported = { work?: string; collections?: string[]; added?: number; there?: number; left_out?: [string, string][]; left_out_count?: number };
+
+function Outcome({ result }: { result: Imported }) {
+  const { work, collections = [], added = 0, there = 0, left_out: lost = [], left_out_count: missing = 0 } = result;
   return (
-    <p>
-      {counted.map(([name, value]) => `${name} ${String(value)}`).join(" · ")}{" "}
-      {typeof work === "string" ? (
-        <a class="button" href={`#/works/${encodeURIComponent(work)}`}>{t("seeIt")}</a>
-      ) : (
-        <a class="button" href={typeof collection === "string" ? `#/?collection=${encodeURIComponent(collection)}` : "#/"}>{t("seeAll")}</a>
+    <>
+      <p>{t("imported", { added: added.toLocaleString(), there: there.toLocaleString() })}</p>
+      {missing > 0 && (
+        <details>
+          <summary>{t("leftOut", { n: missing.toLocaleString() })}</summary>
+          <ul class="left-out">{lost.map(([name, why]) => <li key={name}><code>{name}</code> {why}</li>)}</ul>
+        </details>
       )}
-    </p>
+      <p>
+        {work ? (
+          <a class="button" href={`#/works/${encodeURIComponent(work)}`}>{t("seeIt")}</a>
+        ) : (
+          <a class="button" href={collections[0] ? `#/?collection=${encodeURIComponent(collections[0])}` : "#/"}>{t("seeAll")}</a>
+        )}
+      </p>
+    </>
   );
+}
+
+/** The service says each step in both languages, Chinese first: 「解開 Unpacking」. */
+export function oneLanguage(message: string): string {
+  const both = /^(\P{ASCII}+) (\p{ASCII}+)$/u.exec(message);
+  return both ? say({ zh: both[1]!, en: both[2]! }) : message;
 }

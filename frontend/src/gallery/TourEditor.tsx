@@ -7,6 +7,7 @@ import type { Tour, TourStep, WorkCard } from "../types";
 import { Field, Trouble } from "../ui";
 import { Icon } from "../viewer/icons";
 import { BothTexts } from "./NoteForm";
+import { unnumbered } from "./titles";
 import { WorkPicker } from "./WorkPicker";
 
 const t = words(table);
@@ -52,7 +53,7 @@ export function TourEditor({ tour, at, onMove, onChange, view }: Props) {
       <Field label={t("titleEn")}><input lang="en" value={tour.title.en} onInput={(e) => onChange({ ...tour, title: { ...tour.title, en: e.currentTarget.value } })} /></Field>
       <ol class="step-list">
         {tour.steps.map((s, k) => (
-          <li key={k}><button type="button" class="quiet" aria-pressed={k === at} onClick={() => onMove(k)}>{k + 1}. {say(s.title)}</button></li>
+          <li key={k}><button type="button" class="quiet" aria-pressed={k === at} onClick={() => onMove(k)}>{k + 1}. {unnumbered(say(s.title))}</button></li>
         ))}
       </ol>
       <button type="button" class="quiet" onClick={() => setPicking(true)}><Icon name="add" />{t("addStep")}</button>

@@ -9,6 +9,8 @@ import { Icon } from "../viewer/icons";
 import { ViewerPanel } from "../viewer/panel";
 import { START, stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
 import type { Viewer } from "../viewer/viewer";
+import { licenceName } from "./scripts";
+import { unnumbered } from "./titles";
 import { TourEditor } from "./TourEditor";
 import { loadWork } from "./WorkPage";
 import "./gallery.css";
@@ -84,7 +86,7 @@ function StepStage({ step, met, heard }: { step: TourStep; met: (viewer: Viewer 
     <>
       <ViewerPanel shown={shown} initial={initial} onViewer={met} onState={heard} />
       <p class="note">
-        <a href={`#/works/${encodeURIComponent(work.id)}`}>{say(work.title)}</a> · {say(work.hand)} · {work.licence} · {say(shown.facts.source_text)}
+        <a href={`#/works/${encodeURIComponent(work.id)}`}>{say(work.title)}</a> · {say(work.hand)} · {licenceName(work.licence)} · {say(shown.facts.source_text)}
       </p>
     </>
   );
@@ -95,7 +97,7 @@ function Telling({ tour, at, step, move }: { tour: Tour; at: number; step: TourS
   return (
     <section class="telling" aria-live="polite">
       <p class="note">{t("step", { k: at + 1, n: tour.steps.length })}</p>
-      <h2>{say(step.title)}</h2>
+      <h2>{unnumbered(say(step.title))}</h2>
       <p class="told">{say(step.text)}</p>
       <div class="walk">
         <button type="button" class="quiet" disabled={at === 0} onClick={() => move(at - 1)}><Icon name="previous" />{t("back")}</button>
@@ -103,7 +105,7 @@ function Telling({ tour, at, step, move }: { tour: Tour; at: number; step: TourS
       </div>
       <ol class="dots">
         {tour.steps.map((s, k) => (
-          <li key={k}><button type="button" aria-current={k === at ? "step" : undefined} aria-label={`${k + 1}. ${say(s.title)}`} onClick={() => move(k)} /></li>
+          <li key={k}><button type="button" aria-current={k === at ? "step" : undefined} aria-label={`${k + 1}. ${unnumbered(say(s.title))}`} onClick={() => move(k)} /></li>
         ))}
       </ol>
     </section>

@@ -6,6 +6,7 @@ import { go, type PageProps } from "../router";
 import type { Tour } from "../types";
 import { Trouble, useLoaded, Waiting } from "../ui";
 import { Icon } from "../viewer/icons";
+import { unnumbered } from "./titles";
 import "./gallery.css";
 import "./work.css";
 
@@ -45,7 +46,7 @@ export default function Tours(_: PageProps) {
             <div>
               <h2><a href={`#/tours/${tour.id}`}>{say(tour.title)}</a></h2>
               <p class="note">{t("steps", { n: tour.steps.length })}</p>
-              <ol class="contents">{tour.steps.slice(0, 5).map((step, k) => <li key={k}>{say(step.title)}</li>)}</ol>
+              <ol class="contents">{tour.steps.slice(0, 5).map((step, k) => <li key={k}>{unnumbered(say(step.title))}</li>)}</ol>
               <a class="button" href={`#/tours/${tour.id}`}><Icon name="play" />{t("begin")}</a>
             </div>
           </li>

@@ -2,7 +2,7 @@ import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
 import type { ViewerFacts, Work } from "../types";
 import { length } from "../viewer/figures";
-import { scriptName } from "./scripts";
+import { licenceName, scriptName } from "./scripts";
 
 const t = words(table);
 
@@ -19,7 +19,7 @@ export function WorkFacts({ work, facts, alone = false }: { work: Told; facts: V
     ["material", say(work.material)],
     ["size", size(facts)],
     ["source", work.source],
-    ["licence", work.licence],
+    ["licence", licenceName(work.licence)],
     ["attribution", work.attribution],
   ];
   return (

@@ -1,4 +1,7 @@
-import { t } from "../i18n";
+import { t, words } from "../i18n";
+import { gallery } from "../i18n/gallery";
+
+const g = words(gallery);
 
 const SCRIPTS = ["seal", "clerical", "regular", "running", "cursive"] as const;
 
@@ -7,3 +10,6 @@ export const scriptName = (script: string): string => {
   const known = SCRIPTS.find((name) => name === script);
   return known ? t(known) : script;
 };
+
+/** A licence as it was given; the service's "none stated" in the reader's words. */
+export const licenceName = (licence: string): string => (licence === "none stated" ? g("noLicence") : licence);

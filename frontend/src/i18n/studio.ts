@@ -198,6 +198,8 @@ export const studio = {
   progress: { zh: "進度", en: "Progress" },
   judged: { zh: "已比 {done}／{all} 對", en: "{done} of {all} pairs" },
   judgeNote: { zh: "按鍵 1、2、3 或方向鍵 ← → ↓。其中有些是模擬樣本，比完才告訴您是哪些。", en: "Keys 1, 2, 3 or the arrows ← → ↓. Some copies are simulated; which ones is told after you have judged." },
+  anyMaster: { zh: "不限", en: "Any" },
+  judgeDoneWork: { zh: "這個範字的每一對都比完了，多謝。請再選一個範字。", en: "Every pair of this master is judged. Thank you. Choose another master above." },
   judgeDone: { zh: "都比完了，多謝。", en: "All pairs are judged. Thank you." },
   bothSimulated: { zh: "剛才那一對，兩張都是模擬樣本，不是真人書寫。", en: "In the last pair both were simulated, not written by a person." },
   leftSimulated: { zh: "剛才左邊那一張是模擬樣本，不是真人書寫。", en: "In the last pair the left one was simulated, not written by a person." },

@@ -28,7 +28,7 @@ export default function Choose({ query: asked }: PageProps) {
     <div class="choose">
       <h1>{w("chooseTitle")}</h1>
       <p class="lead">{w("chooseLead")}</p>
-      <form class="row search" role="search" onSubmit={(event) => event.preventDefault()}>
+      <form class="row find-master" role="search" onSubmit={(event) => event.preventDefault()}>
         <label class="grow">
           <span class="visually-hidden">{w("search")}</span>
           <input type="search" value={text} placeholder={w("searchHint")} onInput={(event) => setText(event.currentTarget.value)} />

@@ -3,26 +3,29 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { get, post, query, session } from "../api";
 import { say } from "../i18n";
-import type { PageProps } from "../router";
-import type { Attempt, WorkCard } from "../types";
+import { rewrite, type PageProps } from "../router";
+import type { Attempt, Page, WorkCard } from "../types";
 import { Trouble, useLoaded, Waiting } from "../ui";
 import { MasterPicture } from "./MasterPicture";
 import { NeedLogin } from "./NeedLogin";
 import { w } from "./say";
 
 type Pair = { work: WorkCard; left: Attempt; right: Attempt; done: number; left_over: number };
+const MANY = 200; // of the newest attempts: enough to name the masters that are being copied
+
 type Winner = "left" | "right" | "same";
 const KEYS: Record<string, Winner> = { "1": "left", ArrowLeft: "left", "2": "right", ArrowRight: "right", "3": "same", ArrowDown: "same" };
 
 export default function Judge({ query: asked }: PageProps) {
   return (
     <NeedLogin why={w("judgeNeeds")}>
-      <Judging work={asked.get("work")} />
+      <Judging asked={asked.get("work")} />
     </NeedLogin>
   );
 }
 
-function Judging({ work }: { work: string | null }) {
+function Judging({ asked }: { asked: string | null }) {
+  const [work, setWork] = useState(asked);
   const [turn, setTurn] = useState(0);
   const [error, setError] = useState<unknown>(null);
   const [busy, setBusy] = useState(false);
@@ -51,14 +54,17 @@ function Judging({ work }: { work: string | null }) {
     <div class="judge">
       <header class="page-head">
         <h1>{w("judgeTitle")}</h1>
-        {session.value?.person?.role !== "pupil" && (
-          <a class="button quiet" href="/api/comparisons.csv" download="comparisons.csv">
-            CSV
-          </a>
-        )}
+        <p class="row">
+          <PickWork chosen={work} also={pair?.work ?? before?.work ?? null} onChoose={(id) => (setWork(id), rewrite(new URLSearchParams(query({ work: id }).slice(1))))} />
+          {session.value?.person?.role !== "pupil" && (
+            <a class="button quiet" href="/api/comparisons.csv" download="comparisons.csv">
+              CSV
+            </a>
+          )}
+        </p>
       </header>
       {found.error || error ? <Trouble error={found.error ?? error} again={() => (setError(null), found.again())} /> : null}
-      {pair ? <Shown pair={pair} busy={busy} onJudge={judge} /> : pair === null ? <Done /> : !found.error && <Waiting />}
+      {pair ? <Shown pair={pair} busy={busy} onJudge={judge} /> : pair === null ? <Done all={work === null} /> : !found.error && <Waiting />}
       {before && <Last pair={before} />}
     </div>
   );
@@ -114,10 +120,38 @@ function Last({ pair }: { pair: Pair }) {
   );
 }
 
-function Done() {
+/** Masters of which there are copies that may be compared. */
+function PickWork({ chosen, also, onChoose }: { chosen: string | null; also: WorkCard | null; onChoose: (id: string | null) => void }) {
+  const found = useLoaded((signal) => get<Page<Attempt>>(`/api/attempts${query({ limit: MANY })}`, signal), "attempts");
+  const works = copiedTwice(found.value?.items ?? []);
+  if (also && !works.some((work) => work.id === also.id)) works.push(also);
+  return (
+    <label class="judge-pick">
+      <span>{w("master")}</span>
+      <select value={chosen ?? ""} onChange={(event) => (event.currentTarget.blur(), onChoose(event.currentTarget.value || null))}>
+        <option value="">{w("anyMaster")}</option>
+        {chosen && !works.some((work) => work.id === chosen) && <option value={chosen}>{chosen}</option>}
+        {works.map((work) => (
+          <option key={work.id} value={work.id}>
+            {say(work.title)}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+/** The works of which two of these attempts have a mark, each once. */
+export function copiedTwice(attempts: readonly Pick<Attempt, "work" | "mark">[]): WorkCard[] {
+  const marked = attempts.filter((one) => one.mark.score !== null).map((one) => one.work);
+  const twice = marked.filter((work, k) => marked.slice(0, k).some((other) => other.id === work.id));
+  return [...new Map(twice.map((work) => [work.id, work])).values()];
+}
+
+function Done({ all }: { all: boolean }) {
   return (
     <div class="need panel">
-      <p>{w("judgeDone")}</p>
+      <p>{w(all ? "judgeDone" : "judgeDoneWork")}</p>
       <a class="button quiet" href="#/studio">
         {w("toStudio")}
       </a>

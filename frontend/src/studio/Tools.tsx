@@ -15,7 +15,7 @@ const INKS = [
 
 export function Tools({ settings, onChange }: Props) {
   return (
-    <div class="tools">
+    <div class="brush-tools">
       <label class="slider">
         <span>{w("brush")}</span>
         <input

@@ -61,7 +61,7 @@ export function Dialog({ title, onClose, children }: { title: string; onClose: (
     <dialog ref={box} class="dialog" onClose={onClose} aria-label={title}>
       <header>
         <h2>{title}</h2>
-        <button type="button" class="quiet" aria-label={t("close")} onClick={onClose}>
+        <button type="button" class="quiet" aria-label={t("close")} onClick={() => box.current?.close()}>
           ×
         </button>
       </header>

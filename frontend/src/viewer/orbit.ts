@@ -6,16 +6,31 @@ export const FIELD_OF_VIEW = 28;
 const SIDE = (84 * Math.PI) / 180;
 const NEAREST = 0.04;
 const FARTHEST = 8;
+/** Air around the sheet, and room for what stands up from it. */
+const MARGIN = 1.06;
 /** Where the eye stands at first over a surface: degrees to the right, degrees below. */
 const ASIDE: [number, number] = [16, -34];
 
 /** The whole sheet in view: straight on, or aside for the modes that show depth. */
 export function fit(mode: Mode, sheet: { wide: number; tall: number }, aspect: number): Camera {
-  const half = Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180));
+  const straight: Camera = [0, 0, 1, 0, 0, 0];
   const aslant = mode === "surface" || mode === "mesh";
-  const distance = (Math.max(sheet.tall, sheet.wide / aspect) / 2 / half) * (aslant ? 1.12 : 1.06);
-  const straight: Camera = [0, 0, distance, 0, 0, 0];
-  return aslant ? orbit(straight, (ASIDE[0] * Math.PI) / 180, (ASIDE[1] * Math.PI) / 180) : straight;
+  const [x, y, z] = aslant ? orbit(straight, (ASIDE[0] * Math.PI) / 180, (ASIDE[1] * Math.PI) / 180) : straight;
+  const away = farEnough([x, y, z], sheet, aspect) * MARGIN;
+  return [x * away, y * away, z * away, 0, 0, 0];
+}
+
+/** How far along `back`, a unit vector, the eye must stand to see all four corners. */
+function farEnough(back: readonly [number, number, number], { wide, tall }: { wide: number; tall: number }, aspect: number): number {
+  const half = Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180));
+  const level = Math.hypot(back[0], back[2]);
+  const right = [back[2] / level, 0] as const; // x and y are enough: the corners lie in z = 0
+  const up = [(-back[0] * back[1]) / level, level] as const;
+  const corners = [-1, 1].flatMap((i) => [-1, 1].map((k) => [(i * wide) / 2, (k * tall) / 2] as const));
+  const along = (axis: readonly [number, number], [x, y]: readonly [number, number]) => axis[0] * x + axis[1] * y;
+  return Math.max(
+    ...corners.map((p) => along([back[0], back[1]], p) + Math.max(Math.abs(along(right, p)) / aspect, Math.abs(along(up, p))) / half),
+  );
 }
 
 /** Turns the eye around what it looks at: `right` about the upright, `up` about the level; radians. */

@@ -14,7 +14,6 @@ import { Profile } from "./profile";
 import { MODES, type Mode, type ViewState } from "./state";
 import { Tools } from "./tools";
 import { createViewer, type Place, type Tool, type Viewer } from "./viewer";
-import "./viewer.css";
 
 const t = words(table);
 

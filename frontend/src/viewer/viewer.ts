@@ -10,6 +10,7 @@ import { between, orbit, pan, zoom } from "./orbit";
 import { hasWebGL2, pictureOnly } from "./picture";
 import { Stage } from "./stage";
 import { sane, START, type Camera, type Line, type ViewState } from "./state";
+import "./viewer.css"; // here, so that a viewer has its size in any page
 
 export type Tool = "light" | "move" | "section" | "ruler" | "pin";
 export type Place = { x: number; y: number; height: number };

@@ -1,6 +1,10 @@
 import { describe, expect, it } from "vitest";
 import { readFilters, without, writeFilters } from "../../src/gallery/filters";
 import { shade, type Card } from "../../src/gallery/relit";
+import { oneLanguage } from "../../src/gallery/JobProgress";
+import { licenceName } from "../../src/gallery/scripts";
+import { unnumbered } from "../../src/gallery/titles";
+import { language } from "../../src/i18n";
 import { lamp } from "../../src/viewer/arithmetic";
 
 describe("filters in the address", () => {
@@ -12,6 +16,19 @@ describe("filters in the address", () => {
   it("forget what is empty or unknown", () => {
     expect(readFilters(new URLSearchParams("script=&colour=red&q=%20"))).toEqual({});
     expect(writeFilters(without({ q: "a", script: "seal" }, "q")).toString()).toBe("script=seal");
+  });
+});
+
+describe("what the gallery says", () => {
+  it("numbers a list once", () => {
+    expect(["1. The upright", "一、豎", "12) Last", "一個水", "3 steles", "2."].map(unnumbered)).toEqual(["The upright", "豎", "Last", "一個水", "3 steles", "2."]);
+  });
+
+  it("speaks one language, though the service sends both", () => {
+    language.value = "zh";
+    expect([oneLanguage("重建表面 Reconstructing"), licenceName("none stated"), licenceName("CC0-1.0")]).toEqual(["重建表面", "未註明", "CC0-1.0"]);
+    language.value = "en";
+    expect([oneLanguage("重建表面 Reconstructing"), oneLanguage("plain words"), licenceName("none stated")]).toEqual(["Reconstructing", "plain words", "none stated"]);
   });
 });
 

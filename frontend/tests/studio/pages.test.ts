@@ -1,6 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { flawOf } from "../../src/account/password";
 import { bandOf, dots, heightOf, pathOf, type Frame, type Point } from "../../src/studio/chart";
+import { copiedTwice } from "../../src/studio/Judge";
+import type { Attempt } from "../../src/types";
 import type { Stroke } from "../../src/studio/ink/stroke";
 import { wayBack } from "../../src/studio/login";
 import { formOf } from "../../src/studio/marking";
@@ -55,6 +57,14 @@ describe("the writing once more", () => {
     expect(until(strokes, 250).map((s) => s.points.length)).toEqual([2]);
     expect(until(strokes, 655).map((s) => s.points.length)).toEqual([3, 1]);
     expect(until(strokes, lengthOf(strokes))).toEqual(strokes);
+  });
+});
+
+describe("what can be compared", () => {
+  it("are masters with two marked copies, each named once", () => {
+    const one = (id: string, score: number | null) => ({ work: { id }, mark: { score } }) as Attempt;
+    expect(copiedTwice([one("a", 50), one("b", 60), one("a", 40), one("c", null), one("c", 70), one("a", 30)]).map((work) => work.id)).toEqual(["a"]);
+    expect(copiedTwice([])).toEqual([]);
   });
 });
 

@@ -1,8 +1,9 @@
+import { PerspectiveCamera, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 import { plot } from "../../src/viewer/figures";
 import { HeightField } from "../../src/viewer/heightfield";
 import { lightAt } from "../../src/viewer/light";
-import { fit, orbit, pan, zoom } from "../../src/viewer/orbit";
+import { FIELD_OF_VIEW, fit, orbit, pan, zoom } from "../../src/viewer/orbit";
 import { grid } from "../../src/viewer/stage";
 import type { Camera } from "../../src/viewer/state";
 
@@ -85,6 +86,22 @@ describe("the eye", () => {
     const [, , near] = fit("sheet", { wide: 1, tall: 0.4 }, 2);
     expect(far).toBeGreaterThan(near * 1.9);
     expect(Math.tan((14 * Math.PI) / 180) * far * 0.5).toBeGreaterThan(0.5);
+  });
+
+  it.each(["sheet", "surface", "mesh", "heights"] as const)("sees every corner at first: %s", (mode) => {
+    for (const aspect of [0.4, 1, 1.6, 3]) {
+      for (const sheet of [{ wide: 1, tall: 1 }, { wide: 1, tall: 0.2 }, { wide: 0.3, tall: 1 }]) {
+        const eye = new PerspectiveCamera(FIELD_OF_VIEW, aspect);
+        const [x, y, z, ...aim] = fit(mode, sheet, aspect);
+        eye.position.set(x, y, z);
+        eye.lookAt(...aim);
+        eye.updateMatrixWorld();
+        const seen = [-1, 1].flatMap((i) => [-1, 1].map((k) => new Vector3((i * sheet.wide) / 2, (k * sheet.tall) / 2, 0).project(eye)));
+        const most = Math.max(...seen.flatMap((p) => [Math.abs(p.x), Math.abs(p.y)]));
+        expect(most).toBeLessThan(0.97);
+        expect(most).toBeGreaterThan(0.88);
+      }
+    }
   });
 });
 

@@ -35,7 +35,7 @@ export function Overlay({ attempt, picture }: { attempt: Attempt; picture: strin
   }, [side, share, layers, attempt]);
   if (!align || !residual) return <p class="note">{w("noOverlay")}</p>;
   return (
-    <figure class="overlay">
+    <figure class="laid">
       <div ref={box} class="sheet">
         <canvas ref={canvas} role="img" aria-label={w("overlayAlt")} />
       </div>
@@ -119,7 +119,7 @@ function disc(context: CanvasRenderingContext2D, [x, y]: readonly [number, numbe
 
 function Legend() {
   return (
-    <ul class="legend">
+    <ul class="laid-key">
       <li>
         <span>{w("near")}</span>
         <svg viewBox="0 0 100 10" aria-hidden="true">
@@ -137,7 +137,7 @@ function Legend() {
       </li>
       <li>
         <svg class="ring" viewBox="0 0 10 10" aria-hidden="true">
-          <rect class="legend-master" x="1" y="1" width="8" height="8" rx="1" />
+          <rect class="laid-master" x="1" y="1" width="8" height="8" rx="1" />
         </svg>
         <span>{w("master")}</span>
       </li>
