@@ -254,6 +254,8 @@ def test_what_may_be_another_character_gets_no_more_than_a_bad_mark_and_a_copy_m
     assert judged(copy, master("regular-shu"), **own, limits=between) == (None, between.odd_most)
     beyond = RefusalLimits(strange=strange + 0.2, odd=strange + 0.1)
     assert judged(copy, master("regular-shu"), **own, limits=beyond) == (None, 100.0)
+    near = replace(between, odd_fits=9.0)
+    assert judged(copy, master("regular-shu"), **own, limits=near) == (None, 100.0)
     itself, _ = compare(copy, copy)
     assert judged(copy, copy, registration=itself, limits=RefusalLimits(odd=-9.0)) == (None, 100.0)
 

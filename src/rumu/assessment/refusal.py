@@ -30,8 +30,8 @@ class RefusalLimits:
     reversed_at, reversal: likeness to the master mirrored or turned, and how much more than as it is.
     clear: clearness from which ink is clean. Old silk and rubbings lie below it: their crops hold stains and
         parts of neighbours, so they are never refused as several characters or as another.
-    strange: strangeness from which it is another character; odd: from which it may be one, so that the mark
-        stays below `odd_most`.
+    strange: strangeness from which it is another character; odd: from which it may be one where its residual
+        in the plane is above odd_fits, so that the mark is odd_most at the highest.
     """
 
     half_dark: float = 20.0
@@ -51,7 +51,8 @@ class RefusalLimits:
     reversal: float = 0.15
     clear: float = 25.0
     strange: float = -0.47
-    odd: float = -0.60
+    odd: float = -0.63
+    odd_fits: float = 0.22
     odd_most: float = 39.0
 
 
@@ -85,7 +86,8 @@ def judged(
     if evidence.in_place >= limits.in_place:
         return None, 100.0
     found = next((reason(code) for code, holds in _MISFITS.items() if holds(evidence, limits)), None)
-    return found, limits.odd_most if evidence.strangeness > limits.odd else 100.0
+    odd = evidence.strangeness > limits.odd and evidence.position > limits.odd_fits
+    return found, limits.odd_most if odd else 100.0
 
 
 def reason(code: str) -> Refusal:
