@@ -73,7 +73,7 @@ def create_app(settings: ServiceSettings) -> FastAPI:
         app.include_router(room.router)
     openapi.register(app)
     pages.register(app, settings.static)
-    app.add_middleware(Fresh)
     app.add_middleware(GZipMiddleware, minimum_size=800, compresslevel=5)
+    app.add_middleware(Fresh)  # outside, so that what it holds is packed already
     app.add_middleware(Guard, service=service)
     return app
