@@ -1,6 +1,6 @@
 """How the service bears a class: readers and writers at once, from a process of their own.
 
-    python benchmarks/service.py [--seconds 60] [--readers 50] [--writers 5] [--pause 1.0]
+    python benchmarks/service.py [--seconds 60] [--readers 50] [--writers 5] [--pause 3.0]
 
 Starts `rumu serve` on loopback with a gallery in a temporary folder. Each reader opens pages as a browser
 does: a list
@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import gzip
 import json
 import multiprocessing
 import os
@@ -40,31 +41,57 @@ PASSWORD = "a long password"
 SHOWN = ("heights", "normals", "albedo", "picture", "mask")
 
 
+class Line:
+    """One connection that is kept. Plain, so that what is measured is the service and not a client's
+    library."""
+
+    def __init__(self, port: int) -> None:
+        self.port, self.busy = port, asyncio.Lock()
+        self.reader: asyncio.StreamReader | None = None
+        self.writer: asyncio.StreamWriter | None = None
+
+    async def get(self, url: str) -> tuple[int, bytes, bytes]:
+        """(status, head, body as it came)."""
+        async with self.busy:
+            if self.reader is None or self.writer is None:
+                self.reader, self.writer = await asyncio.open_connection("127.0.0.1", self.port)
+            asked = f"GET {url} HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept-Encoding: gzip\r\n\r\n"
+            self.writer.write(asked.encode())
+            head = (await self.reader.readuntil(b"\r\n\r\n")).lower()
+            length = int(head.split(b"content-length:")[1].split(b"\r\n")[0])
+            return int(head[9:12]), head, await self.reader.readexactly(length)
+
+    def close(self) -> None:
+        if self.writer is not None:
+            self.writer.close()
+
+
 class Visit:
-    """One client with its own connection, cookies and what it has loaded already."""
+    """One browser: six connections, and what it has loaded already. A writer logs in and sends."""
 
     def __init__(self, url: str, times: dict[str, list[float]], errors: Counter[str]) -> None:
-        self.client = httpx.AsyncClient(
-            base_url=url, timeout=30, trust_env=False, limits=httpx.Limits(max_connections=6)
-        )
-        self.times, self.errors, self.seen = times, errors, set[str]()
+        self.url, self.times, self.errors, self.seen = url, times, errors, set[str]()
+        self.lines = [Line(int(url.rstrip("/").rpartition(":")[2])) for _ in range(6)]
 
     async def get(self, url: str) -> Any:
         """Once, where it may be kept for ever."""
         if url in self.seen:
             return None
-        answer = await self.client.get(url)
-        if answer.status_code != 200:
-            self.errors[f"{answer.status_code} {url.split('?', maxsplit=1)[0]}"] += 1
-        if "immutable" in answer.headers.get("cache-control", ""):
+        line = min(self.lines, key=lambda one: one.busy.locked() or one.writer is None)
+        status, head, body = await (line if not line.busy.locked() else random.choice(self.lines)).get(url)
+        if status != 200:
+            self.errors[f"{status} {url.split('?', maxsplit=1)[0]}"] += 1
+        if b"immutable" in head:
             self.seen.add(url)
-        return answer.json() if "json" in answer.headers.get("content-type", "") else None
+        if b"application/json" not in head:
+            return None
+        return json.loads(gzip.decompress(body) if b"content-encoding: gzip" in head else body)
 
     async def page(self, kind: str, load: Any) -> Any:
         started = time.perf_counter()
         try:
             told = await load
-        except httpx.HTTPError as error:
+        except (httpx.HTTPError, OSError, EOFError) as error:
             self.errors[type(error).__name__] += 1
             return None
         self.times[kind].append(time.perf_counter() - started)
@@ -82,9 +109,13 @@ class Visit:
         urls = [viewer["heights"]["url"], *(viewer[name] for name in SHOWN[1:])]
         await asyncio.gather(*map(self.get, urls))
 
-    async def log_in(self, name: str) -> dict[str, str]:
+    def log_in(self, name: str) -> None:
+        self.client = httpx.AsyncClient(base_url=self.url, timeout=60, trust_env=False)
+        self.name = name
+
+    async def headers(self) -> dict[str, str]:
         token = (await self.client.get("/api/session")).json()["csrf"]
-        told = {"name": name, "password": PASSWORD}
+        told = {"name": self.name, "password": PASSWORD}
         answer = await self.client.post("/api/login", json=told, headers={"X-CSRF-Token": token})
         return {"X-CSRF-Token": answer.json()["csrf"]}
 
@@ -94,6 +125,10 @@ class Visit:
         )
         if answer.status_code != 201:
             self.errors[f"{answer.status_code} /api/marks"] += 1
+
+    async def close(self) -> None:
+        for line in self.lines:
+            line.close()
 
 
 async def read(visit: Visit, until: float, pause: float) -> None:
@@ -108,23 +143,26 @@ async def read(visit: Visit, until: float, pause: float) -> None:
             visit.seen.clear()  # somebody new sits down
 
 
-async def write(visit: Visit, name: str, until: float) -> None:
-    headers = await visit.log_in(name)
+async def write(visit: Visit, until: float) -> None:
+    headers = await visit.headers()
     samples = [(sample, sample.path.read_bytes()) for sample in starter_samples()]
     while time.perf_counter() < until:
         await visit.page("mark", visit.mark(headers, *random.choice(samples)))
         await asyncio.sleep(0.2)
+    await visit.client.aclose()
 
 
 async def load(url: str, asked: argparse.Namespace) -> dict[str, Any]:
     times: dict[str, list[float]] = {"page": [], "mark": []}
     errors: Counter[str] = Counter()
-    until = time.perf_counter() + asked.seconds
     visits = [Visit(url, times, errors) for _ in range(asked.readers + asked.writers)]
+    for k, visit in enumerate(visits[asked.readers :]):
+        visit.log_in(f"pupil{k}")
+    until = time.perf_counter() + asked.seconds
     work = [read(visit, until, asked.pause) for visit in visits[: asked.readers]]
-    work += [write(visit, f"pupil{k}", until) for k, visit in enumerate(visits[asked.readers :])]
+    work += [write(visit, until) for visit in visits[asked.readers :]]
     await asyncio.gather(*work)
-    await asyncio.gather(*(visit.client.aclose() for visit in visits))
+    await asyncio.gather(*(visit.close() for visit in visits))
     return {"times": times, "errors": dict(errors)}
 
 
@@ -173,7 +211,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--readers", type=int, default=50)
     parser.add_argument("--writers", type=int, default=5)
-    parser.add_argument("--pause", type=float, default=1.0)
+    parser.add_argument("--pause", type=float, default=3.0)
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="rumu-bench-") as folder:
         database, files = f"{folder}/rumu.sqlite", f"{folder}/files"

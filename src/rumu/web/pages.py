@@ -27,8 +27,8 @@ _PACKED_ALREADY = (".woff2", ".png", ".webp", ".jpg", ".gz", ".br")
 NOT_BUILT = """<!doctype html>
 <html lang="zh-Hant"><head><meta charset="utf-8"><title>rumu 入木</title></head><body>
 <h1>rumu 入木</h1>
-<p>網頁尚未建置。請在原始碼資料夾執行 <code>scripts/frontend</code>，再重新啟動。</p>
-<p>The pages are not built. Run <code>scripts/frontend</code> in the source folder and start again.</p>
+<p>網頁尚未建置。請在原始碼資料夾執行 <code>scripts/install</code>，再重新啟動。</p>
+<p>The pages are not built. Run <code>scripts/install</code> in the source folder and start again.</p>
 <p><a href="/api/docs">API</a></p>
 </body></html>
 """
