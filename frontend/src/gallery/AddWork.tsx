@@ -6,6 +6,7 @@ import { go, type PageProps } from "../router";
 import type { Facets, Job, Work } from "../types";
 import { Field, Trouble, useLoaded } from "../ui";
 import { ENDED, JobProgress, useJob } from "./JobProgress";
+import { forgetList } from "./lastlist";
 import { scriptName } from "./scripts";
 import "./gallery.css";
 import "./work.css";
@@ -49,6 +50,7 @@ function SendForm({ way }: { way: Way }) {
     form.set(way === "addImage" ? "picture" : "zip", file);
     setSending(true);
     setError(null);
+    forgetList();
     try {
       if (way === "addImage") go(`/works/${encodeURIComponent((await post<Work>("/api/works", form)).id)}`);
       else setStarted((await post<{ job: Job }>("/api/imports", form)).job);
@@ -61,7 +63,7 @@ function SendForm({ way }: { way: Way }) {
   return (
     <form onSubmit={(event) => void send(event)}>
       <Drop label={t(way === "addImage" ? "picture" : way === "addCapture" ? "captureZip" : "importZip")} accept={way === "addImage" ? PICTURES : ".zip,application/zip"} file={file} onFile={setFile} />
-      {way === "addImport" ? <Collection /> : <FactFields way={way} />}
+      {way === "addImport" ? <p class="note">{t("importNote")}</p> : <FactFields way={way} />}
       <button type="submit" disabled={!file || sending || (job !== null && !ENDED.has(job.state))}>{t(sending ? "sending" : "send")}</button>
       {error ? <Trouble error={error} /> : null}
       {job && <JobProgress job={job} />}

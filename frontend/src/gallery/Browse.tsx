@@ -9,15 +9,13 @@ import { Icon } from "../viewer/icons";
 import { dynasties, GalleryCard } from "./Card";
 import { FILTERS, readFilters, without, writeFilters, type FilterName, type Filters } from "./filters";
 import { scriptName } from "./scripts";
+import { keepList, lastList } from "./lastlist";
 import "./gallery.css";
 
 const t = words(table);
 const PAGE = 60;
 const LONGEST_LIST = 400;
 const TYPING = 250;
-
-/** The last list, so that coming back from a work finds it where it was. */
-let kept: { key: string; items: WorkCard[]; total: number; scroll: number } | null = null;
 
 export default function Browse({ query }: PageProps) {
   const filters = readFilters(query);
@@ -112,7 +110,7 @@ function Choice({ name, value, facets, set }: { name: FilterName; value: string;
 }
 
 function List({ name, filters }: { name: string; filters: Filters }) {
-  const known = kept?.key === name ? kept : null;
+  const known = lastList(name);
   const [items, setItems] = useState<WorkCard[]>(known?.items ?? []);
   const [total, setTotal] = useState<number | null>(known?.total ?? null);
   const [error, setError] = useState<unknown>(null);
@@ -141,8 +139,7 @@ function List({ name, filters }: { name: string; filters: Filters }) {
     return () => alive.current.abort();
   }, []);
   useEffect(() => {
-    if (total !== null) kept = { key: name, items, total, scroll: 0 };
-    const note = () => kept?.key === name && (kept.scroll = scrollY);
+    const note = () => total !== null && keepList({ key: name, items, total, scroll: scrollY });
     note();
     addEventListener("scroll", note, { passive: true });
     return () => removeEventListener("scroll", note);

@@ -1,4 +1,4 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { post } from "../api";
 import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
@@ -27,8 +27,10 @@ export function useJob(given: Job | null): Job | null {
 
 export function JobProgress({ job }: { job: Job }) {
   const ended = ENDED.has(job.state);
+  const box = useRef<HTMLElement>(null);
+  useEffect(() => box.current?.scrollIntoView({ block: "nearest", behavior: "smooth" }), [job.id, ended]); // below a long form
   return (
-    <section class="panel job" >
+    <section class="panel job" ref={box}>
       <strong role="status">{t(NAMES[job.state])}</strong>{job.total > 0 && <span class="count-of">{job.done.toLocaleString()} / {job.total.toLocaleString()}</span>}
       {job.state === "queued" || (job.state === "running" && !job.total) ? <progress aria-label={t("runningJob")} /> : <progress aria-label={t("runningJob")} value={job.state === "done" ? 1 : job.done} max={job.state === "done" ? 1 : job.total || 1} />}
       {job.message && !ended && <p class="note">{oneLanguage(job.message)}</p>}

@@ -2,13 +2,14 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { get, remove, session } from "../api";
 import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
-import { rewrite, type PageProps } from "../router";
+import { go, rewrite, type PageProps } from "../router";
 import type { Annotation, ViewerFacts, Work, WorkCard } from "../types";
 import { Trouble, useLoaded, Waiting } from "../ui";
 import { Icon } from "../viewer/icons";
 import { ViewerPanel, type Shown } from "../viewer/panel";
 import { stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
 import type { Place, Viewer } from "../viewer/viewer";
+import { forgetList } from "./lastlist";
 import { NoteForm } from "./NoteForm";
 import { WorkFacts } from "./WorkFacts";
 import { WorkPicker } from "./WorkPicker";
@@ -79,10 +80,22 @@ function Shelf({ work, facts, query }: { work: Work; facts: ViewerFacts; query: 
           {work.previous ? <a href={`#/works/${encodeURIComponent(work.previous)}`}><Icon name="previous" />{t("previous")}</a> : <span />}
           {work.next && <a href={`#/works/${encodeURIComponent(work.next)}`}>{t("next")}<Icon name="next" /></a>}
         </nav>
+        {owner && <RemoveWork work={work} />}
       </aside>
       {form && <NoteForm work={work.id} note={form} onClose={() => setForm(null)} onSaved={saved} />}
       {picking && <WorkPicker title={t("chooseBeside")} not={work.id} onClose={() => setPicking(false)} onChoose={stand} />}
     </article>
+  );
+}
+
+function RemoveWork({ work }: { work: Work }) {
+  const [error, setError] = useState<unknown>(null);
+  const drop = () => confirm(t("sureRemoveWork")) && remove(workUrl(work.id)).then(() => (forgetList(), go("/")), setError);
+  return (
+    <p>
+      <button type="button" class="quiet" onClick={drop}>{t("removeWork")}</button>
+      {error ? <Trouble error={error} /> : null}
+    </p>
   );
 }
 

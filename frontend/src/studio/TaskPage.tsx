@@ -197,6 +197,7 @@ function OwnCopies({ task }: { task: TaskCard }) {
   return (
     <section class="panel">
       <h2>{w("allAttempts", { count: found.value.total })}</h2>
+      {!found.value.total && <p class="note">{w("nothingYet")}</p>}
       <ul class="attempts">
         {found.value.items.map((attempt) => (
           <li key={attempt.id}>

@@ -1,6 +1,7 @@
 // The few pieces that every page is made of.
 
-import { useEffect, useRef, useState } from "preact/hooks";
+import { cloneElement, isValidElement } from "preact";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import { ServiceError } from "../api";
 import { say, t } from "../i18n";
@@ -42,13 +43,18 @@ export function useLoaded<T>(load: (signal: AbortSignal) => Promise<T>, key: str
   return { ...state, fresh: state.key === key, again: () => setTurn((n) => n + 1) };
 }
 
+/** The hint describes what is typed into; it is no part of its name. */
 export function Field({ label, children, hint }: { label: string; children: ComponentChildren; hint?: string }) {
+  const id = useId();
+  const described = hint && isValidElement(children) ? cloneElement(children, { "aria-describedby": id }) : children;
   return (
-    <label class="field">
-      <span>{label}</span>
-      {children}
-      {hint && <small>{hint}</small>}
-    </label>
+    <div class="field">
+      <label>
+        <span>{label}</span>
+        {described}
+      </label>
+      {hint && <small id={id}>{hint}</small>}
+    </div>
   );
 }
 
