@@ -46,7 +46,7 @@ def begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     cv2.setNumThreads(1)
     if hasattr(os, "nice"):
-        os.nice(5)  # where cores are few, who looks goes before who is marked
+        os.nice(15)  # where cores are few, who looks goes before who is marked
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
