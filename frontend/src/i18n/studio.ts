@@ -172,7 +172,7 @@ export const studio = {
   marksZip: { zh: "marks.zip（附圖片）", en: "marks.zip (with the pictures)" },
   practiceOf: { zh: "{name}的練習", en: "{name}'s practice" },
   takeOut: { zh: "移出", en: "Take out" },
-  takeOutOne: { zh: "把 {name} 移出這個班", en: "Take {name} out of this class" },
+  takeOutOne: { zh: "把 {name} 移出這個班", en: "Take out {name} from this class" },
   openLinks: { zh: "還有 {count} 個連結沒有用。", en: "Links not used yet: {count}." },
   takeBack: { zh: "取消這項作業", en: "Take this task back" },
   takeBackSure: { zh: "取消這項作業？學生寫過的都還在。", en: "Take this task back? What was written for it stays." },

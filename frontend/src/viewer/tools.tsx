@@ -35,7 +35,7 @@ type Props = {
 };
 
 export function Tools({ viewer, state, tool, pairing, canPin, mode, setTool, files, onPair, link, onHelp, onFull }: Props) {
-  if (viewer && !viewer.field) return null;
+  if (viewer && !viewer.field) return <Few pairing={pairing} onPair={onPair} viewer={viewer} files={files} />;
   const off = !viewer;
   const tools: Tool[] = canPin ? ["light", "move", "section", "ruler", "pin"] : ["light", "move", "section", "ruler"];
   return (
@@ -87,6 +87,21 @@ export function Tools({ viewer, state, tool, pairing, canPin, mode, setTool, fil
           <Downloads viewer={viewer} files={files} />
         </Menu>
         <Button icon="help" label={t("help")} act={onHelp} />
+      </div>
+    </div>
+  );
+}
+
+/** Without WebGL2: what needs no lamp. */
+function Few({ viewer, pairing, onPair, files }: Pick<Props, "viewer" | "pairing" | "onPair" | "files">) {
+  if (!onPair && !files) return null;
+  return (
+    <div class="tools" role="toolbar" aria-label={t("tools")}>
+      <div class="tools-end">
+        {onPair && <Toggle icon="pair" label={t("pair")} on={pairing} act={onPair} />}
+        <Menu icon="save" label={t("download")}>
+          <Downloads viewer={viewer} files={files} />
+        </Menu>
       </div>
     </div>
   );
@@ -170,9 +185,8 @@ function Menu({ icon, label, children }: { icon: IconName; label: string; childr
 const FILES = ["picture", "glb", "stl", "ply", "height", "normals16", "manifest", "page"] as const;
 
 function Downloads({ viewer, files }: { viewer: Viewer | null; files: PanelProps["files"] }) {
-  const take = async (made: Promise<Blob> | undefined, name: string) => {
+  const take = async (made: Promise<Blob>, name: string) => {
     const blob = await made;
-    if (!blob) return;
     const anchor = document.createElement("a");
     anchor.href = URL.createObjectURL(blob);
     anchor.download = name;
@@ -181,8 +195,12 @@ function Downloads({ viewer, files }: { viewer: Viewer | null; files: PanelProps
   };
   return (
     <>
-      <button type="button" onClick={() => void take(viewer?.snapshot(), "view.png")}>{t("savePng")}</button>
-      <button type="button" onClick={() => void take(viewer?.relit(), "sheet.png")}>{t("saveSheet")}</button>
+      {viewer?.field && (
+        <>
+          <button type="button" onClick={() => void take(viewer.snapshot(), "view.png")}>{t("savePng")}</button>
+          <button type="button" onClick={() => void take(viewer.relit(), "sheet.png")}>{t("saveSheet")}</button>
+        </>
+      )}
       {FILES.filter((name) => files?.[name]).map((name) => (
         <a key={name} href={name === "manifest" ? files?.[name] : taken(files?.[name] ?? "")} target={name === "manifest" ? "_blank" : undefined} rel="noopener"
           download={name === "manifest" ? undefined : ""}>

@@ -16,11 +16,12 @@ export function Surfaces({ attempt }: { attempt: Attempt }) {
   const [facts, setFacts] = useState<[ViewerFacts, ViewerFacts] | null>(null);
   const [error, setError] = useState<unknown>(null);
   const [lamp, setLamp] = useState(LAMP);
+  const [lit, setLit] = useState(true);
   useEffect(() => {
     if (!attempt.id) return;
     let gone = false;
     shown(attempt, hosts.map((host) => host.current), (found) => gone || setFacts(found)).then(
-      (made) => (gone ? made.forEach((viewer) => viewer.dispose()) : void (viewers.current = made)),
+      (made) => (gone ? made.forEach((viewer) => viewer.dispose()) : ((viewers.current = made), setLit(made.every((viewer) => viewer.field !== null)))),
       (why: unknown) => gone || setError(why),
     );
     return () => {
@@ -47,6 +48,14 @@ export function Surfaces({ attempt }: { attempt: Attempt }) {
           </figure>
         ))}
       </div>
+      {lit && <LampSliders lamp={lamp} turn={turn} />}
+    </div>
+  );
+}
+
+function LampSliders({ lamp, turn }: { lamp: typeof LAMP; turn: (part: Partial<typeof LAMP>) => void }) {
+  return (
+    <>
       <label class="slider">
         <span>{w("lampTilt")}</span>
         <input type="range" min="0" max="360" value={lamp.tilt} onInput={(event) => turn({ tilt: Number(event.currentTarget.value) })} />
@@ -57,7 +66,7 @@ export function Surfaces({ attempt }: { attempt: Attempt }) {
         <input type="range" min="10" max="85" value={lamp.slant} onInput={(event) => turn({ slant: Number(event.currentTarget.value) })} />
         <span>{lamp.slant}°</span>
       </label>
-    </div>
+    </>
   );
 }
 
