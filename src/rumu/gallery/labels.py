@@ -10,7 +10,6 @@ attribution. Beside it collection.json may say of all works what no row says:
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,7 +19,7 @@ from typing import Any
 from rumu.assessment.scripts import SCRIPTS
 from rumu.errors import GalleryError
 from rumu.gallery.entries import NO_LICENCE, NOTHING, Entry, Room, slug
-from rumu.gallery.masters import LABELS
+from rumu.gallery.masters import LABELS, label_rows
 from rumu.gallery.terms import dynasty_key, period_in_words, script_name
 from rumu.gallery.works import Bilingual
 
@@ -117,15 +116,7 @@ def read_rows(folder: Path, told: Told) -> tuple[Row, ...]:
     """The rows of labels.csv, in order. Raises GalleryError naming the file, and the row where one is
     wrong."""
     table = folder / LABELS
-    try:
-        with table.open(encoding="utf-8-sig", newline="") as stream:
-            rows = csv.DictReader(stream)
-            if "file" not in (rows.fieldnames or ()):
-                found = ", ".join(rows.fieldnames or ()) or "nothing"
-                raise GalleryError(f"{table}: expected a column 'file', found {found}")
-            return tuple(_row(table, number, row, told) for number, row in enumerate(rows, start=1))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise GalleryError(f"{table}: expected a CSV in UTF-8, cannot read it ({error})") from error
+    return tuple(_row(table, number, row, told) for number, row in enumerate(label_rows(table), start=1))
 
 
 def _row(table: Path, number: int, row: Mapping[str, str | None], told: Told) -> Row:

@@ -54,17 +54,23 @@ def _of_place(place: Path) -> Iterator[Master]:
         raise GalleryError(f"{place}: expected a folder of pictures or a {LABELS}, found neither")
 
 
-def _labelled(table: Path) -> Iterator[Master]:
+def label_rows(table: Path) -> Iterator[dict[str, str | None]]:
+    """The rows of a labels.csv as they stand. Raises GalleryError where it is no CSV with a column `file`."""
     try:
         with table.open(encoding="utf-8-sig", newline="") as stream:
             rows = csv.DictReader(stream)
             if "file" not in (rows.fieldnames or ()):
                 found = ", ".join(rows.fieldnames or ()) or "nothing"
                 raise GalleryError(f"{table}: expected a column 'file', found {found}")
-            for row in rows:
-                hand = row.get("calligrapher_zh") or row.get("calligrapher") or None
-                if row["file"]:
-                    path = table.parent / row["file"]
-                    yield Master(path, row.get("character") or None, hand, row.get("work") or None)
+            yield from rows
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise GalleryError(f"{table}: expected a CSV in UTF-8, cannot read it ({error})") from error
+
+
+def _labelled(table: Path) -> Iterator[Master]:
+    for row in label_rows(table):
+        hand = row.get("calligrapher_zh") or row.get("calligrapher") or None
+        if row["file"]:
+            yield Master(
+                table.parent / row["file"], row.get("character") or None, hand, row.get("work") or None
+            )

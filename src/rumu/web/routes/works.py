@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from anyio.to_thread import run_sync
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 
 from rumu.assessment.scripts import SCRIPTS
 from rumu.database.tables import Work
@@ -37,38 +37,36 @@ def found_work(service: Service, work_id: str) -> Work:
         raise Missing("沒有這件作品。", "There is no such work.") from error
 
 
-@router.get("/api/works", response_model=WorkPage)
-def works(
+def asked_for(
     *,
-    service: Running,
     script: Asked = None,
     dynasty: Asked = None,
     hand: Asked = None,
     character: Asked = None,
     collection: Asked = None,
     q: Asked = None,
-    offset: Offset = 0,
-    limit: Limit = 60,
 ) -> dict[str, Any]:
+    """What is asked of works, as the catalogue names it."""
+    if script not in (None, "", "none", *SCRIPTS):
+        raise Unusable("script", zh="沒有這種書體。", en=f"Expected a script among {', '.join(SCRIPTS)}.")
+    asked = {"script": script, "dynasty": dynasty, "hand": hand, "character": character}
+    return asked | {"collection": collection, "query": q}
+
+
+AskedFor = Annotated[dict[str, Any], Depends(asked_for)]
+
+
+@router.get("/api/works", response_model=WorkPage)
+def works(service: Running, asked: AskedFor, offset: Offset = 0, limit: Limit = 60) -> dict[str, Any]:
     """Works that match all that is asked; a character is found in any of its forms."""
-    asked = _asked(script, dynasty, hand, character, collection, q)
     page = catalog.works(service.gallery, **asked, offset=offset, limit=limit)
     return {"total": page.total, "items": [work_card(work) for work in page.items]}
 
 
 @router.get("/api/facets", response_model=dict[str, list[FacetFacts]])
-def facets(
-    *,
-    service: Running,
-    script: Asked = None,
-    dynasty: Asked = None,
-    hand: Asked = None,
-    character: Asked = None,
-    collection: Asked = None,
-    q: Asked = None,
-) -> dict[str, Any]:
+def facets(service: Running, asked: AskedFor) -> dict[str, Any]:
     """What can be chosen further; the counts of a facet heed all choices but its own."""
-    found = catalog.facets(service.gallery, **_asked(script, dynasty, hand, character, collection, q))
+    found = catalog.facets(service.gallery, **asked)
     return {
         name: [{"value": v.value, "zh": v.zh, "en": v.en, "count": v.count} for v in values]
         for name, values in found.items()
@@ -176,16 +174,3 @@ def columns(changes: dict[str, Any]) -> dict[str, Any]:
         if isinstance(value, dict):
             flat |= {f"{name}_{language}": value[language] for language in ("zh", "en")}
     return flat
-
-
-def _asked(
-    script: str | None,
-    dynasty: str | None,
-    hand: str | None,
-    character: str | None,
-    *more: str | None,
-) -> dict[str, Any]:
-    if script not in (None, "", "none", *SCRIPTS):
-        raise Unusable("script", zh="沒有這種書體。", en=f"Expected a script among {', '.join(SCRIPTS)}.")
-    asked = {"script": script, "dynasty": dynasty, "hand": hand, "character": character}
-    return asked | dict(zip(("collection", "query"), more, strict=True))
