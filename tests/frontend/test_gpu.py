@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -76,7 +77,7 @@ def page_of(surface: Surface, static: Path, target: Path, *, lamps: dict[str, An
         "normals": png(np.round(surface.normals * 127.5 + 127.5).astype(np.uint8)),
         "albedo": albedo,
         "picture": albedo,
-        "mask": albedo,
+        "mask": png(np.where(surface.mask, 255, 0).astype(np.uint8)),
         "three_lamps": lamps,
         "glb": "",
     }
@@ -195,6 +196,27 @@ def test_contours_leave_the_plain_white(dome_page: Page) -> None:
     corner = int(0.46 * seen.shape[0] / (2.2 * 2 * np.tan(np.radians(14))))
     assert seen[row - corner, column - corner] > 0.8
     assert seen[row, column - corner : column + corner].min() < 0.5
+
+
+def test_what_was_not_measured_is_not_drawn_in_space(
+    browser: Browser, standalone: Path, tmp_path: Path
+) -> None:
+    """The left half alone was measured: nothing of the right half stands in the view of the surface, as
+    nothing of it is in the mesh that is downloaded; the flat sheet is whole."""
+    half = np.zeros((SIDE, SIDE), dtype=np.bool_)
+    half[:, : SIDE // 2] = True
+    page = opened(browser, page_of(replace(dome(), mask=half), standalone, tmp_path / "half.html"))
+    straight = {"camera": [0, 0, 2.2, 0, 0, 0], "look": "exact", "tilt": 90, "slant": 10}
+    shares = []
+    for mode in ("sheet", "surface"):
+        seen = drawn(page, straight | {"mode": mode}, how="snapshot")
+        row, column = (length // 2 for length in seen.shape[:2])
+        reach = int(0.3 * seen.shape[0] / (2.2 * 2 * np.tan(np.radians(14))))
+        paper = seen[2, 2]
+        beside = [np.abs(seen[row, column + side * reach] - paper).max() for side in (-1, 1)]
+        shares.append([bool(difference > 0.05) for difference in beside])
+    page.close()
+    assert shares == [[True, True], [True, False]]
 
 
 def test_what_is_picked_and_cut_is_the_surface(dome_page: Page) -> None:

@@ -38,7 +38,8 @@ void main() {
 export const fragment = /* glsl */ `
 precision highp float;
 precision highp sampler2D;
-uniform sampler2D heights, albedo, normals, photo, lampA, lampB, lampC;
+uniform sampler2D heights, albedo, normals, photo, mask, lampA, lampB, lampC;
+uniform bool cut; // show only what the mask has: beside it nothing was measured, and its edge would be drawn out into spikes
 uniform int mode; // 0 sheet, 1 mesh, 2 heights, 3 contours, 4 the photograph, 5 normals
 uniform int lens; // as mode, -1 none, 6 magnified
 uniform vec3 lensPlace; // u, v, radius as a fraction of the longer side
@@ -165,5 +166,6 @@ void main() {
   } else {
     found = plain;
   }
+  if (cut && texture(mask, at).r < 0.96) discard;
   colour = vec4(encode(found), 1.0);
 }`;

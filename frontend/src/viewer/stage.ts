@@ -33,11 +33,12 @@ import type { HeightField } from "./heightfield";
 import { fit, FIELD_OF_VIEW } from "./orbit";
 import { LOOKS, type Camera, type Lens, type Mode, type ViewState } from "./state";
 
-/** Decoded pictures of one sheet; `lamps` where three photographs are there. */
+/** Decoded pictures of one sheet; `lamps` where three photographs are there, `mask` where only a part was measured: white there. */
 export type Maps = {
   albedo: ImageBitmap;
   normals: ImageBitmap;
   photo: ImageBitmap;
+  mask: ImageBitmap | null;
   lamps: null | { a: ImageBitmap; b: ImageBitmap; c: ImageBitmap; slant: number };
 };
 
@@ -128,8 +129,8 @@ export class Stage {
     this.textures.forEach((texture) => texture.dispose());
     this.grids.forEach((made) => made.dispose());
     this.sheet.material.dispose();
-    const { albedo, normals, photo, lamps } = this.maps;
-    [albedo, normals, photo, lamps?.a, lamps?.b, lamps?.c].forEach((bitmap) => bitmap?.close());
+    const { albedo, normals, photo, mask, lamps } = this.maps;
+    [albedo, normals, photo, mask, lamps?.a, lamps?.b, lamps?.c].forEach((bitmap) => bitmap?.close());
     this.renderer.dispose();
     this.renderer.forceContextLoss();
   }
@@ -147,7 +148,8 @@ export class Stage {
     is("look").value = LOOKS.indexOf(state.look);
     is("eye").value.set(...eye);
     is("cells").value.set(...squares(this.field, longest));
-    const { lamps } = this.maps;
+    const { lamps, mask } = this.maps;
+    is("cut").value = mask !== null && state.mode !== "sheet";
     is("mixture").value.set(...(state.mixture && lamps ? mixtureWeights(state.tilt, state.slant, lamps.slant) : [0, 0, 0]));
     const style = getComputedStyle(this.canvas);
     const paint = (name: string, token: string) => {
@@ -176,6 +178,8 @@ export class Stage {
         albedo: { value: albedo },
         normals: { value: this.texture(maps.normals, false) },
         photo: { value: this.texture(maps.photo, true) },
+        mask: { value: maps.mask ? this.texture(maps.mask, false) : albedo },
+        cut: { value: false },
         lampA: { value: lamps ? this.texture(lamps.a, true) : albedo },
         lampB: { value: lamps ? this.texture(lamps.b, true) : albedo },
         lampC: { value: lamps ? this.texture(lamps.c, true) : albedo },

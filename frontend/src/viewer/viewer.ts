@@ -68,16 +68,18 @@ export async function createViewer(host: HTMLElement, facts: ViewerFacts, option
   if (!hasWebGL2()) return pictureOnly(host, facts);
   const { signal } = options;
   const lamps = facts.three_lamps;
-  const [values, albedo, normals, photo, three] = await Promise.all([
+  const measured = facts.source === "photometric";
+  const [values, albedo, normals, photo, mask, three] = await Promise.all([
     loading.heights(facts.heights.url, facts.heights.width * facts.heights.height, signal),
     loading.picture(facts.albedo, signal),
     loading.picture(facts.normals, signal),
     loading.picture(facts.picture, signal),
+    measured ? loading.picture(facts.mask, signal) : null,
     lamps && Promise.all([lamps.a, lamps.b, lamps.c].map((url) => loading.picture(url, signal))),
   ]);
   signal?.throwIfAborted();
   const [a, b, c] = three ?? [];
-  const maps = { albedo, normals, photo, lamps: lamps && a && b && c ? { a, b, c, slant: lamps.slant } : null };
+  const maps = { albedo, normals, photo, mask, lamps: lamps && a && b && c ? { a, b, c, slant: lamps.slant } : null };
   return new SheetViewer(host, facts, HeightField.from(facts, values), maps, options);
 }
 
