@@ -1,7 +1,7 @@
 export const gallery = {
   lead: { zh: "移動燈光，看見筆走過的地方。", en: "Ink that went three tenths into the wood. Move the light and see where the brush has been." },
   search: { zh: "尋找", en: "Search" },
-  searchHint: { zh: "字、書家、作品……", en: "character, hand, work …" },
+  searchHint: { zh: "字、書家、作品", en: "character, hand, work" },
   script: { zh: "書體", en: "Script" },
   dynasty: { zh: "時代", en: "Period" },
   hand: { zh: "書家", en: "Hand" },

@@ -21,15 +21,18 @@ precision highp sampler2D;
 in vec3 position;
 in vec2 uv;
 uniform mat4 modelViewMatrix, projectionMatrix;
-uniform sampler2D heights;
+uniform sampler2D heights, mask;
+uniform bool cut; // show only faces that the mask has whole: the others would be drawn out into spikes
 uniform float lift; // scene lengths for one unit of height; 0 lays the sheet flat
 uniform vec2 cells; // squares of the mesh along x and y
 out vec2 at;
 out vec2 grid;
 out vec3 place;
+out float measured; // under 1 on a face that has a corner beside the mask
 ${sampling}
 void main() {
   at = uv;
+  measured = cut ? step(0.96, textureLod(mask, uv, 0.0).r) : 1.0;
   grid = uv * cells;
   place = vec3(position.xy, lift == 0.0 ? 0.0 : heightAt(uv) * lift);
   gl_Position = projectionMatrix * modelViewMatrix * vec4(place, 1.0);
@@ -38,8 +41,7 @@ void main() {
 export const fragment = /* glsl */ `
 precision highp float;
 precision highp sampler2D;
-uniform sampler2D heights, albedo, normals, photo, mask, lampA, lampB, lampC;
-uniform bool cut; // show only what the mask has: beside it nothing was measured, and its edge would be drawn out into spikes
+uniform sampler2D heights, albedo, normals, photo, lampA, lampB, lampC;
 uniform int mode; // 0 sheet, 1 mesh, 2 heights, 3 contours, 4 the photograph, 5 normals
 uniform int lens; // as mode, -1 none, 6 magnified
 uniform vec3 lensPlace; // u, v, radius as a fraction of the longer side
@@ -56,6 +58,7 @@ uniform vec3 inkColour, paperColour;
 in vec2 at;
 in vec2 grid;
 in vec3 place;
+in float measured;
 out vec4 colour;
 ${sampling}
 const vec3 warm = vec3(${WARM.map((v) => v.toFixed(4)).join(", ")});
@@ -166,6 +169,6 @@ void main() {
   } else {
     found = plain;
   }
-  if (cut && texture(mask, at).r < 0.96) discard;
+  if (measured < 0.98) discard;
   colour = vec4(encode(found), 1.0);
 }`;
