@@ -54,7 +54,7 @@ function Walk({ given, query }: { given: Tour; query: URLSearchParams }) {
     }
   };
   return (
-    <article class="work tour">
+    <article class={editing ? "work tour editing" : "work tour"}>
       <div class="work-stage">
         {step ? <StepStage key={step.work} step={step} met={met} heard={(state) => (now.current = state)} /> : <p class="nothing">{t("tourEmpty")}</p>}
       </div>
