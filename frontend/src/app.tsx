@@ -3,7 +3,7 @@ import type { ComponentType } from "preact";
 import { post, refreshSession, session } from "./api";
 import { language, t } from "./i18n";
 import { go, match, place, routes, type PageProps } from "./router";
-import { Trouble, Waiting } from "./ui";
+import { PageTrouble, Waiting } from "./ui";
 
 type Shown = { Page: ComponentType<PageProps>; path: string } | { error: unknown; path: string };
 
@@ -31,13 +31,16 @@ export function App() {
       <Header path={path} />
       <main id="main" tabIndex={-1}>
         {!found ? (
-          <p class="trouble">
-            {t("nothere")} <a href="#/">{t("home")}</a>
-          </p>
+          <div class="trouble">
+            <h1>{t("nothere")}</h1>
+            <p>
+              <a href="#/">{t("home")}</a>
+            </p>
+          </div>
         ) : !shown || shown.path !== found.pattern ? (
           <Waiting />
         ) : "error" in shown ? (
-          <Trouble error={shown.error} />
+          <PageTrouble error={shown.error} />
         ) : (
           <shown.Page key={path} params={found.params ?? {}} query={query} />
         )}

@@ -5,7 +5,7 @@ import { get, patch, session } from "../api";
 import type { PageProps } from "../router";
 import type { Role } from "../types";
 import { NeedLogin } from "../studio/NeedLogin";
-import { Field, Trouble, useLoaded, Waiting } from "../ui";
+import { Field, PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { InvitationLink } from "./InvitationLink";
 import { a } from "./say";
 import "./account.css";
@@ -29,7 +29,7 @@ function Everybody() {
       () => (setError(null), found.again()),
       (why: unknown) => (setError(why), found.again()),
     );
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
   if (!found.value) return <Waiting />;
   return (
     <div class="people">

@@ -3,11 +3,11 @@ import { get, post, session } from "../api";
 import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
 import { go, type PageProps } from "../router";
-import type { Facets, Job, Work } from "../types";
+import type { Job, Work } from "../types";
 import { Field, Trouble, useLoaded } from "../ui";
+import { FactFields } from "./FactFields";
 import { ENDED, JobProgress, useJob } from "./JobProgress";
 import { forgetList } from "./lastlist";
-import { scriptName } from "./scripts";
 import "./gallery.css";
 import "./work.css";
 
@@ -19,7 +19,7 @@ const PICTURES = "image/jpeg,image/png,image/tiff,image/webp,.tif,.tiff";
 export default function AddWork(_: PageProps) {
   const role = session.value?.person?.role;
   const [way, setWay] = useState<Way>("addImage");
-  if (role !== "owner" && role !== "teacher") return <p class="trouble">{t("ownersOnly")}</p>;
+  if (role !== "owner" && role !== "teacher") return <div class="trouble"><h1>{t("ownersOnly")}</h1></div>;
   return (
     <div class="add">
       <header class="page-head">
@@ -63,7 +63,7 @@ function SendForm({ way }: { way: Way }) {
   return (
     <form onSubmit={(event) => void send(event)}>
       <Drop label={t(way === "addImage" ? "picture" : way === "addCapture" ? "captureZip" : "importZip")} accept={way === "addImage" ? PICTURES : ".zip,application/zip"} file={file} onFile={setFile} />
-      {way === "addImport" ? <p class="note">{t("importNote")}</p> : <FactFields way={way} />}
+      {way === "addImport" ? <p class="note">{t("importNote")}</p> : <FactFields spacing={way === "addImage"}>{way === "addImage" && <Method />}<Collection /></FactFields>}
       <button type="submit" disabled={!file || sending || (job !== null && !ENDED.has(job.state))}>{t(sending ? "sending" : "send")}</button>
       {error ? <Trouble error={error} /> : null}
       {job && <JobProgress job={job} />}
@@ -95,52 +95,13 @@ function Drop({ label, accept, file, onFile }: { label: string; accept: string; 
   );
 }
 
-function FactFields({ way }: { way: Way }) {
+function Method() {
   return (
-    <>
-      <div class="two">
-        <Field label={t("titleZh")}><input name="title_zh" lang="zh-Hant" maxLength={200} /></Field>
-        <Field label={t("titleEn")}><input name="title_en" lang="en" maxLength={200} /></Field>
-        <Field label={t("character")}><input name="character" lang="zh-Hant" maxLength={16} /></Field>
-        <Field label={t("script")}>
-          <select name="script">
-            {["", "seal", "clerical", "regular", "running", "cursive"].map((name) => <option key={name} value={name}>{name ? scriptName(name) : "—"}</option>)}
-          </select>
-        </Field>
-        <Field label={t("handZh")}><input name="hand_zh" lang="zh-Hant" /></Field>
-        <Field label={t("handEn")}><input name="hand_en" lang="en" /></Field>
-        <Dynasty />
-        <Collection />
-        <Field label={t("periodZh")}><input name="period_zh" lang="zh-Hant" /></Field>
-        <Field label={t("periodEn")}><input name="period_en" lang="en" /></Field>
-        <Field label={t("materialZh")}><input name="material_zh" lang="zh-Hant" /></Field>
-        <Field label={t("materialEn")}><input name="material_en" lang="en" /></Field>
-        <Field label={t("source")} hint={t("sourceHint")}><input name="source" /></Field>
-        <Field label={t("licence")} hint={t("licenceHint")}><input name="licence" list="licences" required /></Field>
-        <Field label={t("attribution")}><input name="attribution" /></Field>
-        {way === "addImage" && (
-          <>
-            <Field label={t("spacing")} hint={t("spacingHint")}><input name="spacing" type="number" min="0" step="any" /></Field>
-            <Field label={t("method")}>
-              <select name="method">
-                <option value="inflation">{t("inflation")}</option>
-                <option value="density">{t("density")}</option>
-              </select>
-            </Field>
-          </>
-        )}
-      </div>
-      <datalist id="licences">{["CC0-1.0", "CC-BY-4.0", "CC-BY-SA-4.0", "public domain", "公有領域"].map((name) => <option key={name} value={name} />)}</datalist>
-    </>
-  );
-}
-
-function Dynasty() {
-  const facets = useLoaded((signal) => get<Facets>("/api/facets", signal), "all");
-  return (
-    <Field label={t("dynasty")}>
-      <input name="dynasty" list="dynasties" maxLength={40} />
-      <datalist id="dynasties">{(facets.value?.dynasty ?? []).filter((f) => f.value).map((f) => <option key={f.value} value={f.value}>{say(f)}</option>)}</datalist>
+    <Field label={t("method")}>
+      <select name="method">
+        <option value="inflation">{t("inflation")}</option>
+        <option value="density">{t("density")}</option>
+      </select>
     </Field>
   );
 }

@@ -3,7 +3,7 @@ import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
 import type { PageProps } from "../router";
 import type { Page, Text, WorkCard } from "../types";
-import { Trouble, useLoaded, Waiting } from "../ui";
+import { PageTrouble, useLoaded, Waiting } from "../ui";
 import { RelitThumb } from "./Card";
 import { licenceName } from "./scripts";
 import { Linked } from "./WorkFacts";
@@ -17,7 +17,7 @@ type Collection = { id: string; title: Text; note?: Text; source?: string; licen
 
 export default function Collections(_: PageProps) {
   const found = useLoaded((signal) => get<Collection[] | { items: Collection[] }>("/api/collections", signal), "all");
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
   if (!found.value) return <Waiting />;
   const items = Array.isArray(found.value) ? found.value : found.value.items;
   return (

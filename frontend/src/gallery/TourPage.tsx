@@ -4,7 +4,7 @@ import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
 import { rewrite, type PageProps } from "../router";
 import type { Tour, TourStep } from "../types";
-import { Trouble, useLoaded, Waiting } from "../ui";
+import { PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { Icon } from "../viewer/icons";
 import { ViewerPanel } from "../viewer/panel";
 import { START, stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
@@ -22,7 +22,7 @@ const GLIDE = 1600;
 export default function TourPage({ params, query }: PageProps) {
   const id = params.id ?? "";
   const found = useLoaded((signal) => get<Tour>(`/api/tours/${encodeURIComponent(id)}`, signal), id);
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
   if (!found.value) return <Waiting />;
   return <Walk key={id} given={found.value} query={query} />;
 }

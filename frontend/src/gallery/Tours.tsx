@@ -4,7 +4,7 @@ import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
 import { go, type PageProps } from "../router";
 import type { Tour } from "../types";
-import { Trouble, useLoaded, Waiting } from "../ui";
+import { PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { Icon } from "../viewer/icons";
 import { unnumbered } from "./titles";
 import "./gallery.css";
@@ -15,7 +15,7 @@ const t = words(table);
 export default function Tours(_: PageProps) {
   const found = useLoaded((signal) => get<Tour[] | { items: Tour[] }>("/api/tours", signal), "all");
   const [error, setError] = useState<unknown>(null);
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
   if (!found.value) return <Waiting />;
   const items = Array.isArray(found.value) ? found.value : found.value.items;
   const begin = async () => {

@@ -4,7 +4,7 @@ import { say, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
 import { go, rewrite, type PageProps } from "../router";
 import type { Annotation, ViewerFacts, Work, WorkCard } from "../types";
-import { Trouble, useLoaded, Waiting } from "../ui";
+import { PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { Icon } from "../viewer/icons";
 import { ViewerPanel, type Shown } from "../viewer/panel";
 import { stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
@@ -12,6 +12,7 @@ import type { Place, Viewer } from "../viewer/viewer";
 import { forgetList } from "./lastlist";
 import { NoteForm } from "./NoteForm";
 import { WorkFacts } from "./WorkFacts";
+import { WorkForm, type Edited } from "./WorkForm";
 import { WorkPicker } from "./WorkPicker";
 import "./gallery.css";
 import "./work.css";
@@ -30,12 +31,13 @@ export async function loadWork(id: string, signal: AbortSignal): Promise<{ work:
 export default function WorkPage({ params, query }: PageProps) {
   const id = params.id ?? "";
   const loaded = useLoaded((signal) => loadWork(id, signal), id);
-  if (loaded.error) return <Trouble error={loaded.error} again={loaded.again} />;
+  if (loaded.error) return <PageTrouble error={loaded.error} again={loaded.again} />;
   if (!loaded.value) return <Waiting />;
   return <Shelf key={id} work={loaded.value.work} facts={loaded.value.facts} query={query} />;
 }
 
-function Shelf({ work, facts, query }: { work: Work; facts: ViewerFacts; query: URLSearchParams }) {
+function Shelf({ query, ...first }: { work: Work; facts: ViewerFacts; query: URLSearchParams }) {
+  const [{ work, facts }, setTold] = useState(first);
   const [initial] = useState(() => stateFromQuery(query));
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const [notes, setNotes] = useState(work.annotations);
@@ -80,7 +82,7 @@ function Shelf({ work, facts, query }: { work: Work; facts: ViewerFacts; query: 
           {work.previous ? <a href={`#/works/${encodeURIComponent(work.previous)}`}><Icon name="previous" />{t("previous")}</a> : <span />}
           {work.next && <a href={`#/works/${encodeURIComponent(work.next)}`}>{t("next")}<Icon name="next" /></a>}
         </nav>
-        {owner && <RemoveWork work={work} />}
+        {owner && <OwnerTools work={work} onSaved={(edited) => setTold({ work: edited.work, facts: edited.facts ?? facts })} />}
       </aside>
       {form && <NoteForm work={work.id} note={form} onClose={() => setForm(null)} onSaved={saved} />}
       {picking && <WorkPicker title={t("chooseBeside")} not={work.id} onClose={() => setPicking(false)} onChoose={stand} />}
@@ -88,14 +90,24 @@ function Shelf({ work, facts, query }: { work: Work; facts: ViewerFacts; query: 
   );
 }
 
-function RemoveWork({ work }: { work: Work }) {
+function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) => void }) {
+  const [editing, setEditing] = useState(false);
+  const opener = useRef<HTMLButtonElement>(null);
   const [error, setError] = useState<unknown>(null);
   const drop = () => confirm(t("sureRemoveWork")) && remove(workUrl(work.id)).then(() => (forgetList(), go("/")), setError);
+  const close = () => {
+    setEditing(false);
+    opener.current?.focus();
+  };
   return (
-    <p>
-      <button type="button" class="quiet" onClick={drop}>{t("removeWork")}</button>
+    <div class="owner-tools">
+      <p>
+        <button type="button" class="quiet" ref={opener} onClick={() => setEditing(true)}>{t("editWork")}</button>
+        <button type="button" class="quiet" onClick={drop}>{t("removeWork")}</button>
+      </p>
       {error ? <Trouble error={error} /> : null}
-    </p>
+      {editing && <WorkForm work={work} onClose={close} onSaved={(edited) => (onSaved(edited), close())} />}
+    </div>
   );
 }
 

@@ -93,6 +93,8 @@ export const gallery = {
   seeIt: { zh: "去看作品", en: "See the work" },
   seeAll: { zh: "去展廳看", en: "See it in the gallery" },
   importNote: { zh: "專題、書家、授權等都由壓縮檔裡的 labels.csv 與 collection.json 決定。", en: "Collection, hand, licence and the rest are read from labels.csv and collection.json in the archive." },
+  editWork: { zh: "修改作品資料", en: "Edit this work" },
+  titleNeeded: { zh: "作品總要有個標題，中文或英文都好。", en: "A work needs a title, in one of the languages at least." },
   removeWork: { zh: "刪除這件作品", en: "Delete this work" },
   sureRemoveWork: { zh: "確定刪除這件作品？連同它的註解與所有臨作，刪了就沒有了。", en: "Delete this work, with its notes and every copy of it, for good?" },
   imported: { zh: "收入 {added} 件，原有 {there} 件。", en: "{added} added, {there} were there already." },

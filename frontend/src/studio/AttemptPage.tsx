@@ -5,7 +5,7 @@ import { get, put, remove, session } from "../api";
 import { say, t } from "../i18n";
 import { go, type PageProps } from "../router";
 import type { Attempt, TeacherMark } from "../types";
-import { Field, Trouble, useLoaded, Waiting } from "../ui";
+import { Field, PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { moment } from "./Curve";
 import { MarkView } from "./mark/MarkView";
 import { Replay } from "./Replay";
@@ -18,7 +18,7 @@ export default function AttemptPage({ params }: PageProps) {
   const who = session.value?.person?.id ?? ""; // asked again once it is known who asks
   const found = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), `${id} ${who}`);
   const [error, setError] = useState<unknown>(null);
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
   if (!found.value) return <Waiting />;
   const attempt = found.value;
   const person = session.value?.person ?? null;

@@ -5,7 +5,7 @@ import { get, post, query, remove, session } from "../api";
 import { say } from "../i18n";
 import { go, type PageProps } from "../router";
 import type { Page, WorkCard } from "../types";
-import { Field, Trouble, useLoaded, Waiting } from "../ui";
+import { Field, PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { InvitationLink } from "../account/InvitationLink";
 import { day } from "./Curve";
 import { NeedLogin } from "./NeedLogin";
@@ -26,7 +26,7 @@ export default function ClassPage({ params }: PageProps) {
 function Shown({ id }: { id: string }) {
   const found = useLoaded((signal) => get<SchoolClass>(`/api/classes/${id}`, signal), id);
   const teaches = session.value?.person?.role !== "pupil";
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
   if (!found.value) return <Waiting />;
   const { name, pupils, tasks, invitations } = found.value;
   return (

@@ -3,7 +3,7 @@
 import { useState } from "preact/hooks";
 import { get, post, session } from "../api";
 import { go, type PageProps } from "../router";
-import { Field, Trouble, useLoaded, Waiting } from "../ui";
+import { Field, PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { NeedLogin } from "./NeedLogin";
 import { w } from "./say";
 
@@ -20,7 +20,7 @@ export default function Classes(_: PageProps) {
 function Own() {
   const found = useLoaded((signal) => get<ClassCard[]>("/api/classes", signal), "classes");
   const teaches = session.value?.person?.role !== "pupil";
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
   if (!found.value) return <Waiting />;
   return (
     <div class="classes">

@@ -28,6 +28,6 @@ export function NeedLogin({ roles, why, children }: Props) {
         </p>
       </div>
     );
-  if (roles && !roles.includes(person.role)) return <p class="trouble">{w("notYours")}</p>;
+  if (roles && !roles.includes(person.role)) return <div class="trouble"><h1>{w("notYours")}</h1></div>;
   return <>{children}</>;
 }

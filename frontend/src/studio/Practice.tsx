@@ -5,7 +5,7 @@ import { get, query, remove, session } from "../api";
 import { language, say } from "../i18n";
 import { rewrite, type PageProps } from "../router";
 import type { Attempt, Page, WorkCard } from "../types";
-import { Trouble, useLoaded, Waiting } from "../ui";
+import { PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { AttemptCard } from "./AttemptCard";
 import type { Point } from "./chart";
 import { Curve, moment } from "./Curve";
@@ -28,7 +28,7 @@ type Told = { person: { id: string; name: string }; works: Practised[] };
 function Shown({ chosen, person }: { chosen: string | null; person: string | null }) {
   const [work, setWork] = useState(chosen);
   const found = useLoaded((signal) => get<Told>(`/api/practice${query({ person })}`, signal), `practice ${person}`);
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
   if (!found.value) return <Waiting />;
   const { works, person: whose } = found.value;
   const own = whose.id === session.value?.person?.id;

@@ -5,7 +5,7 @@ import { get, query, remove, session } from "../api";
 import { say } from "../i18n";
 import { go, type PageProps } from "../router";
 import type { Attempt, Page, Text } from "../types";
-import { Dialog, Trouble, useLoaded, Waiting } from "../ui";
+import { Dialog, PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { GiveMark } from "./AttemptPage";
 import { AttemptCard } from "./AttemptCard";
 import type { TaskCard } from "./ClassPage";
@@ -28,7 +28,7 @@ export default function TaskPage({ params }: PageProps) {
 function Shown({ id }: { id: string }) {
   const found = useLoaded((signal) => get<Told>(`/api/tasks/${id}`, signal), id);
   const teaches = session.value?.person?.role !== "pupil";
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
+  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
   if (!found.value) return <Waiting />;
   const { task } = found.value;
   return (

@@ -5,7 +5,7 @@ import { get, session } from "../api";
 import { say, t } from "../i18n";
 import type { PageProps } from "../router";
 import type { Attempt, Work } from "../types";
-import { Trouble, useLoaded, Waiting } from "../ui";
+import { PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { CropPhoto } from "./CropPhoto";
 import { add, canRedo, canUndo, clear, redo, undo, written, type History } from "./ink/history";
 import { picture } from "./ink/painting";
@@ -26,7 +26,7 @@ type Way = (typeof WAYS)[number];
 export default function Write({ params, query }: PageProps) {
   const id = params["id"] ?? "";
   const loaded = useLoaded((signal) => get<Work>(`/api/works/${encodeURIComponent(id)}`, signal), id);
-  if (loaded.error) return <Trouble error={loaded.error} again={loaded.again} />;
+  if (loaded.error) return <PageTrouble error={loaded.error} again={loaded.again} />;
   if (!loaded.value) return <Waiting />;
   return <Desk key={id} work={loaded.value} task={query.get("task")} />;
 }

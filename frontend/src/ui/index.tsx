@@ -14,11 +14,12 @@ export function Waiting() {
   );
 }
 
-export function Trouble({ error, again }: { error: unknown; again?: () => void }) {
-  const text = error instanceof ServiceError ? say(error.text) : String(error instanceof Error ? error.message : error);
+type TroubleProps = { error: unknown; again?: () => void };
+
+export function Trouble({ error, again }: TroubleProps) {
   return (
     <div class="trouble" role="alert">
-      <p>{text}</p>
+      <p>{reason(error)}</p>
       {again && (
         <button type="button" onClick={again}>
           {t("again")}
@@ -26,6 +27,21 @@ export function Trouble({ error, again }: { error: unknown; again?: () => void }
       )}
     </div>
   );
+}
+
+/** Trouble in place of a whole page: its reason is the heading, and what is not there is not asked for again. */
+export function PageTrouble({ error, again }: TroubleProps) {
+  const missing = error instanceof ServiceError && error.status === 404;
+  return (
+    <div class="trouble" role="alert">
+      <h1>{reason(error)}</h1>
+      {again && !missing ? <button type="button" onClick={again}>{t("again")}</button> : <p><a href="#/">{t("home")}</a></p>}
+    </div>
+  );
+}
+
+function reason(error: unknown): string {
+  return error instanceof ServiceError ? say(error.text) : String(error instanceof Error ? error.message : error);
 }
 
 /** What `load` brings, asked again whenever `key` changes; an answer to an older question is dropped. */

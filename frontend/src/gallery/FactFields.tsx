@@ -1,0 +1,75 @@
+import type { ComponentChildren } from "preact";
+import { get } from "../api";
+import { say, words } from "../i18n";
+import { gallery as table } from "../i18n/gallery";
+import type { Facets, Work } from "../types";
+import { Field, useLoaded } from "../ui";
+import { licenceField } from "./editing";
+import { licenceName, scriptName } from "./scripts";
+
+const t = words(table);
+const SCRIPTS = ["", "seal", "clerical", "regular", "running", "cursive"];
+const LICENCES = ["CC0-1.0", "CC-BY-4.0", "CC-BY-SA-4.0", "public domain", "公有領域"];
+
+type Props = { work?: Work; spacing: boolean; children?: ComponentChildren };
+
+/** The fields of what is known of a work, filled where there is one. `spacing`: whether a pixel's size is asked; photographs under several lamps bring their own. */
+export function FactFields({ work, spacing, children }: Props) {
+  return (
+    <div class="fact-fields">
+      <Line name="title_zh" label={t("titleZh")} lang="zh-Hant" value={work?.title.zh} />
+      <Line name="title_en" label={t("titleEn")} lang="en" value={work?.title.en} />
+      <Line name="character" label={t("character")} lang="zh-Hant" value={work?.character} longest={16} />
+      <Field label={t("script")}>
+        <select name="script">
+          {SCRIPTS.map((name) => <option key={name} value={name} selected={name === (work?.script ?? "")}>{name ? scriptName(name) : "—"}</option>)}
+        </select>
+      </Field>
+      <Line name="hand_zh" label={t("handZh")} lang="zh-Hant" value={work?.hand.zh} />
+      <Line name="hand_en" label={t("handEn")} lang="en" value={work?.hand.en} />
+      <Line name="period_zh" label={t("periodZh")} lang="zh-Hant" value={work?.period.zh} />
+      <Line name="period_en" label={t("periodEn")} lang="en" value={work?.period.en} />
+      <Prose name="material_zh" label={t("materialZh")} lang="zh-Hant" value={work?.material.zh} />
+      <Prose name="material_en" label={t("materialEn")} lang="en" value={work?.material.en} />
+      <Dynasty value={work?.dynasty} />
+      <Field label={t("licence")} hint={t("licenceHint")}>
+        <input name="licence" list="licences" maxLength={200} required={work?.licence !== "none stated"}
+          defaultValue={licenceField(work?.licence ?? "")} placeholder={work?.licence === "none stated" ? licenceName(work.licence) : ""} />
+      </Field>
+      <Prose name="source" label={t("source")} hint={t("sourceHint")} value={work?.source} />
+      <Prose name="attribution" label={t("attribution")} value={work?.attribution} />
+      {spacing && <Spacing value={work?.spacing ?? null} />}
+      {children}
+      <datalist id="licences">{LICENCES.map((name) => <option key={name} value={name} />)}</datalist>
+    </div>
+  );
+}
+
+type Asked = { name: string; label: string; lang?: string; value?: string | undefined; hint?: string; longest?: number };
+
+function Line({ name, label, lang, value = "", longest = 200 }: Asked) {
+  return <Field label={label}><input name={name} lang={lang} maxLength={longest} defaultValue={value} /></Field>;
+}
+
+function Prose({ name, label, lang, value = "", hint = "", longest = 8000 }: Asked) {
+  return <Field label={label} hint={hint}><textarea name={name} lang={lang} rows={2} maxLength={longest} defaultValue={value} /></Field>;
+}
+
+/** The service keeps a size that was once given: it can be mended and not taken back. */
+function Spacing({ value }: { value: number | null }) {
+  return (
+    <Field label={t("spacing")} hint={value === null ? t("spacingHint") : ""}>
+      <input name="spacing" type="number" min="0.000001" max="1000" step="any" required={value !== null} defaultValue={value === null ? "" : String(value)} />
+    </Field>
+  );
+}
+
+function Dynasty({ value = "" }: { value?: string | undefined }) {
+  const facets = useLoaded((signal) => get<Facets>("/api/facets", signal), "all");
+  return (
+    <Field label={t("dynasty")}>
+      <input name="dynasty" list="dynasties" maxLength={40} defaultValue={value} />
+      <datalist id="dynasties">{(facets.value?.dynasty ?? []).filter((f) => f.value).map((f) => <option key={f.value} value={f.value}>{say(f)}</option>)}</datalist>
+    </Field>
+  );
+}
