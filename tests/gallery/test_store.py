@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import threading
 import uuid
 
@@ -28,6 +29,25 @@ def test_what_is_written_is_read(store):
     assert store.exists("pictures/ab/one.png") and store.exists("pictures/ab")
     assert not store.exists("pictures/cd")
     assert list(store.keys("pictures")) == ["pictures/ab/one.png"]
+
+
+def test_a_stream_is_written_as_its_bytes_would_be(store):
+    sent = bytes(range(256)) * 9000  # more than one piece
+    store.write("uploads/one.zip", io.BytesIO(sent))
+    assert store.read("uploads/one.zip") == sent
+
+
+def test_a_stream_that_breaks_leaves_what_was_there(tmp_path):
+    class Broken(io.BytesIO):
+        def read(self, size=-1):
+            raise OSError("the line is cut")
+
+    store = Store.open(tmp_path)
+    store.write("uploads/one.zip", b"old")
+    with pytest.raises(GalleryError, match="cannot be written"):
+        store.write("uploads/one.zip", Broken())
+    assert store.read("uploads/one.zip") == b"old"
+    assert list(store.keys("uploads")) == ["uploads/one.zip"]
 
 
 def test_a_file_that_is_not_there(store):

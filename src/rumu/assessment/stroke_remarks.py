@@ -233,11 +233,12 @@ def _blunt(told: list[_Said], blunted: Blunted | None, limits: Noticeable) -> It
     if blunted is None or blunted.share < limits.tips or blunted.most < 0.6:
         return
     outlines = [_third(told[k], last=bool(end)) for k, end in blunted.ends]
+    lost = min(blunted.share, 1.0)  # a tip that swells has lost all of its taper, not more
     yield Remark(
-        "exit_blunt", blunted.share, "of the master", severity(blunted.share, limits.tips, rate=3.2),
+        "exit_blunt", lost, "of the master", severity(blunted.share, limits.tips, rate=3.2),
         box(np.concatenate(outlines)),
-        f"筆鋒多禿鈍：{len(outlines)} 處筆鋒失去約 {blunted.share:.0%} 的尖銳。起收筆時漸漸提鋒。",
-        f"The tips are blunt: {len(outlines)} of them have lost about {blunted.share:.0%} of their taper. "
+        f"筆鋒多禿鈍：{len(outlines)} 處筆鋒失去約 {lost:.0%} 的尖銳。起收筆時漸漸提鋒。",
+        f"The tips are blunt: {len(outlines)} of them have lost about {lost:.0%} of their taper. "
         "Lift the brush little by little.",
         as_lines(*outlines),
     )  # fmt: skip

@@ -17,11 +17,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, BinaryIO
 
 from rumu.errors import GalleryError
 
 _KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9._=-]*(/[A-Za-z0-9][A-Za-z0-9._=-]*)*")
+_PIECE = 2**20  # bytes of a stream that are in memory at a time
 _PART = ".part"  # ends the name of a file that is still being written
 _RENAMES = frozenset({"sftp", "ssh", "smb", "ftp", "hdfs", "webhdfs"})
 """File systems where a file can be seen half-written and renaming is one step; an object store has
@@ -56,8 +57,11 @@ class Store:
         local = "file" in _protocols(filesystem)
         return Store(filesystem, str(root).rstrip("/"), Path(root) if local else None)
 
-    def write(self, key: str, data: bytes) -> None:
-        """Whole or not at all; what was there is replaced. Raises GalleryError when it cannot be written."""
+    def write(self, key: str, data: bytes | BinaryIO) -> None:
+        """Whole or not at all; what was there is replaced. data: a stream is copied piece by piece.
+
+        Raises GalleryError when it cannot be written.
+        """
         place = self._place(key)
         try:
             if self.folder is not None:
@@ -65,12 +69,19 @@ class Store:
             elif _RENAMES & _protocols(self.filesystem):
                 part = f"{place}.{uuid.uuid4().hex}{_PART}"
                 self.filesystem.makedirs(place.rpartition("/")[0], exist_ok=True)
-                self.filesystem.pipe_file(part, data)
+                self._pour(part, data)
                 self.filesystem.mv(part, place)
             else:
-                self.filesystem.pipe_file(place, data)
+                self._pour(place, data)
         except OSError as error:
             raise GalleryError(f"{key}: cannot be written to the store ({error})") from error
+
+    def _pour(self, place: str, data: bytes | BinaryIO) -> None:
+        if isinstance(data, bytes):
+            self.filesystem.pipe_file(place, data)
+            return
+        with self.filesystem.open(place, "wb") as stream:
+            shutil.copyfileobj(data, stream, _PIECE)
 
     def read(self, key: str) -> bytes:
         """Raises GalleryError when there is no such file."""
@@ -145,14 +156,19 @@ def _protocols(filesystem: Any) -> set[str]:
     return {named} if isinstance(named, str) else set(named)
 
 
-def _write_here(target: Path, data: bytes) -> None:
+def _write_here(target: Path, data: bytes | BinaryIO) -> None:
     part = target.with_name(f"{target.name}.{uuid.uuid4().hex}{_PART}")
     try:
         try:
-            part.write_bytes(data)
+            stream = part.open("wb")
         except FileNotFoundError:  # asked only now: most files go where others are
             target.parent.mkdir(parents=True, exist_ok=True)
-            part.write_bytes(data)
+            stream = part.open("wb")
+        with stream:
+            if isinstance(data, bytes):
+                stream.write(data)
+            else:
+                shutil.copyfileobj(data, stream, _PIECE)
         os.replace(part, target)  # noqa: PTH105  thousands of files are imported at once
     except OSError:
         part.unlink(missing_ok=True)

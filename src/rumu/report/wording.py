@@ -50,7 +50,7 @@ SOURCES: dict[Source, Text] = {
         "高度由多燈照片測得（光度立體）。", "Height measured from photographs under several lamps."
     ),
     "inflation": Text(
-        "高度由墨跡“充氣”計算而來，不是實測的起伏。",
+        "高度由墨跡「充氣」計算而來，不是實測的起伏。",
         "Height computed from the ink by inflation; not measured relief.",
     ),
     "density": Text(

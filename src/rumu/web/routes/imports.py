@@ -82,7 +82,7 @@ def send(
     archive.file.seek(0)
     job_id = new_id()
     key = upload_key(job_id, ".zip")
-    service.gallery.store.write(key, archive.file.read())
+    service.gallery.store.write(key, archive.file)
     payload = {"upload": key, "facts": told_of_it}
     with service.gallery.database.writing() as session:
         job = jobs.add(session, "import", payload, person_id=who.id, job_id=job_id)
