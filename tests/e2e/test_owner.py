@@ -1,0 +1,137 @@
+"""An owner mends what is known of a work on its page; nobody else is offered to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from playwright.sync_api import Locator, Page, expect
+from tests.e2e.conftest import Visitor
+from tests.e2e.test_access import PHONE, faults, settled
+
+LogIn = Callable[..., Visitor]
+EDIT = "Edit this work"
+WORK = "regular-ri"
+
+
+def work_page(visitor: Visitor) -> Page:
+    page = settled(visitor.go(f"/works/{WORK}"))
+    expect(page.get_by_role("heading", level=1)).to_be_visible()
+    return page
+
+
+def form_of(page: Page) -> Locator:
+    page.get_by_role("button", name=EDIT).click()
+    return page.get_by_role("dialog")
+
+
+def field(form: Locator, label: str) -> Locator:
+    asked = [form.get_by_role(role, name=label, exact=True) for role in ("textbox", "combobox")]  # type: ignore[arg-type]
+    return asked[0].or_(asked[1])
+
+
+def told(page: Page) -> dict[str, Any]:
+    """The facts as the service has them."""
+    facts: dict[str, Any] = page.evaluate("async (id) => (await fetch(`/api/works/${id}`)).json()", WORK)
+    return facts
+
+
+def saved(form: Locator) -> None:
+    form.get_by_role("button", name="Save").click()
+    expect(form).to_have_count(0)
+
+
+def entitle(page: Page, title: str) -> None:
+    form = form_of(page)
+    form.get_by_label("Title (English)").fill(title)
+    saved(form)
+    expect(page.get_by_role("heading", level=1)).to_have_text(title)
+
+
+def test_an_owner_changes_the_title_and_changes_it_back(as_person: LogIn) -> None:
+    page = work_page(as_person("owner"))
+    before = told(page)
+    entitle(page, "The sun, as the owner calls it")
+    versioned = ("files", "thumb", "thumb_normals")  # addresses change with every change
+    now = told(page)
+    renamed = before | {"title": before["title"] | {"en": "The sun, as the owner calls it"}}
+    assert now == renamed | {name: now[name] for name in versioned}
+    page.reload()
+    expect(page.get_by_role("heading", level=1)).to_have_text("The sun, as the owner calls it")
+    entitle(page, before["title"]["en"])
+    assert told(page)["title"] == before["title"]
+
+
+def test_every_fact_can_be_changed_and_is_seen_at_once(as_person: LogIn) -> None:
+    page = work_page(as_person("owner"))
+    before = told(page)
+    new = {
+        "Hand (Chinese)": "某人",
+        "Hand (English)": "Somebody",
+        "Period in words (English)": "in some year",
+        "Material (English)": "ink on silk",
+        "Source": "a shelf in Oxford",
+        "Licence": "CC-BY-4.0",
+        "Credit": "whoever found it",
+    }
+    form = form_of(page)
+    old = {label: field(form, label).input_value() for label in new}
+    for label, value in new.items():
+        field(form, label).fill(value)
+    form.get_by_label("Script").select_option("clerical")
+    saved(form)
+    beside = page.locator(".facts")
+    for value in (*list(new.values())[1:], "Clerical"):
+        expect(beside).to_contain_text(value)
+
+    form = form_of(page)
+    for label, value in old.items():
+        field(form, label).fill(value)
+    form.get_by_label("Script").select_option(before["script"])
+    saved(form)
+    kept = ("title", "hand", "period", "material", "script", "source", "licence", "attribution", "spacing")
+    assert {name: told(page)[name] for name in kept} == {name: before[name] for name in kept}
+
+
+def test_what_cannot_be_is_refused_kindly_and_changes_nothing(as_person: LogIn) -> None:
+    owner = as_person("owner")
+    page = work_page(owner)
+    before = told(page)
+    form = form_of(page)
+    for label in ("Title (Chinese)", "Title (English)"):
+        form.get_by_label(label).fill(" ")
+    form.get_by_role("button", name="Save").click()
+    expect(form.get_by_role("alert")).to_contain_text("needs a title")
+    form.get_by_label("Title (English)").fill("Sun")
+    page.context.clear_cookies()  # as if logged out meanwhile
+    form.get_by_role("button", name="Save").click()
+    expect(form.get_by_role("alert")).not_to_contain_text("needs a title")
+    expect(form.get_by_role("alert")).to_be_visible()
+    assert told(page) == before
+    owner.complaints.clear()  # the browser reports the refusal, as it should
+
+
+def test_the_form_is_for_phones_and_for_everybody(as_person: LogIn) -> None:
+    page = work_page(as_person("owner", locale="zh-TW", **PHONE))
+    page.get_by_role("button", name="修改作品資料").click()
+    form = page.get_by_role("dialog", name="修改作品資料")
+    expect(form.get_by_label("標題（中文）")).to_have_value("楷書「日」")
+    assert faults(page) == []
+    assert form.evaluate("(box) => box.scrollWidth <= box.clientWidth"), "nothing is beyond its edge"
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["viewport"]["width"]  # type: ignore[index]
+    form.get_by_role("button", name="關閉").click()
+    expect(page.get_by_role("button", name="修改作品資料")).to_be_focused()
+
+
+def test_a_pupil_is_not_offered_to(as_person: LogIn) -> None:
+    page = work_page(as_person("pupil"))
+    expect(page.get_by_role("link", name="Write it yourself")).to_be_visible()
+    expect(page.get_by_role("button", name=EDIT)).to_have_count(0)
+
+
+def test_what_is_not_there_is_told_in_a_heading(visitor: Visitor) -> None:
+    for path, said in (("/nowhere", "no such page"), ("/works/nothing", "no such work")):
+        page = visitor.go(path)
+        expect(page.get_by_role("heading", level=1)).to_contain_text(said)
+        expect(page.get_by_role("main").get_by_role("link", name="Back to the gallery")).to_be_visible()
+    visitor.complaints.clear()  # the browser reports the refusal, as it should
