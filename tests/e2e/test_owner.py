@@ -102,6 +102,7 @@ def test_what_cannot_be_is_refused_kindly_and_changes_nothing(as_person: LogIn) 
         form.get_by_label(label).fill(" ")
     form.get_by_role("button", name="Save").click()
     expect(form.get_by_role("alert")).to_contain_text("needs a title")
+    expect(form.get_by_role("button", name="Save")).to_be_in_viewport(ratio=1)
     form.get_by_label("Title (English)").fill("Sun")
     page.context.clear_cookies()  # as if logged out meanwhile
     form.get_by_role("button", name="Save").click()

@@ -1,4 +1,4 @@
-import { useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { get, patch } from "../api";
 import { t as common, words } from "../i18n";
 import { gallery as table } from "../i18n/gallery";
@@ -17,6 +17,10 @@ export type Edited = { work: Work; facts: ViewerFacts | null };
 export function WorkForm({ work, onClose, onSaved }: { work: Work; onClose: () => void; onSaved: (edited: Edited) => void }) {
   const [error, setError] = useState<unknown>(null);
   const [sending, setSending] = useState(false);
+  const button = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    if (error) button.current?.scrollIntoView({ block: "nearest" }); // what is told above it pushed it out of sight
+  }, [error]);
   const save = async (event: SubmitEvent) => {
     event.preventDefault();
     const form = new FormData(event.currentTarget as HTMLFormElement);
@@ -35,7 +39,7 @@ export function WorkForm({ work, onClose, onSaved }: { work: Work; onClose: () =
       <form onSubmit={(event) => void save(event)}>
         <FactFields work={work} spacing={work.kind === "image"} />
         {error ? <Trouble error={error} /> : null}
-        <button type="submit" disabled={sending}>{sending ? t("sending") : common("save")}</button>
+        <button type="submit" ref={button} disabled={sending}>{sending ? t("sending") : common("save")}</button>
       </form>
     </Dialog>
   );
