@@ -12,6 +12,8 @@ from playwright.sync_api import Page, expect
 from tests.e2e.brush import write
 from tests.e2e.conftest import Arrive, Visitor
 
+from rumu.gallery.works import starter_samples
+
 LogIn = Callable[..., Visitor]
 
 
@@ -149,3 +151,49 @@ def test_an_attempt_is_kept_and_is_its_pupils_own(as_person: LogIn) -> None:
     status = teacher.page.evaluate("async (id) => (await fetch(`/api/attempts/${id}`)).status", attempt)
     assert status == 404, "a pupil of nobody's class is nobody's pupil"
     teacher.complaints.clear()
+
+
+def test_a_photo_is_cropped_to_its_cell_and_marked(visitor: Visitor) -> None:
+    """The sheet is twice the cell; the crop that the page proposes is moved by keys onto the writing."""
+    sample = next(sample for sample in starter_samples() if sample.work == "regular-shui")
+    sheet = Image.new("L", (1024, 1536), 235)
+    sheet.paste(Image.open(sample.path).convert("L"), (256, 512))
+    photo = io.BytesIO()
+    sheet.convert("RGB").save(photo, "JPEG", quality=90)
+    page = visitor.go("/studio/regular-shui")
+    page.get_by_role("tab", name="Send a photo").click()
+    page.locator("input[type=file]").last.set_input_files(
+        {"name": "sheet.jpg", "mimeType": "image/jpeg", "buffer": photo.getvalue()}
+    )
+    expect(page.get_by_alt_text("Your photo")).to_be_visible()
+    with page.expect_response(re.compile("/api/marks")) as coming:
+        page.get_by_role("button", name="Mark it").click()
+    mark = coming.value.json()["mark"]
+    assert mark["refused"] is None and mark["similarity"] > 0.7
+    expect(page.locator(".verdict-score")).to_contain_text(str(round(mark["score"])))
+
+
+def test_one_finger_turns_the_light_and_two_come_nearer(arrive: Arrive) -> None:
+    visitor = arrive(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    page = opened(visitor, "/works/regular-shui?tilt=135&slant=60")
+    box = page.locator(".work-stage canvas").first.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    touch = page.context.new_cdp_session(page)
+
+    def fingers(kind: str, *places: tuple[float, float]) -> None:
+        points = [{"x": px, "y": py, "id": k} for k, (px, py) in enumerate(places)]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    fingers("touchStart", (x - 60, y - 60))
+    for step in range(1, 9):
+        fingers("touchMove", (x - 60 + 15 * step, y - 60 + 12 * step))
+    fingers("touchEnd")
+    expect(page).not_to_have_url(re.compile("tilt=135"))
+    assert "cam=" not in page.url and page.evaluate("scrollY") == 0
+
+    fingers("touchStart", (x - 30, y), (x + 30, y))
+    for step in range(1, 9):
+        fingers("touchMove", (x - 30 - 8 * step, y), (x + 30 + 8 * step, y))
+    fingers("touchEnd")
+    expect(page).to_have_url(re.compile("cam="))
