@@ -76,9 +76,8 @@ def test_two_works_stand_side_by_side(visitor: Visitor) -> None:
     page.get_by_role("button", name="Two side by side").click()
     dialog = page.get_by_role("dialog")
     dialog.get_by_role("searchbox").or_(dialog.get_by_role("textbox")).first.fill("running")
-    dialog.get_by_role("button", name=re.compile("water")).or_(
-        dialog.get_by_role("link", name=re.compile("water"))
-    ).first.click()
+    named = re.compile(r"water\), running")
+    dialog.get_by_role("button", name=named).or_(dialog.get_by_role("link", name=named)).first.click()
     expect(page).to_have_url(re.compile("with=running-shui"))
     expect(page.locator(".work-stage canvas:visible")).to_have_count(2)
 
