@@ -72,52 +72,30 @@ def open_gallery(
 # --- looking ---------------------------------------------------------------------------------------
 
 
-def works(
-    gallery: Gallery,
-    *,
-    script: str | None = None,
-    dynasty: str | None = None,
-    hand: str | None = None,
-    character: str | None = None,
-    collection: str | None = None,
-    query: str | None = None,
-    offset: int = 0,
-    limit: int = 60,
-) -> Page[Work]:
-    """The works that match all that is asked (see Filters), by collection, the starter gallery first.
+def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **asked: str | None) -> Page[Work]:
+    """The works that match all that is asked, by collection, the starter gallery first.
 
+    asked: the fields of Filters.
     Raises GalleryError for an unknown script, or a page that cannot be.
     """
     if offset < 0 or limit < 0:
         raise GalleryError(f"expected offset and limit of 0 or more, got {offset} and {limit}")
-    filters = Filters(
-        script=script, dynasty=dynasty, hand=hand, character=character, collection=collection, query=query
-    )
-    asked = conditions(filters, Work.__table__.c).values()
+    wanted = conditions(Filters(**asked), Work.__table__.c).values()
     # Ids are sorted alone: whole rows would be dragged along through the sort.
-    ids = select(Work.id).where(*asked).order_by(*_ORDER).offset(offset).limit(limit)
+    ids = select(Work.id).where(*wanted).order_by(*_ORDER).offset(offset).limit(limit)
     with gallery.database.reading() as session:
-        total = session.scalar(select(func.count()).select_from(Work).where(*asked)) or 0
+        total = session.scalar(select(func.count()).select_from(Work).where(*wanted)) or 0
         chosen = list(session.scalars(ids))
         rows = {row.id: row for row in session.scalars(select(Work).where(Work.id.in_(chosen)))}
         return Page(tuple(rows[name] for name in chosen if name in rows), total)
 
 
-def facets(
-    gallery: Gallery,
-    *,
-    script: str | None = None,
-    dynasty: str | None = None,
-    hand: str | None = None,
-    character: str | None = None,
-    collection: str | None = None,
-    query: str | None = None,
-) -> dict[str, tuple[FacetValue, ...]]:
-    """For each facet its values and how many works each would leave; see `facets.count_facets`."""
-    filters = Filters(
-        script=script, dynasty=dynasty, hand=hand, character=character, collection=collection, query=query
-    )
-    return count_facets(gallery, filters)
+def facets(gallery: Gallery, **asked: str | None) -> dict[str, tuple[FacetValue, ...]]:
+    """For each facet its values and how many works each would leave; see `facets.count_facets`.
+
+    asked: the fields of Filters.
+    """
+    return count_facets(gallery, Filters(**asked))
 
 
 def work(gallery: Gallery, work_id: str) -> Work:
