@@ -69,17 +69,15 @@ def add_picture(
     method: 'inflation' or 'density', how. spacing: millimetres per pixel, None unknown.
     Raises ImageError for what is no picture, RefusedImage where there is no writing in it.
     """
-    from rumu.capture.image import read_image
     from rumu.surface.relief import relief
 
     path = Path(path)
-    image = read_image(path)
-    relief(path, method=method)  # type: ignore[arg-type]  # a sheet without writing is refused now
-    data = path.read_bytes()
+    surface = relief(path, method=method)  # type: ignore[arg-type]  # a sheet without writing is refused now
+    rows, columns = surface.height.shape
     return _keep_picture(
         gallery,
-        data,
-        size=(image.shape[1], image.shape[0]),
+        path.read_bytes(),
+        size=(columns, rows),
         suffix=suffix_of(path),
         entry=replace(entry, origin=entry.origin or path.name),
         room=room,
