@@ -38,7 +38,7 @@ def in_order(
         return
     from concurrent.futures.process import BrokenProcessPool
 
-    with _pool(processes) as pool:
+    with _pool(processes, work) as pool:
         waiting: deque[Future[Answer]] = deque()
         try:
             for item in items:
@@ -74,7 +74,7 @@ def by_group(
     return [answers[k] for k in range(len(items))]
 
 
-def _pool(processes: int) -> ProcessPoolExecutor:
+def _pool(processes: int, work: Callable[..., object]) -> ProcessPoolExecutor:
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
 
@@ -85,7 +85,9 @@ def _pool(processes: int) -> ProcessPoolExecutor:
     method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
     context = multiprocessing.get_context(method)
     if method == "forkserver":
-        context.set_forkserver_preload(["rumu.pipeline"])
+        # What every process would import for itself is imported once, before they part.
+        home = str(getattr(work, "func", work).__module__)  # of a partial, the function's
+        context.set_forkserver_preload(["rumu.pipeline", "cv2", "PIL.Image", home])
     return ProcessPoolExecutor(processes, mp_context=context, initializer=_alone)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from rumu.assessment.similarity import posed
 from rumu.errors import RumuError
 from rumu.registration.descriptor import describe, likeness, mirrored, turned
+from rumu.registration.nearest import Nearest
 from rumu.registration.points import INFLATION_TOP, ink_mask, sample_points
 from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
 
@@ -68,14 +69,9 @@ class Evidence:
     def in_place(self) -> float:
         """Share of the copy's ink that lies on the master's where both stand in their cells, or the other
         way round, whichever is more: 1 for a copy that lacks strokes, or has too many, and is else right."""
-        from scipy.spatial import cKDTree
-
         x, p = self.registration.reference, self.registration.probe
         at = (p.xyz[:, :2] * p.radius + p.centre - x.centre) / x.radius
-        shares = (
-            np.mean(cKDTree(b).query(a[::3])[0] < NEAR) for a, b in ((at, x.xyz[:, :2]), (x.xyz[:, :2], at))
-        )
-        return float(max(shares))
+        return max(_covered(at[::3], x.xyz[:, :2], NEAR), _covered(x.xyz[::3, :2], at, NEAR))
 
     @cached_property
     def lightness(self) -> float:
@@ -86,15 +82,11 @@ class Evidence:
     @cached_property
     def hollowness(self) -> float:
         """How much better the copy covers the edges of the master's strokes than their middle, -1 to 1."""
-        from scipy.spatial import cKDTree
-
         p, x = posed(self.registration)
         low, high = np.percentile(x[:, 2], (30, 70))
         edge, middle = x[x[:, 2] <= low], x[x[:, 2] >= high]
         reach = 0.5 * INFLATION_TOP * float(np.median(middle[:, 2]))  # half of a stroke's half-width
-        tree = cKDTree(p[:, :2])
-        covered = [float(np.mean(tree.query(part[::2, :2])[0] < reach)) for part in (edge, middle)]
-        return covered[0] - covered[1]
+        return _covered(edge[::2, :2], p[:, :2], reach) - _covered(middle[::2, :2], p[:, :2], reach)
 
     @cached_property
     def filling(self) -> tuple[float, float]:
@@ -146,6 +138,11 @@ class Evidence:
         ink = ink_mask(self.copy)
         strips = (ink[:, :2].any(axis=1), ink[:, -2:].any(axis=1), ink[:2].any(axis=0), ink[-2:].any(axis=0))
         return np.array([strip.sum() >= 0.015 * max(ink.shape) for strip in strips])
+
+
+def _covered(points: FloatArray, ink: FloatArray, reach: float) -> float:
+    """Share of the points, (N, 2), that have a point of the ink, (M, 2), nearer than `reach`."""
+    return float(np.mean(Nearest(ink, follows=False)(points)[0] < reach**2))
 
 
 @lru_cache(maxsize=2)  # many copies of one master come in a row

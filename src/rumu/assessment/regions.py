@@ -73,26 +73,30 @@ def _without_counterpart(
     match: (n,) the point of b that each point of a was matched with: in the plane the nearest is no farther.
     """
     alone = np.hypot(*(a - b.take(match, axis=0)).T) > settings.apart
-    if alone.any():
-        alone[alone] = Nearest(b, follows=False)(a[alone])[0] > settings.apart**2
     fewest = settings.share * len(a) / 4  # less than a region may still be where a missing stroke went
     if np.count_nonzero(alone) < fewest:
         return []
+    alone[alone] = Nearest(b, follows=False)(a[alone])[0] > settings.apart**2
     return [group for group in _groups(a, alone, together=settings.together) if len(group) >= fewest]
 
 
 def _groups(points: FloatArray, chosen: BoolArray, *, together: float) -> list[IntArray]:
-    """Indices of the connected groups of the chosen points."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
+    """Indices of the connected groups of the chosen points; each is reached step by step from its first.
 
-    indices = np.flatnonzero(chosen)
-    pairs = cKDTree(points[indices]).query_pairs(together, output_type="ndarray")
-    n = len(indices)
-    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    count, labels = connected_components(graph, directed=False)
-    return [indices[labels == k] for k in range(count)]
+    There are few as a rule, and SciPy's graphs and trees would take longer to import than to search them.
+    """
+    left = np.flatnonzero(chosen)
+    groups = []
+    while len(left):
+        edge, left = left[:1], left[1:]
+        group = [edge]
+        while len(edge) and len(left):
+            apart = points[left, None] - points[edge]
+            near = (np.einsum("ijk,ijk->ij", apart, apart) <= together**2).any(axis=1)
+            edge, left = left[near], left[~near]
+            group.append(edge)
+        groups.append(np.sort(np.concatenate(group)))
+    return groups
 
 
 def _partner(group: FloatArray, others: list[FloatArray], *, reach: float) -> int | None:
