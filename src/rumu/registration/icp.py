@@ -13,7 +13,7 @@ import numpy as np
 
 from rumu.errors import RegistrationError
 from rumu.registration.nearest import Nearest
-from rumu.registration.quaternion import Pose, Rotation, closed_form_pose, unit_quaternion
+from rumu.registration.quaternion import Pose, Rotation, closed_form_pose, rotation_matrix, unit_quaternion
 from rumu.values import FloatArray, IntArray, PointSet, Registration
 
 
@@ -95,24 +95,25 @@ class Neighbours:
         self._to_P, self._to_X = (
             Nearest(space[:, :5], follows=follows) for space in (self._P_all, self._X_all)
         )
+        self._own = np.arange(max(len(self.P), len(self.X)))
         self.spread = (_spread(self.P) + _spread(self.X)) / 2
 
     def pairs(self, pose: Pose) -> Pairs:
         """The nearest point to each, both ways."""
-        T = pose.matrix
-        a = 2.0 * np.arctan2(T[1, 0], T[0, 0])
+        R = rotation_matrix(pose.quaternion)
+        a = 2.0 * np.arctan2(R[1, 0], R[0, 0])
         there, back = np.zeros((6, 5)), np.zeros((6, 5))
-        there[:3, :3] = T[:3, :3].T
-        there[3:5, 3:] = [[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]]
-        there[5, :3] = T[:3, 3]
+        there[:3, :3] = R.T
+        there[3:5, 3:] = (np.cos(a), np.sin(a)), (-np.sin(a), np.cos(a))
+        there[5, :3] = pose.translation
         back[:5] = there[:5].T
         back[5] = -there[5] @ back[:5]
         return Pairs(*self._to_X(self._P_all @ there), *self._to_P(self._X_all @ back))
 
     def matched(self, pairs: Pairs, *, kept: IntArray) -> tuple[FloatArray, FloatArray]:
         """The kept of the pairs, both ways, as matched points (n, 3), (n, 3)."""
-        P = np.concatenate([np.arange(len(self.P)), pairs.backward_index])[kept]
-        X = np.concatenate([pairs.forward_index, np.arange(len(self.X))])[kept]
+        P = np.concatenate([self._own[: len(self.P)], pairs.backward_index]).take(kept)
+        X = np.concatenate([pairs.forward_index, self._own[: len(self.X)]]).take(kept)
         return self.P.take(P, axis=0), self.X.take(X, axis=0)
 
 
@@ -239,7 +240,7 @@ def closest_points(
         pairs = neighbours.pairs(pose)
         squared = pairs.squared
         kept = closest(squared, overlap)
-        error = float(squared[kept].mean())
+        error = float(squared.take(kept).mean())
         if last - error < threshold:
             return Outcome(pose if error < last else best, min(error, last), True, iteration)
         last, best = error, pose

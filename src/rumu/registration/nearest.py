@@ -40,21 +40,25 @@ class Nearest:
 
     def __call__(self, queries: FloatArray) -> tuple[FloatArray, IntArray]:
         """(N, d) points -> (N,) squared distances to the nearest, (N,) which one it is."""
-        index = self._followed(queries) if self._follows else self._search(queries)[0]
-        return _squared(queries - self._points.take(index, axis=0)), index
+        if self._follows and self._asked is not None and len(self._asked) == len(queries):
+            return self._followed(queries, self._asked)
+        index, second = self._search(queries)
+        if self._follows:
+            self._asked, self._index, self._second = queries.copy(), index.copy(), second
+        return self._squared_to(index, queries), index
 
-    def _followed(self, queries: FloatArray) -> IntArray:
-        if self._asked is None or len(self._asked) != len(queries):
-            self._asked = queries.copy()
-            self._index, self._second = self._search(queries)
-            return self._index.copy()
-        moved = np.sqrt(_squared(queries - self._asked))
-        nearest = np.sqrt(_squared(queries - self._points.take(self._index, axis=0)))
-        doubtful = np.flatnonzero(nearest + moved > self._second)
+    def _followed(self, queries: FloatArray, asked: FloatArray) -> tuple[FloatArray, IntArray]:
+        moved = np.sqrt(_squared(queries - asked))
+        squared = self._squared_to(self._index, queries)
+        doubtful = np.flatnonzero(np.sqrt(squared) + moved > self._second)
         if len(doubtful):
-            self._asked[doubtful] = again = queries.take(doubtful, axis=0)
-            self._index[doubtful], self._second[doubtful] = self._search(again)
-        return self._index.copy()
+            asked[doubtful] = again = queries.take(doubtful, axis=0)
+            index, self._second[doubtful] = self._search(again)
+            self._index[doubtful], squared[doubtful] = index, self._squared_to(index, again)
+        return squared, self._index.copy()
+
+    def _squared_to(self, index: IntArray, queries: FloatArray) -> FloatArray:
+        return _squared(queries - self._points.take(index, axis=0))
 
 
 def _by_product(points: FloatArray) -> Search:
@@ -75,7 +79,7 @@ def _by_tree(points: FloatArray, *, count: int) -> Search:
     import cv2
 
     tree = cv2.flann.Index(  # type: ignore[attr-defined]
-        np.ascontiguousarray(points, dtype=np.float32), {"algorithm": 4, "leaf_max_size": 10}
+        np.ascontiguousarray(points, dtype=np.float32), {"algorithm": 4, "leaf_max_size": 15}
     )
 
     def search(queries: FloatArray) -> tuple[IntArray, FloatArray]:

@@ -46,7 +46,7 @@ def unit_quaternion(q: FloatArray) -> FloatArray:
 
 def rotation_matrix(q: FloatArray) -> FloatArray:
     """Eq. (19): the rotation of a unit quaternion, (4,) scalar first -> (3, 3), det +1."""
-    q0, q1, q2, q3 = q
+    q0, q1, q2, q3 = q.tolist()  # plain numbers: NumPy's own are slow one by one
     return np.array(
         [
             [q0 * q0 + q1 * q1 - q2 * q2 - q3 * q3, 2 * (q1 * q2 - q0 * q3), 2 * (q1 * q3 + q0 * q2)],
@@ -69,17 +69,21 @@ def cross_covariance(P: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArr
     """
     ones = np.full(len(P), 1.0 / len(P))
     mu_p, mu_x = ones @ P, ones @ X
-    return mu_p, mu_x, P.T @ X / len(P) - np.outer(mu_p, mu_x)
+    return mu_p, mu_x, P.T @ X / len(P) - mu_p[:, None] * mu_x
 
 
 def profile_matrix(S: FloatArray) -> FloatArray:
     """Eq. (23): the symmetric 4 x 4 matrix Q(Sigma_px) with q^T Q q = tr(R(q) Sigma_px)."""
-    A = S - S.T
-    Q = np.empty((4, 4))
-    Q[0, 0] = np.trace(S)
-    Q[0, 1:] = Q[1:, 0] = A[1, 2], A[2, 0], A[0, 1]
-    Q[1:, 1:] = S + S.T - np.trace(S) * np.eye(3)
-    return Q
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = S.tolist()
+    t = xx + yy + zz
+    return np.array(
+        [
+            [t, yz - zy, zx - xz, xy - yx],
+            [yz - zy, 2 * xx - t, xy + yx, xz + zx],
+            [zx - xz, xy + yx, 2 * yy - t, yz + zy],
+            [xy - yx, xz + zx, yz + zy, 2 * zz - t],
+        ]
+    )
 
 
 def closed_form_pose(P: FloatArray, X: FloatArray, *, rotation: Rotation = "z") -> Pose:
@@ -94,10 +98,10 @@ def closed_form_pose(P: FloatArray, X: FloatArray, *, rotation: Rotation = "z") 
         raise RegistrationError(f"expected two matched (N >= 3, 3) point sets, got {P.shape} and {X.shape}")
     mu_p, mu_x, S = cross_covariance(P, X)
     Q = profile_matrix(S)
-    free = [0, 3] if rotation == "z" else [0, 1, 2, 3]
-    values, vectors = np.linalg.eigh(Q[np.ix_(free, free)])
+    step = 3 if rotation == "z" else 1
+    values, vectors = np.linalg.eigh(Q[::step, ::step])
     largest = np.zeros(4)
-    largest[free] = vectors[:, -1]
+    largest[::step] = vectors[:, -1]
     q = unit_quaternion(largest)
     spread = float((np.vdot(P, P) + np.vdot(X, X)) / len(P) - mu_p @ mu_p - mu_x @ mu_x)
     return Pose(q, mu_x - rotation_matrix(q) @ mu_p, max(spread - 2.0 * float(values[-1]), 0.0))
