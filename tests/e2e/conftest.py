@@ -80,6 +80,7 @@ def arrive(site: Site, browser: Browser) -> Iterator[Arrive]:
             **({"viewport": {"width": 1280, "height": 800}, "locale": "en-GB"} | options)
         )
         context.set_default_timeout(PATIENCE)
+        context.set_default_navigation_timeout(3 * PATIENCE)  # the first page also wakes browser and server
         page = context.new_page()
         complaints: list[str] = []
         page.on("pageerror", lambda error: complaints.append(str(error)))
