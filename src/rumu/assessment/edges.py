@@ -118,11 +118,11 @@ def patches(
     soft = cv2.GaussianBlur(np.asarray(ink, np.float32), (0, 0), half / SAMPLES)
     steps = np.linspace(-half, half, SAMPLES)
     grid = (steps[None, :] + 1j * steps[:, None]).ravel()
-    turn = along if kind.frame == "turned" else np.full(len(points), np.exp(1j * np.deg2rad(lean)))
-    at = points[:, None] + turn[:, None] * grid[None, :]
-    return np.asarray(
-        cv2.remap(soft, at.real.astype(np.float32), at.imag.astype(np.float32), cv2.INTER_LINEAR), np.float32
+    apart = (along[:, None] if kind.frame == "turned" else np.exp(1j * np.deg2rad(lean))) * grid
+    columns, rows = (
+        (p[:, None] + a).astype(np.float32) for p, a in ((points.real, apart.real), (points.imag, apart.imag))
     )
+    return np.asarray(cv2.remap(soft, columns, rows, cv2.INTER_LINEAR), np.float32)
 
 
 def edge_patches(ink: FloatArray) -> tuple[FloatArray, ...]:

@@ -7,6 +7,7 @@ Each figure is measured when it is first asked for, since most copies need none 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -14,9 +15,9 @@ import numpy as np
 
 from rumu.assessment.similarity import posed
 from rumu.errors import RumuError
-from rumu.registration.descriptor import describe, likeness, mirrored, turned
+from rumu.registration.descriptor import describe, describe_canvas, likeness, mirrored, turned
 from rumu.registration.nearest import Nearest
-from rumu.registration.points import INFLATION_TOP, ink_mask, sample_points
+from rumu.registration.points import INFLATION_TOP, full_ink, ink_mask
 from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
 
 NEAR = 0.1
@@ -53,12 +54,12 @@ class Evidence:
     @cached_property
     def mirrored(self) -> float:
         """How much more alike the copy is to the master seen from behind."""
-        return float(likeness(self._vector, describe(mirrored(self._reference)))) - self.likeness
+        return float(likeness(self._vector, _described(self._reference, mirrored))) - self.likeness
 
     @cached_property
     def turned(self) -> float:
         """How much more alike the copy is to the master upside down."""
-        return float(likeness(self._vector, describe(turned(self._reference)))) - self.likeness
+        return float(likeness(self._vector, _described(self._reference, turned))) - self.likeness
 
     @cached_property
     def strangeness(self) -> float:
@@ -94,7 +95,7 @@ class Evidence:
         gained). Hollow strokes become the strokes; a square written with a thin pen becomes a blot."""
         ink = ink_mask(self.copy)
         full = filled(ink)
-        vector = describe(sample_points(_only(self.copy, full)))
+        vector = describe_canvas(full_ink(full))
         gained = float(likeness(vector, _described(self._reference))) - self.likeness
         return 1.0 - float(np.count_nonzero(ink) / np.count_nonzero(full)), gained
 
@@ -118,7 +119,7 @@ class Evidence:
         best = -1.0
         for part in parts_of(ink_mask(self.copy)):
             try:
-                vector = describe(sample_points(_only(self.copy, part)))
+                vector = describe_canvas(full_ink(part))
             except RumuError:
                 continue
             best = max(best, float(likeness(vector, _described(self._reference))))
@@ -145,9 +146,10 @@ def _covered(points: FloatArray, ink: FloatArray, reach: float) -> float:
     return float(np.mean(Nearest(ink, follows=False)(points)[0] < reach**2))
 
 
-@lru_cache(maxsize=2)  # many copies of one master come in a row
-def _described(reference: PointSet) -> FloatArray:
-    return describe(reference)
+@lru_cache(maxsize=6)  # many copies of one master come in a row
+def _described(reference: PointSet, seen: Callable[[PointSet], PointSet] | None = None) -> FloatArray:
+    """The vector of a master as it is, or as it is `seen`."""
+    return describe(seen(reference) if seen else reference)
 
 
 def filled(ink: BoolArray) -> BoolArray:
@@ -185,18 +187,3 @@ def _bands(ink: BoolArray, *, axis: int) -> list[BoolArray]:
         band[where] = ink[where]
         bands.append(band)
     return bands
-
-
-def _only(surface: Surface, part: BoolArray) -> Surface:
-    """A surface of one part of the ink, for its points alone."""
-    height = np.where(part, 1.0, 0.0).astype(np.float32)
-    return Surface(
-        height=height,
-        normals=np.broadcast_to(np.array([0, 0, 1], np.float32), (*part.shape, 3)),
-        albedo=1.0 - height,
-        mask=part,
-        confidence=height,
-        spacing=1.0,
-        unit="px",
-        source="inflation",
-    )

@@ -16,7 +16,7 @@ from importlib.resources import files
 import numpy as np
 
 from rumu.registration.points import CANVAS, RADIUS
-from rumu.values import FloatArray, IntArray, PointSet
+from rumu.values import BoolArray, FloatArray, IntArray, PointSet
 
 DIRECTIONS = 8
 VERSION = 1
@@ -50,8 +50,13 @@ def describe(points: PointSet, *, settings: DescriptorSettings | None = None) ->
 
     How alike two are is told by `likeness`.
     """
+    return describe_canvas(_canvas(points), settings=settings)
+
+
+def describe_canvas(ink: FloatArray | BoolArray, *, settings: DescriptorSettings | None = None) -> FloatArray:
+    """The same vector from (CANVAS, CANVAS) ink, 1 where points lie and 0 elsewhere."""
     settings = settings or DescriptorSettings()
-    ink = _canvas(points)
+    ink = ink.astype(np.float32)
     views = (_as_it_stands(ink, settings), _evened(ink, settings))
     vector = np.concatenate([_directions_on_grid(view, settings) for view in views])
     return np.asarray(vector / np.linalg.norm(vector), dtype=np.float32)

@@ -66,7 +66,7 @@ def sample_points(surface: Surface, *, settings: Sampling | None = None) -> Poin
     was measured and is flat, as ink on paper is.
     """
     mask = ink_mask(surface)
-    centre, radius, ink = _brought(surface)
+    centre, radius, ink = _brought_ink(surface)
     height = surface.height / surface.spacing
     bounds, noise = (0.0, INFLATION_TOP * radius), 0.0
     if surface.source != "inflation":
@@ -81,7 +81,7 @@ def sample_points(surface: Surface, *, settings: Sampling | None = None) -> Poin
     z = settings.height_weight * relief[y, x]
     return PointSet(
         xyz=np.column_stack([(x - half) / RADIUS, (half - y) / RADIUS, z]).astype(float),
-        direction=stroke_direction(ink)[y, x].astype(float),
+        direction=stroke_direction(ink, rows=y, columns=x).astype(float),
         centre=np.array([centre[0] + 0.5 - columns_in_all / 2, rows_in_all / 2 - centre[1] - 0.5]) / longer,
         radius=radius / longer,
         pixel=1.0 / radius,
@@ -111,8 +111,8 @@ def _own_bounds(height: FloatArray, *, ink: BoolArray, paper: BoolArray) -> tupl
     return (min(float(low), level), max(float(high), level)), noise
 
 
-def stroke_direction(ink: FloatArray) -> FloatArray:
-    """(H, W) ink in [0, 1] -> (H, W, 2) float32: (cos 2t, sin 2t) of the stroke direction t, y up.
+def stroke_direction(ink: FloatArray, *, rows: IntArray, columns: IntArray) -> FloatArray:
+    """(H, W) ink in [0, 1], N places -> (N, 2) float32: (cos 2t, sin 2t) of the stroke direction t, y up.
 
     From the structure tensor at a 24th and a 16th of the rms radius; t and t + 180 are one, hence 2t.
     """
@@ -120,7 +120,9 @@ def stroke_direction(ink: FloatArray) -> FloatArray:
 
     soft = cv2.GaussianBlur(ink, (0, 0), RADIUS / 24)
     gx, gy = cv2.Sobel(soft, cv2.CV_32F, 1, 0), -cv2.Sobel(soft, cv2.CV_32F, 0, 1)
-    xx, yy, xy = (cv2.GaussianBlur(a, (0, 0), RADIUS / 16) for a in (gx * gx, gy * gy, gx * gy))
+    xx, yy, xy = (
+        cv2.GaussianBlur(a, (0, 0), RADIUS / 16)[rows, columns] for a in (gx * gx, gy * gy, gx * gy)
+    )
     # the gradient crosses the stroke: its double angle turned by 180 degrees is the stroke's
     double = np.stack([yy - xx, -2.0 * xy], axis=-1)
     length = np.linalg.norm(double, axis=-1, keepdims=True)
@@ -132,13 +134,28 @@ def canvas_ink(surface: Surface) -> FloatArray:
 
     Raises RegistrationError when the surface holds too little ink.
     """
-    return _brought(surface)[2]
+    return _brought_ink(surface)[2]
+
+
+def full_ink(mask: BoolArray) -> BoolArray:
+    """(H, W) ink -> (CANVAS, CANVAS) bool: where `sample_points` takes points of a surface of that ink.
+
+    Raises RegistrationError when there is too little ink.
+    """
+    return _full(_brought(mask)[2])
+
+
+def _full(ink: FloatArray) -> BoolArray:
+    return np.asarray(ink > 0.5 * min(float(ink.max()), 1.0))  # hairlines pale when they shrink
 
 
 @lru_cache(maxsize=4)  # points and edges of one surface follow each other
-def _brought(surface: Surface) -> tuple[FloatArray, float, FloatArray]:
+def _brought_ink(surface: Surface) -> tuple[FloatArray, float, FloatArray]:
+    return _brought(ink_mask(surface))
+
+
+def _brought(mask: BoolArray) -> tuple[FloatArray, float, FloatArray]:
     """Centre and radius of the ink, see `_place`, and the ink on the common canvas, not to be written to."""
-    mask = ink_mask(surface)
     centre, radius = _place(mask)
     ink = _canvas(mask, centre=centre, radius=radius)
     ink.flags.writeable = False
@@ -171,8 +188,10 @@ def _canvas(image: BoolArray | FloatArray, *, centre: FloatArray, radius: float)
 
 def _one_per_square(ink: FloatArray, *, settings: Sampling) -> tuple[IntArray, IntArray]:
     """Rows and columns of one ink pixel in each square of a grid: the one nearest the square's centre."""
-    rows, columns = np.nonzero(ink > 0.5 * min(float(ink.max()), 1.0))  # hairlines pale when they shrink
-    side = max(np.sqrt(len(rows) / settings.count), 1.0)
+    rows, columns = np.nonzero(_full(ink))
+    side = np.sqrt(len(rows) / settings.count)
+    if side <= 1.0:  # a square holds no more than one
+        return rows, columns
     offset = np.random.default_rng(settings.seed).random(2) * side if settings.seed else np.zeros(2)
     v, u = (rows + offset[0]) / side, (columns + offset[1]) / side
     square = v.astype(np.int64) * (CANVAS + 1) + u.astype(np.int64)
