@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 
 from rumu.capture.image import as_image
 from rumu.errors import RefusedImage
+from rumu.surface.foreign import ForeignLimits, drop_foreign, redness
 from rumu.surface.paper import (
     Bools,
     Bytes,
@@ -45,8 +47,8 @@ class Ink:
     paper: level of the paper (of the ground, for 'light'), as stored, in [0, 1].
     contrast: median density of the ink, in (0, 1].
     left_out: pixels that were dark enough and are no part of the writing, by kind: 'seal' (and red grid),
-        'grid' (ruled lines and what lies beyond a border line), 'speck', 'edge', 'neighbour', 'caption';
-        and 'frame', the pixels of a flat frame, or of the table, around the paper.
+        'grid' (ruled lines and what lies beyond a border line), 'speck', 'edge', 'neighbour', 'caption',
+        'stain'; and 'frame', the pixels of a flat frame, or of the table, around the paper.
     figures: 'noise' (contrast over the paper's own spread), 'edge' (step across the outline over the
         contrast, 1 is sharp), 'between' (half-dark pixels for each pixel of outline), 'coherence' (share of
         the ink's variance that survives averaging over 8 pixels).
@@ -94,11 +96,13 @@ class InkLimits:
     only_red: float = 0.93
     pixels: int = 24
     strays: StrayLimits = field(default_factory=StrayLimits)
+    foreign: ForeignLimits = field(default_factory=ForeignLimits)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Split:
-    """A page split into ink and paper. x: (H, W) uint8 ratio to the paper. cut: red marks. grain: 0-255."""
+    """A page split into ink and paper. x: (H, W) uint8 ratio to the paper. cut: red marks. grain: 0-255.
+    red: tells `redness`; None without colour, and on a rubbing."""
 
     x: Bytes
     threshold: float
@@ -107,6 +111,7 @@ class _Split:
     noise: float
     cut: Bools
     grain: float = 0.0
+    red: Callable[[], Floats] | None = None
 
     @property
     def raw(self) -> Bools:
@@ -139,6 +144,8 @@ def find_ink(
     mask, left_out = _writing(split, paper.polarity, limits)
     figures = _figures(split, mask)
     _refuse_unwritten(mask, split, figures, limits)
+    # The figures above are those of all that is dark: what is foreign is as blurred, or grainy, as the ink.
+    mask = _own(mask, split, left_out, limits, framed=_framed(view, picture))
     left_out["frame"] = picture.shape[0] * picture.shape[1] - mask.size
     whole = np.zeros(picture.shape[:2], bool)
     whole[y0:y1, x0:x1] = mask
@@ -190,7 +197,11 @@ def _split(view: Bytes, small: Bytes, paper: Paper, off: Bools | None, limits: I
     x = ratio(value, cv2.resize(level, value.shape[::-1], interpolation=cv2.INTER_LINEAR))
     if paper.polarity == "dark" and float(np.median(paper.level)) < limits.black:
         raise RefusedImage("expected ink on paper, got a black page", reason="black")
-    cut = _red(view, small, paper) if view.ndim == 3 else np.zeros(x.shape, bool)
+    cut, red = np.zeros(x.shape, bool), None
+    if view.ndim == 3:
+        colour = _colour(small, paper)
+        cut = red_marks(view, paper=colour, on_dark=paper.polarity == "light")
+        red = partial(redness, view, paper=colour) if paper.polarity == "dark" else None
     if off is not None:
         x[off], cut = PAPER, cut | off
     split = _levels(x, cut)
@@ -201,7 +212,7 @@ def _split(view: Bytes, small: Bytes, paper: Paper, off: Bools | None, limits: I
         threshold = below_pale_grid(split.x, split.threshold, limits=RuleLimits())
         split = replace(split, threshold=threshold, ink=min(split.ink, _darkest(split.x, threshold)))
     grain = float(cv2.absdiff(value, cv2.medianBlur(value, 3)).mean())
-    split = replace(split, grain=grain)
+    split = replace(split, grain=grain, red=red)
     return replace(split, cut=_spread_red(split, paper.polarity)) if cut.any() else split
 
 
@@ -232,10 +243,10 @@ def _darkest(x: Bytes, threshold: float) -> float:
     return _median(histogram(x), 0, threshold)
 
 
-def _red(view: Bytes, small: Bytes, paper: Paper) -> Bools:
+def _colour(small: Bytes, paper: Paper) -> npt.NDArray[np.float64]:
+    """(3,) colour of the paper, 0-255."""
     under = ratio(tone(small, polarity=paper.polarity), paper.level)
-    colour = np.median(small[under > otsu(histogram(under))], axis=0)
-    return red_marks(view, paper=colour, on_dark=paper.polarity == "light")
+    return np.asarray(np.median(small[under > otsu(histogram(under))], axis=0), dtype=np.float64)
 
 
 def _spread_red(split: _Split, polarity: Polarity) -> Bools:
@@ -261,6 +272,22 @@ def _writing(split: _Split, polarity: Polarity, limits: InkLimits) -> tuple[Bool
     left_out["grid"] = int(np.count_nonzero(mask & ~unruled))
     left_out["seal"] = int(np.count_nonzero(raw & ~mask))
     return kept, left_out
+
+
+def _own(mask: Bools, split: _Split, left_out: dict[str, int], limits: InkLimits, *, framed: bool) -> Bools:
+    """The ink without what is foreign to the character; `left_out` is counted on."""
+    density = np.subtract(1.0, split.x / np.float32(PAPER), dtype=np.float32)
+    own, foreign = drop_foreign(
+        mask, density, red=split.red, noise=split.noise, framed=framed, limits=limits.foreign
+    )
+    for kind, pixels in foreign.items():
+        left_out[kind] = left_out.get(kind, 0) + pixels
+    return own
+
+
+def _framed(view: Bytes, picture: Bytes) -> bool:
+    """Whether a frame was cut off all round; a strip along one side is cut off sharply."""
+    return all(inner < outer for inner, outer in zip(view.shape[:2], picture.shape[:2], strict=True))
 
 
 def _figures(split: _Split, mask: Bools) -> dict[str, float]:
