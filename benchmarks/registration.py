@@ -18,7 +18,7 @@ from PIL import Image
 import rumu
 from rumu.gallery.works import find_work
 from rumu.registration.icp import IcpSettings, register_points
-from rumu.registration.points import Sampling, sample_points
+from rumu.registration.points import sample_points
 from rumu.values import PointSet, Surface
 
 WORKS = ("regular-shui", "regular-shu", "clerical-tian", "seal-shui", "running-yue", "cursive-shu")
@@ -68,7 +68,7 @@ def cases() -> Iterator[Case]:
         for _ in range(POSES):
             lean, offset = rng.uniform(-15, 15), rng.uniform(-0.15, 0.15, 2)
             copy = rumu.relief(turned(picture, lean))
-            own = sample_points(copy, settings=Sampling(seed=1))
+            own = sample_points(copy)
             moved = np.append(offset, 0.0)
             a = np.deg2rad(lean)
             R = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])

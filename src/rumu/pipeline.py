@@ -80,14 +80,13 @@ def assess(
     weights: Mapping[str, float] | None = None,
     script: str | None = None,
     remarks: bool = True,
-    seed: int = 0,
 ) -> Assessment:
     """The mark of a copy against its master.
 
     levels: own cut-offs, {'excellent': .., 'good': .., 'medium': ..}. calibration: another than the panel's,
     or its file. weights: own, {'brushwork': .., 'structure': .., 'ink': ..}. script: of the master; people's
-    marks cover 'regular' alone. remarks: False leaves them out, which saves a third of the time. seed: of the
-    sampling. A copy with nothing to mark, or of another master, is refused; wrong masters and terms raise.
+    marks cover 'regular' alone. remarks: False leaves them out, which saves a third of the time. A copy with
+    nothing to mark, or of another master, is refused; wrong masters and terms raise.
     """
     terms = checked_terms(calibration=calibration, weights=weights, levels=levels, script=script)
     with ThreadPoolExecutor(1) as beside:  # two pictures, two cores
@@ -95,7 +94,7 @@ def assess(
         try:
             copy = surface_of(probe)
             master = coming.result()
-            registration, features = compare(copy, master, seed=seed)
+            registration, features = compare(copy, master)
         except RefusedImage as error:
             coming.result()  # a master that is no use is an error, whatever the copy is
             return _refused(replace(reason(error.reason), en=str(error)))

@@ -67,12 +67,15 @@ def surface() -> Callable[[np.ndarray], Surface]:
 
 @pytest.fixture(scope="session")
 def laid(surface) -> Callable[..., Registration]:
-    """The registration of one ink mask on another."""
+    """The registration of one ink mask on another.
 
-    def lay(copy: np.ndarray, master: np.ndarray, *, count: int = 900, seed: int = 0) -> Registration:
+    of_copy: another count for the copy, so that the points of the same ink do not coincide.
+    """
+
+    def lay(copy: np.ndarray, master: np.ndarray, *, count: int = 900, of_copy: int = 0) -> Registration:
         probe, reference = (
-            sample_points(surface(ink), settings=Sampling(count=count, seed=s))
-            for ink, s in ((copy, seed), (master, 0))
+            sample_points(surface(ink), settings=Sampling(count=n))
+            for ink, n in ((copy, of_copy or count), (master, count))
         )
         return register_points(probe, reference)
 

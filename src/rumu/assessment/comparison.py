@@ -8,22 +8,22 @@ from rumu.assessment.edges import describe
 from rumu.assessment.features import Features, measure
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.registration.icp import register_points
-from rumu.registration.points import Sampling, canvas_ink, sample_points
+from rumu.registration.points import canvas_ink, sample_points
 from rumu.values import FloatArray, PointSet, Registration, Surface
 
 
-def compare(copy: Surface, master: Surface, *, seed: int = 0) -> tuple[Registration, Features]:
+def compare(copy: Surface, master: Surface) -> tuple[Registration, Features]:
     """Copy laid on master, and what a mark is made of.
 
-    seed: of the sampling of the copy. Raises RefusedImage for a copy with too little ink or no relief,
-    RegistrationError or SurfaceError for such a master.
+    Raises RefusedImage for a copy with too little ink or no relief, RegistrationError or SurfaceError for
+    such a master.
     """
     try:
         reference, edge = _described(master)
     except RefusedImage as refusal:
         raise RegistrationError(f"the master cannot be compared with: {refusal}") from refusal
     try:
-        probe = sample_points(copy, settings=Sampling(seed=seed))
+        probe = sample_points(copy)
     except RegistrationError as error:
         raise RefusedImage(str(error), reason="too small") from error
     except SurfaceError as error:

@@ -30,12 +30,10 @@ class Sampling:
         default every pixel of the canvas with ink is a point, so that no choice of points moves a mark.
     height_weight: zeta, the weight of the normalised height against x and y in rms radii. The paper
         leaves the scale of z open; this one was chosen on human marks (see `rumu experiments run e3c`).
-    seed: moves the grid; a mark must not depend on it.
     """
 
     count: int = 20_000
     height_weight: float = 1.0
-    seed: int = 0
 
 
 def normalise_height(
@@ -192,8 +190,7 @@ def _one_per_square(ink: FloatArray, *, settings: Sampling) -> tuple[IntArray, I
     side = np.sqrt(len(rows) / settings.count)
     if side <= 1.0:  # a square holds no more than one
         return rows, columns
-    offset = np.random.default_rng(settings.seed).random(2) * side if settings.seed else np.zeros(2)
-    v, u = (rows + offset[0]) / side, (columns + offset[1]) / side
+    v, u = rows / side, columns / side
     square = v.astype(np.int64) * (CANVAS + 1) + u.astype(np.int64)
     off_centre = (v % 1 - 0.5) ** 2 + (u % 1 - 0.5) ** 2
     order = np.lexsort((off_centre, square))
