@@ -134,14 +134,27 @@ def test_pose_is_charged_apart_beyond_a_tolerance_up_to_a_cap(pose, points):
     assert score == pytest.approx(max(uncharged - points, 0.0))
 
 
-@pytest.mark.parametrize("kind", ["missing", "extra"])
-def test_a_stroke_too_few_or_too_many_is_never_excellent(kind):
-    def score(share):
-        return panel().score(replace(PERFECT, regions=(Region(kind, np.zeros((3, 2)), share),)))
+def faulty(strokes, *, kind="missing"):
+    return replace(PERFECT, regions=(Region(kind, np.zeros((3, 2)), 0.1, strokes),))
 
-    assert score(0.03) == 100
-    assert [score(share) for share in (0.04, 0.14, 0.5, 0.9)] == pytest.approx([68, 58, 22, 0])
-    assert score(0.04) < LEVELS["panel"]["excellent"]
+
+def test_a_stroke_too_few_is_bad_and_less_of_it_smoothly_better():
+    marks = [panel().score(faulty(strokes)) for strokes in np.linspace(0.0, 4.0, 41)]
+    assert marks[0] == 100 and marks[-1] < 10
+    assert (np.diff(marks[:31]) < 0).all() and (np.diff(marks) <= 0).all()
+    assert panel().score(faulty(0.1)) == pytest.approx(75)
+    assert panel().score(faulty(1.0)) < panel().score(faulty(0.5)) < LEVELS["panel"]["medium"]
+
+
+def test_a_stroke_too_many_costs_half_as_much_as_one_too_few():
+    assert panel().score(faulty(1.0, kind="extra")) == pytest.approx(panel().score(faulty(0.5)))
+
+
+def test_a_bad_copy_pays_for_a_stroke_though_no_ceiling_is_near():
+    bad = replace(PERFECT, residuals=replace(COMMON, position=1.0, plane_mean=1.0, missing=1.0))
+    lacking = replace(bad, regions=(Region("missing", np.zeros((3, 2)), 0.01, 0.1),))
+    assert panel().score(bad) < 60
+    assert panel().score(lacking) == pytest.approx(panel().score(bad) - 1.5)
 
 
 def test_ink_is_100_at_the_masters_weight_and_halves_by_quarters():
@@ -169,9 +182,9 @@ def test_own_weights_make_the_mean_of_the_parts():
 
 def test_own_weights_stand_under_the_same_charges_and_ceiling():
     leaning = replace(PERFECT, lean=Charges().lean_free + 3.0)
-    lacking = replace(PERFECT, regions=(Region("missing", np.zeros((3, 2)), 0.14),))
+    lacking = faulty(0.5)
     assert panel().score(leaning, weights=EQUAL) == pytest.approx(94.0)
-    assert panel().score(lacking, weights=EQUAL) == pytest.approx(58.0)
+    assert panel().score(lacking, weights=EQUAL) == pytest.approx(37.0)
     assert panel().score(PERFECT, weights=EQUAL) == pytest.approx(100.0)
 
 

@@ -86,7 +86,7 @@ def test_what_is_charged_apart_does_not_bend_the_scale():
     leaning = [replace(f, lean=Charges().lean_free + 5.0 * (k % 2)) for k, f in enumerate(features)]
     assert line(leaning, scores(leaning), base=BASE) == pytest.approx((0.0, 1.0))
     lacking = [
-        replace(f, regions=(Region("missing", np.zeros((3, 2)), 0.4 * (k % 2)),))
+        replace(f, regions=(Region("missing", np.zeros((3, 2)), 0.4 * (k % 2), 3.0 * (k % 2)),))
         for k, f in enumerate(features)
     ]
     assert line(lacking, scores(lacking), base=BASE) == pytest.approx((0.0, 1.0))

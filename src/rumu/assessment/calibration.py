@@ -45,8 +45,9 @@ class Charges:
 
     Registration repairs lean, place and size: points are taken per unit beyond the free part, which is
     what the copies with human marks show, each up to `cap`. A stroke left out or put in hardly moves the
-    quartiles of an otherwise perfect copy: from `faulty_from` of the ink on, whole regions that have no
-    counterpart set a ceiling of `ceiling` less `ceiling_rate` times their share, below 'excellent'.
+    quartiles of an otherwise perfect copy, and is wrong writing: `ceilings` are the highest score by how many
+    usual strokes of the master are at fault, (strokes, score), straight between; ink that is too much counts
+    by `surplus`. So that a bad copy pays too, `stroke_rate` points are taken for a stroke, once.
     """
 
     lean_free: float = 10.0  # degrees
@@ -56,9 +57,11 @@ class Charges:
     size_free: float = 0.3  # natural logarithm
     size_rate: float = 40.0  # points per unit of natural logarithm
     cap: float = 40.0
-    faulty_from: float = 0.04  # share of the ink
-    ceiling: float = 72.0
-    ceiling_rate: float = 100.0  # points per share
+    ceilings: tuple[tuple[float, float], ...] = (
+        (0.0, 100.0), (0.1, 75.0), (0.25, 46.0), (0.5, 37.0), (3.0, 8.0),
+    )  # fmt: skip
+    surplus: float = 0.5  # strokes left out for one too many
+    stroke_rate: float = 15.0  # points per stroke
 
     def points(self, features: Features) -> dict[str, float]:
         """Points taken for 'lean', 'offset' and 'size'."""
@@ -69,10 +72,23 @@ class Charges:
         }
         return {name: float(min(max(value, 0.0), self.cap)) for name, value in over.items()}
 
+    def faulty(self, features: Features) -> float:
+        """How many usual strokes are left out, or put in."""
+        worth = {"missing": 1.0, "extra": self.surplus}
+        return sum(worth[region.kind] * region.strokes for region in features.regions)
+
     def highest(self, features: Features) -> float:
         """The highest score that what is missing and what is too much leave."""
-        faulty = features.absent + features.surplus
-        return 100.0 if faulty < self.faulty_from else max(self.ceiling - self.ceiling_rate * faulty, 0.0)
+        strokes, scores = zip(*self.ceilings, strict=True)
+        return float(np.interp(self.faulty(features), strokes, scores))
+
+    def wrong(self, features: Features) -> float:
+        """Points taken for what is missing and what is too much, where that leaves less than `highest`."""
+        return self.stroke_rate * min(self.faulty(features), 1.0)
+
+    def taken(self, features: Features) -> float:
+        """All points taken, those for pose and those for strokes."""
+        return sum(self.points(features).values()) + self.wrong(features)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +153,7 @@ class Calibration:
         whole = (
             self.scale.read(features) if weights is None else weighted(self.part_scores(features), weights)
         )
-        whole = min(whole, charges.highest(features))
+        whole = min(whole - charges.wrong(features), charges.highest(features))
         return float(np.clip(whole - sum(charges.points(features).values()), 0.0, 100.0))
 
     def part_scores(self, features: Features) -> dict[str, float]:

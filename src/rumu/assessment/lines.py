@@ -70,7 +70,7 @@ def master_drawing(sheet: Sheet) -> Drawing:
         p for p in pieces if p.length >= least or (all(_free(p, skeleton)) and _area(p) > ink) or p is longest
     ]
     lines = tuple(_line(p, skeleton) for p in sorted(kept, key=lambda p: -p.length))
-    return Drawing(lines, _points(lines), skeleton.width / RADIUS, skeleton)
+    return Drawing(lines, points_along(lines), skeleton.width / RADIUS, skeleton)
 
 
 def copy_drawing(sheet: Sheet) -> Drawing:
@@ -80,7 +80,7 @@ def copy_drawing(sheet: Sheet) -> Drawing:
         Line(frame(s.points), s.radius / RADIUS, (False, False), _clear(s.points, skeleton), _arc(s.points))
         for s in skeleton.segments
     )
-    return Drawing(lines, _points(lines), skeleton.width / RADIUS, skeleton)
+    return Drawing(lines, points_along(lines), skeleton.width / RADIUS, skeleton)
 
 
 def _area(stroke: Stroke) -> float:
@@ -155,9 +155,10 @@ def _clear(points: FloatArray, skeleton: Skeleton) -> BoolArray:
     return np.asarray(near > (0.75 * skeleton.width) ** 2)
 
 
-def _points(lines: tuple[Line, ...]) -> Points:
+def points_along(lines: tuple[Line, ...], *, most: int = MOST_POINTS) -> Points:
+    """Points on lines, one each 0.05 rms radii, or about `most` where the lines are long."""
     total = sum(line.length for line in lines)
-    spacing = max(0.05, total / MOST_POINTS)
+    spacing = max(0.05, total / most)
     xy, double, radius, owner, clear = [], [], [], [], []
     for k, line in enumerate(lines):
         arc = line.arc

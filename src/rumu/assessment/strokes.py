@@ -229,7 +229,8 @@ def _measured(sheet: Sheet, master: Sheet, settings: StrokeSettings, *, places: 
     """
     mine, model = copy_drawing(sheet), master_drawing(master)
     found = match(model.points, mine.points)
-    covered, owner = _covered(found, mine, model, settings)
+    near = settings.near * max(model.width, mine.width)
+    covered, owner = covered_by(found, mine.points, model.points, near=near)
     in_cell = upright = _in_the_masters_cell(found.moved, sheet, master)
     pose, squeeze = Pose(np.eye(2), np.zeros(2)), None
     if places is None:
@@ -271,16 +272,16 @@ def _stance(
     return pose, squeeze
 
 
-def _covered(
-    found: Match, copy: Drawing, master: Drawing, settings: StrokeSettings
-) -> tuple[BoolArray, IntArray]:
-    """Which of the master's points the copy has, and which stroke each of the copy's belongs to, or -1."""
-    own = master.points.owner
+def covered_by(found: Match, copy: Points, master: Points, *, near: float) -> tuple[BoolArray, IntArray]:
+    """Which of the master's points the copy has, and which stroke each of the copy's belongs to, or -1.
+
+    near: rms radii within which ink is a stroke's own.
+    """
+    own = master.owner
     strongest = found.share.argmax(axis=0)
     owner = np.where(found.share.sum(axis=0) > 0.4, own[strongest], -1)
-    squared = squared_distances(found.moved, copy.points.xy)
-    near = settings.near * max(master.width, copy.width)
-    reach = max(near, 1.6 * master.points.spacing)
+    squared = squared_distances(found.moved, copy.xy)
+    reach = max(near, 1.6 * master.spacing)
     mine = owner[None, :] == own[:, None]
     covered = (np.where(mine, squared, np.inf).min(axis=1) < reach**2) & (found.share.sum(axis=1) > 0.15)
     owner = np.where(squared.min(axis=0) < (1.5 * reach) ** 2, owner, -1)

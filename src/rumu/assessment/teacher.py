@@ -207,7 +207,7 @@ def line(
     """
     doubt, charges = (settings or TeacherSettings()).doubt, Charges()
     read = np.array([base.scale.read(f) for f in features])
-    wanted = np.asarray(marks, float) + [sum(charges.points(f).values()) for f in features]
+    wanted = np.asarray(marks, float) + [charges.taken(f) for f in features]
     highest = np.array([charges.highest(f) for f in features])
     bound = (highest < 100.0) & (highest < np.maximum(read, wanted))
     x, y = read[~bound], wanted[~bound]
@@ -258,7 +258,7 @@ _PERFECT = Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0)
 def _weighed(known: _Marks, settings: TeacherSettings) -> Calibration:
     """Weights from this teacher's marks alone; interval and provenance are for the caller to fill in."""
     evidence = np.array([f.evidence() for f in known.features])
-    charged = known.marks + [sum(Charges().points(f).values()) for f in known.features]
+    charged = known.marks + [Charges().taken(f) for f in known.features]
     low, high = np.clip(np.percentile(known.marks, settings.reach), settings.gap, 100.0 - settings.gap)
 
     def fitted(names: tuple[str, ...]) -> Scale:

@@ -1,0 +1,98 @@
+"""What a copy lacks and has too much, on real masters: a stroke taken out, one put in, one displaced."""
+
+import cv2
+import numpy as np
+import pytest
+
+from rumu import pipeline
+from rumu.assessment.comparison import compare
+from rumu.assessment.omissions import left_over
+from rumu.gallery.works import find_work
+from rumu.simulation.faults import apply
+from rumu.simulation.glyph import Glyph
+
+WORKS = ("regular-shui", "regular-shu", "clerical-ri", "seal-tian", "running-tian", "cursive-ren")
+
+
+def picture(ink):
+    return np.asarray(np.round(255.0 * (1.0 - np.asarray(ink, np.float32))), np.uint8)
+
+
+@pytest.fixture(scope="module", params=WORKS)
+def glyph(request):
+    mask = pipeline.surface_of(find_work(request.param).path).mask.astype(np.float32)
+    return Glyph(np.pad(cv2.resize(mask, (224, 224), interpolation=cv2.INTER_AREA) > 0.5, 16))
+
+
+def marked(ink, glyph):
+    return pipeline.assess(picture(ink), picture(glyph.mask), remarks=False)
+
+
+def left(ink, glyph):
+    registration, _ = compare(*(pipeline.surface_of(picture(x)) for x in (ink, glyph.mask)))
+    return left_over(registration)
+
+
+def hidden(glyph, k):
+    """Share of the ink that goes when stroke k is left out."""
+    return 1.0 - glyph.without(k).sum() / glyph.mask.sum()
+
+
+def test_a_stroke_left_out_never_raises_the_mark_and_a_whole_one_is_not_good(glyph):
+    whole = marked(glyph.mask, glyph)
+    assert whole.score > 95
+    for k in range(len(glyph.strokes)):
+        without = marked(glyph.without(k), glyph)
+        if without.refused:
+            continue
+        assert without.score <= whole.score
+        if hidden(glyph, k) > 0.12:
+            assert without.level in ("medium", "bad") and without.score < 50
+
+
+@pytest.mark.parametrize(("fault", "severity"), [("squeeze", 1.5), ("uneven", 2.0), ("thick", 2.0)])
+def test_of_an_imperfect_copy_too(glyph, fault, severity):
+    copy = apply(glyph.mask, fault, severity=severity, seed=4)
+    whole, strokes = marked(copy.ink, glyph), Glyph(copy.mask)
+    assert whole.score > 50
+    longest = marked(strokes.without(0), glyph)
+    assert longest.refused or longest.score < min(whole.score - 5, 56)
+
+
+def test_strokes_too_many_lower_the_mark(glyph):
+    more = apply(glyph.mask, "extra", severity=2.0, seed=1)
+    assert marked(more.ink, glyph).score < 80
+    assert left(more.ink, glyph).extra > 0.02
+
+
+@pytest.mark.parametrize(
+    ("fault", "severity"), [("shift", 3.0), ("angle", 3.0), ("thin", 2.0), ("lean", 2.0)]
+)
+def test_what_is_displaced_or_thin_is_not_missing(glyph, fault, severity):
+    found = left(apply(glyph.mask, fault, severity=severity, seed=2).ink, glyph)
+    assert found is None or found.missing / found.usual < 0.1
+
+
+def test_a_copy_that_plainly_lacks_nothing_is_not_asked_further(glyph):
+    assert left(glyph.mask, glyph) is None
+
+
+def test_where_a_missing_stroke_should_stand_is_told(glyph):
+    k = int(np.argmax([hidden(glyph, k) for k in range(len(glyph.strokes))]))
+    found = left(glyph.without(k), glyph)
+    assert found.missing > 0.3 * hidden(glyph, k)
+    rows, columns = np.nonzero(glyph.strokes[k].ink)
+    # the frame's unit is the rms radius of the master's ink about its centroid, y up
+    y, x = (v.astype(float) for v in np.nonzero(glyph.mask))
+    radius = np.sqrt(np.var(x) + np.var(y))
+    at = found.missing_at * [radius, -radius] + [x.mean(), y.mean()]
+    apart = np.hypot(at[:, :1] - columns, at[:, 1:] - rows).min(axis=1)
+    assert (apart < 0.15 * radius).mean() > 0.6
+
+
+def test_the_mark_falls_as_a_stroke_is_shortened():
+    glyph = Glyph(np.pad(pipeline.surface_of(find_work("regular-shui").path).mask, 16))
+    marks = [
+        marked(apply(glyph.mask, "short", severity=s, seed=3).ink, glyph).score for s in (0.0, 1.5, 3.0, 5.0)
+    ]
+    assert marks == sorted(marks, reverse=True) and marks[-1] < marks[0] - 10
