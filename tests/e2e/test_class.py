@@ -67,6 +67,50 @@ def test_a_lesson(as_person: LogIn, arrive: Arrive) -> None:
     assert pupil.page.request.get(f"{pupil.url}{printed}").body().startswith(b"%PDF-")
 
 
+def test_a_class_ends_and_its_pupils_keep_what_they_wrote(as_person: LogIn, arrive: Arrive) -> None:
+    page = as_person("teacher").go("/classes")
+    page.get_by_label("Name of the class").fill("四年一班")
+    page.get_by_role("button", name="Make it").click()
+    page.wait_for_url(re.compile("#/classes/"))
+    page.get_by_role("button", name="Rename").click()
+    page.get_by_role("dialog").get_by_label("Name of the class").fill("五年一班")
+    page.get_by_role("button", name="Save").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("五年一班")
+    expect(page.get_by_role("button", name="Rename")).to_be_focused()
+    page.locator(".invitation > button").click()
+    link = page.get_by_label("Invitation link").input_value()
+    page.get_by_text("Give a task").click()
+    page.locator(".pick-row label").filter(has=page.locator("img[alt*='regular']")).first.click()
+    page.get_by_role("button", name="Give it").click()
+    page.wait_for_url(re.compile("#/tasks/"))
+
+    pupil = arrive()
+    joined(pupil.page, link, "Bo")
+    pupil.page.goto(page.url)
+    pupil.page.get_by_role("link", name="Write it").click()
+    expect(pupil.page.locator(".cell")).to_be_visible()
+    pupil.page.wait_for_load_state("networkidle")
+    write(pupil.page, "regular-ren")
+
+    page.get_by_role("link", name="To the class").click()
+    page.get_by_role("button", name="Delete this class").click()
+    asked = page.get_by_role("dialog")
+    expect(asked).to_contain_text("tasks: 1, names on its list of pupils: 1")
+    expect(asked.get_by_role("button", name="Keep it")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(asked).to_have_count(0)
+    page.get_by_role("button", name="Delete this class").click()
+    asked.get_by_role("button", name="Yes, delete").click()
+    page.wait_for_url(re.compile("#/classes$"))
+    expect(page.locator("main")).not_to_contain_text("五年一班")
+
+    pupil.page.get_by_role("button", name="Mark it").click()
+    expect(pupil.page.locator(".desk-mark")).to_contain_text("kept in your own practice")
+    pupil.complaints.clear()  # the browser tells of the refusal that was answered to
+    pupil.page.goto(f"{pupil.url}/#/practice")
+    expect(pupil.page.locator("main")).to_contain_text("attempts: 1")
+
+
 def test_a_pair_is_judged_once(as_person: LogIn) -> None:
     visitor = as_person("teacher")
     page = visitor.go("/judge")

@@ -92,17 +92,13 @@ function Shelf({ query, ...first }: { work: Work; facts: ViewerFacts; query: URL
 
 function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) => void }) {
   const [editing, setEditing] = useState(false);
-  const opener = useRef<HTMLButtonElement>(null);
   const [error, setError] = useState<unknown>(null);
   const drop = () => confirm(t("sureRemoveWork")) && remove(workUrl(work.id)).then(() => (forgetList(), go("/")), setError);
-  const close = () => {
-    setEditing(false);
-    opener.current?.focus();
-  };
+  const close = () => setEditing(false);
   return (
     <div class="owner-tools">
       <p>
-        <button type="button" class="quiet" ref={opener} onClick={() => setEditing(true)}>{t("editWork")}</button>
+        <button type="button" class="quiet" onClick={() => setEditing(true)}>{t("editWork")}</button>
         <button type="button" class="quiet" onClick={drop}>{t("removeWork")}</button>
       </p>
       {error ? <Trouble error={error} /> : null}

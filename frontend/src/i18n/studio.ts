@@ -45,6 +45,7 @@ export const studio = {
   beginHint: { zh: "看清範字，從容下筆。寫完按「評分」或 Enter。", en: "Look first, then write without haste. Then press “Mark it”, or Enter." },
   visitor: { zh: "您還沒有登入：可以書寫、評分，但什麼都不會保存。", en: "You are not logged in: you may write and be marked, but nothing is kept." },
   kept: { zh: "已存入練習。", en: "Kept in your practice." },
+  keptLoose: { zh: "老師已取消這項作業；這一張存入了您自己的練習。", en: "Your teacher has taken the task back; this copy is kept in your own practice." },
   tried: { zh: "這是試評，沒有保存；要保存請按「評分」。", en: "A try, not kept; press “Mark it” to keep it." },
   open: { zh: "打開", en: "Open" },
   // a photograph
@@ -153,6 +154,21 @@ export const studio = {
   newClass: { zh: "新的班", en: "A new class" },
   className: { zh: "班名", en: "Name of the class" },
   makeClass: { zh: "建立", en: "Make it" },
+  renameClass: { zh: "改班名", en: "Rename" },
+  deleteClass: { zh: "刪除這個班", en: "Delete this class" },
+  deleteClassSure: { zh: "刪除「{name}」？", en: "Delete “{name}”?" },
+  deleteClassGoes: {
+    zh: "一併刪除、無法復原：{tasks} 項作業、{pupils} 位學生的名單，和還沒用的邀請連結。",
+    en: "This goes with it, for good — tasks: {tasks}, names on its list of pupils: {pupils}, and the links not used yet.",
+  },
+  deleteClassStays: {
+    zh: "學生寫過的每一張都留在他們自己的練習裡，連同評分、評語和您給的分數；學生照舊可以登入。",
+    en: "Every copy stays in its pupil's own practice with its mark, its remarks and your marks; pupils log in as before.",
+  },
+  deleteClassUnseen: {
+    zh: "除非學生也在您別的班上，您就看不到他們的練習了；您給過的分數仍可在「班級」下載。",
+    en: "You will no longer see the practice of pupils who are in no other class of yours; the marks you gave can still be taken away under “Classes”.",
+  },
   tasks: { zh: "作業", en: "Tasks" },
   noTasksTeacher: { zh: "還沒有作業。", en: "No task yet." },
   noTasksPupil: { zh: "目前沒有作業。", en: "No task at present." },
@@ -169,6 +185,7 @@ export const studio = {
   inviteNote: { zh: "每個連結只給一位學生用一次。", en: "Each link lets one pupil in, once." },
   writeTask: { zh: "寫這項作業", en: "Write it" },
   toClass: { zh: "回到班級", en: "To the class" },
+  allMarksZip: { zh: "您給過的分數（marks.zip，附圖片）", en: "All marks you gave (marks.zip, with the pictures)" },
   marksZip: { zh: "marks.zip（附圖片）", en: "marks.zip (with the pictures)" },
   practiceOf: { zh: "{name}的練習", en: "{name}'s practice" },
   takeOut: { zh: "移出", en: "Take out" },

@@ -7,6 +7,7 @@ import { go, type PageProps } from "../router";
 import type { Page, WorkCard } from "../types";
 import { Field, PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { InvitationLink } from "../account/InvitationLink";
+import { ClassHead } from "./ClassHead";
 import { day } from "./Curve";
 import { NeedLogin } from "./NeedLogin";
 import { w } from "./say";
@@ -34,7 +35,7 @@ function Shown({ id }: { id: string }) {
       <p class="note">
         <a href="#/classes">← {w("classesTitle")}</a>
       </p>
-      <h1>{name}</h1>
+      {teaches ? <ClassHead id={id} name={name} pupils={pupils.length} tasks={tasks.length} onChange={found.again} /> : <h1>{name}</h1>}
       <div class="two-columns">
         <section class="panel">
           <h2>{w("tasks")}</h2>

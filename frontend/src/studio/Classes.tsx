@@ -36,6 +36,13 @@ function Own() {
           </li>
         ))}
       </ul>
+      {teaches && (
+        <p>
+          <a class="button quiet" href="/api/marks.zip" download="marks.zip">
+            {w("allMarksZip")}
+          </a>
+        </p>
+      )}
       {teaches && <NewClass />}
     </div>
   );

@@ -37,7 +37,8 @@ function Desk({ work, task }: { work: Work; task: string | null }) {
   const [settings, setSettings] = useState<WritingSettings>(keptSettings);
   const [cell, setCell] = useState<{ make: (() => Promise<Blob>) | null }>({ make: null });
   // a task takes copies of the class's pupils; to their teacher it is a link back
-  const { marked, ask, drop } = useMarking(work.id, session.value?.person?.role === "pupil" ? task : null);
+  const pupil = session.value?.person?.role === "pupil";
+  const { marked, ask, drop } = useMarking(work.id, pupil ? task : null);
   const [writing, setWriting] = useState(false);
   const strokes = history.done;
   const change = (step: (history: History) => History) => {
@@ -85,7 +86,7 @@ function Desk({ work, task }: { work: Work; task: string | null }) {
       </section>
       <section class="desk-mark" aria-label={w("mark")}>
         <Announced marked={marked} />
-        <Result marked={marked} work={work} onAgain={() => mark()} />
+        <Result marked={marked} work={work} forTask={pupil && task !== null} onAgain={() => mark()} />
       </section>
     </div>
   );
@@ -161,7 +162,7 @@ function told({ mark }: Attempt): string {
   return w("spoken", { score, level: say(mark.level_text), low: low.toFixed(0), high: high.toFixed(0), count: mark.remarks.length });
 }
 
-function Result({ marked, work, onAgain }: { marked: Marked; work: Work; onAgain: () => void }) {
+function Result({ marked, work, forTask, onAgain }: { marked: Marked; work: Work; forTask: boolean; onAgain: () => void }) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     // on a phone the mark stands below the sheet; a mark that came by itself must not move the page under the pen
@@ -179,7 +180,7 @@ function Result({ marked, work, onAgain }: { marked: Marked; work: Work; onAgain
     <div ref={place}>
       {marked.attempt.id ? (
         <p class="note kept">
-          {w("kept")} <a href={`#/attempts/${marked.attempt.id}`}>{w("open")}</a> · <a href="#/practice">{t("practice")}</a>
+          {w(forTask && !marked.attempt.task ? "keptLoose" : "kept")} <a href={`#/attempts/${marked.attempt.id}`}>{w("open")}</a> · <a href="#/practice">{t("practice")}</a>
         </p>
       ) : (
         session.value?.person && <p class="note kept">{w("tried")}</p>

@@ -1,7 +1,7 @@
 // Asking for a mark. What was asked of an older copy is dropped when it comes.
 
 import { useEffect, useRef, useState } from "preact/hooks";
-import { post, session } from "../api";
+import { post, ServiceError, session } from "../api";
 import type { Attempt, Grid } from "../types";
 
 export type Copy = { kind: "pen" | "photo"; picture: Blob; strokes?: string; grid: Grid };
@@ -27,13 +27,23 @@ export function useMarking(work: string, task: string | null) {
     setMarked({ state: "asking" });
     try {
       const copy = await make();
-      const attempt = await post<Attempt>("/api/marks", formOf(copy, work, task, !options.tried && Boolean(session.value?.person)));
+      const attempt = await sent(copy, work, task, !options.tried && Boolean(session.value?.person));
       if (mine === turn.current) setMarked({ state: "told", attempt, picture: copy.picture, tried: options.tried });
     } catch (error) {
       if (mine === turn.current) setMarked({ state: "failed", error });
     }
   };
   return { marked, ask, drop };
+}
+
+/** A task that is there no more takes no copies, but what was written for it is its writer's all the same. */
+async function sent(copy: Copy, work: string, task: string | null, keep: boolean): Promise<Attempt> {
+  try {
+    return await post<Attempt>("/api/marks", formOf(copy, work, task, keep));
+  } catch (error) {
+    if (!task || !(error instanceof ServiceError) || error.status !== 404) throw error;
+    return await post<Attempt>("/api/marks", formOf(copy, work, null, keep));
+  }
 }
 
 export function formOf(copy: Copy, work: string, task: string | null, keep: boolean): FormData {

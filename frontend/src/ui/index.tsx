@@ -74,10 +74,16 @@ export function Field({ label, children, hint }: { label: string; children: Comp
   );
 }
 
+/** Where it is left, by its button or because what was asked is done, the focus goes back to where it came from. */
 export function Dialog({ title, onClose, children }: { title: string; onClose: () => void; children: ComponentChildren }) {
   const box = useRef<HTMLDialogElement>(null);
   useEffect(() => {
+    const before = document.activeElement;
     box.current?.showModal();
+    return () => {
+      // The browser gives the focus back where a dialogue is closed, but not where it is taken off the page.
+      if (document.activeElement === document.body && before instanceof HTMLElement) before.focus();
+    };
   }, []);
   return (
     <dialog ref={box} class="dialog" onClose={onClose} aria-label={title}>

@@ -115,8 +115,15 @@ def keep(
         created=now(),
     )
     with gallery.database.writing() as session:
+        if task_id is not None and not _still_given(session, task_id):
+            attempt.task_id = None  # taken back while we marked: the copy is its writer's all the same
         session.add(attempt)
     return attempt
+
+
+def _still_given(session: Session, task_id: str) -> bool:
+    """Whether there is such a task; PostgreSQL then keeps it until this transaction has ended."""
+    return session.get(Task, task_id, with_for_update={"read": True, "key_share": True}) is not None
 
 
 def residual(store: Store, attempt: Attempt) -> dict[str, Any] | None:

@@ -62,6 +62,20 @@ def found_class(session: Session, class_id: str, *, who: Identity, to_teach: boo
     return found
 
 
+def rename_class(session: Session, class_id: str, *, who: Identity, name: str) -> None:
+    """By its teacher or an owner. Raises Missing, NotAllowed for a pupil."""
+    found_class(session, class_id, who=who, to_teach=True).name = name
+
+
+def delete_class(session: Session, class_id: str, *, who: Identity) -> None:
+    """The class goes with its tasks, its list of pupils and the links into it.
+
+    What pupils wrote stays theirs, with every mark given to it; it is for no task any more. Raises Missing,
+    NotAllowed for a pupil.
+    """
+    session.delete(found_class(session, class_id, who=who, to_teach=True))  # the rest falls by foreign keys
+
+
 def pupils(session: Session, class_id: str) -> list[Person]:
     """The pupils of a class, by name."""
     members = select(Membership.person_id).where(Membership.class_id == class_id)

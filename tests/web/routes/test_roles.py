@@ -49,6 +49,7 @@ CHANGING = {
     ("POST", "/api/invitations", '{"role": "teacher"}'): (401, 403, 403, 403, 403, 201),
     ("POST", "/api/invitations", '{"role": "pupil", "class_id": "{class}"}'): (401, 403, 403, 404, 201, 201),
     ("POST", f"{CLASS}/tasks", '{"work": "regular-shui"}'): (401, 403, 403, 404, 201, 201),
+    ("PATCH", CLASS, '{"name": "三年三班"}'): CLASS_TEACH,
     ("PUT", f"{ATTEMPT}/mark", '{"mark": 50}'): (401, 403, 403, 404, 200, 200),
     ("POST", "/api/works/regular-shui/annotations", '{"x": 0, "y": 0, "title": {"zh": "a"}}'): (
         *(*OWNER[:5], 201),
@@ -108,6 +109,14 @@ def test_deleting_an_attempt(here, world, copy_of):
     url = f"/api/attempts/{browsers['吳'].marked(copy_of()).json()['id']}"
     found = [browsers[role]("DELETE", url).status_code for role in ("visitor", "周", "陳", "林", "吳")]
     assert found == [401, 404, 404, 403, 204]
+
+
+def test_deleting_a_class(here, world):
+    browsers, _ = here
+    url = f"/api/classes/{browsers['林']('POST', '/api/classes', json={'name': 'a'}).json()['id']}"
+    found = [browsers[role]("DELETE", url).status_code for role in ("visitor", "周", "吳", "陳", "林", "林")]
+    assert found == [401, 403, 403, 404, 204, 404]
+    assert browsers["林"]("PATCH", url, json={"name": " "}).status_code == 422
 
 
 def test_lists_hold_what_one_may_see_and_no_more(here, world):

@@ -67,6 +67,22 @@ def school_class(service: Running, who: Somebody, class_id: PathId) -> dict[str,
         }
 
 
+@router.patch("/api/classes/{class_id}", response_model=ClassFacts)
+def rename(service: Running, who: Teacher, class_id: PathId, told: ClassOrder) -> dict[str, Any]:
+    """Another name for a class."""
+    with service.gallery.database.writing() as session:
+        classes.rename_class(session, class_id, who=who, name=told.name)
+    return school_class(service, who, class_id)
+
+
+@router.delete("/api/classes/{class_id}", status_code=204)
+def delete(service: Running, who: Teacher, class_id: PathId) -> None:
+    """Forget a class with its tasks, its list of pupils and its links; what pupils wrote stays theirs, with
+    its marks."""
+    with service.gallery.database.writing() as session:
+        classes.delete_class(session, class_id, who=who)
+
+
 @router.delete("/api/classes/{class_id}/pupils/{person_id}", status_code=204)
 def take_out(service: Running, who: Teacher, class_id: PathId, person_id: PathId) -> None:
     """A pupil leaves a class."""

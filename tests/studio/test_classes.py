@@ -1,0 +1,85 @@
+"""Classes: renamed and deleted by those who teach them; what pupils wrote outlives them."""
+
+from __future__ import annotations
+
+import pytest
+from sqlalchemy import func, select
+
+from rumu.database.tables import Attempt, Invitation, Membership, SchoolClass, Task, TeacherMark
+from rumu.gallery.catalog import open_gallery
+from rumu.studio import attempts, classes, invitations
+from rumu.studio.errors import Missing, NotAllowed
+from rumu.studio.people import create_person, identity
+from rumu.studio.pictures import Kept
+from rumu.studio.worker import Marked
+
+MARK = {"score": 60.0, "level": "good", "remarks": []}
+
+
+@pytest.fixture
+def gallery(database_url, tmp_path):
+    return open_gallery(database=database_url, files=tmp_path / "files")
+
+
+@pytest.fixture
+def marked():
+    return Marked(facts=MARK, residual=None, picture=Kept(b"png", "png", 1, 1))
+
+
+@pytest.fixture
+def school(gallery):
+    """(teacher, other teacher, owner, pupil, id of the teacher's class, id of its task)."""
+    with gallery.database.writing() as session:
+        teacher, other, owner, pupil = (
+            identity(create_person(session, name=name, password="a long password", role=role))
+            for name, role in (("林", "teacher"), ("陳", "teacher"), ("館主", "owner"), ("吳", "pupil"))
+        )
+        made = classes.create_class(session, teacher, name="三年二班")
+        session.add(Membership(class_id=made.id, person_id=pupil.id))
+        invitations.invite(session, teacher, role="pupil", class_id=made.id)
+        task = classes.add_task(session, made, work_id="regular-tian", title="第一週")
+    return teacher, other, owner, pupil, made.id, task.id
+
+
+def test_a_class_is_renamed_by_those_who_may(gallery, school):
+    teacher, other, owner, pupil, class_id, _ = school
+    for who, refusal in ((other, Missing), (pupil, NotAllowed)):
+        with gallery.database.writing() as session, pytest.raises(refusal):
+            classes.rename_class(session, class_id, who=who, name="a")
+    for who, name in ((teacher, "三年三班"), (owner, "四年三班")):
+        with gallery.database.writing() as session:
+            classes.rename_class(session, class_id, who=who, name=name)
+        with gallery.database.reading() as session:
+            assert session.get_one(SchoolClass, class_id).name == name
+
+
+def test_a_deleted_class_leaves_what_its_pupils_wrote(gallery, school, marked):
+    teacher, other, _, pupil, class_id, task_id = school
+    about = {"work_id": "regular-tian", "person_id": pupil.id, "kind": "photo"}
+    attempt = attempts.keep(gallery, marked, task_id=task_id, **about)
+    with gallery.database.writing() as session:
+        attempts.mark_by_teacher(session, attempt.id, who=teacher, mark=71, note="好")
+    for who, refusal in ((other, Missing), (pupil, NotAllowed)):
+        with gallery.database.writing() as session, pytest.raises(refusal):
+            classes.delete_class(session, class_id, who=who)
+    with gallery.database.writing() as session:
+        classes.delete_class(session, class_id, who=teacher)
+    with gallery.database.reading() as session:
+        for table in (SchoolClass, Task, Membership, Invitation):
+            assert session.scalar(select(func.count()).select_from(table)) == 0
+        kept = session.get_one(Attempt, attempt.id)
+        assert (kept.person_id, kept.task_id, kept.score) == (pupil.id, None, 60.0)
+        assert session.get_one(TeacherMark, (attempt.id, teacher.id)).note == "好"
+        assert [shown.attempt.id for shown in attempts.listed(session, pupil)[0]] == [attempt.id]
+        assert attempts.listed(session, teacher)[1] == 0
+    assert gallery.store.exists(attempt.picture)
+
+
+def test_a_copy_is_kept_when_its_task_went_while_it_was_marked(gallery, school, marked):
+    teacher, _, _, pupil, class_id, task_id = school
+    with gallery.database.writing() as session:
+        classes.delete_class(session, class_id, who=teacher)
+    about = {"work_id": "regular-tian", "person_id": pupil.id, "kind": "photo"}
+    attempt = attempts.keep(gallery, marked, task_id=task_id, **about)
+    with gallery.database.reading() as session:
+        assert session.get_one(Attempt, attempt.id).task_id is None
