@@ -87,7 +87,7 @@ def _pool(processes: int, work: Callable[..., object]) -> ProcessPoolExecutor:
     if method == "forkserver":
         # What every process would import for itself is imported once, before they part.
         home = str(getattr(work, "func", work).__module__)  # of a partial, the function's
-        context.set_forkserver_preload(["rumu.pipeline", "cv2", "PIL.Image", home])
+        context.set_forkserver_preload(["rumu.pipeline", "cv2", "PIL.Image", "skimage.morphology", home])
     return ProcessPoolExecutor(processes, mp_context=context, initializer=_alone)
 
 
