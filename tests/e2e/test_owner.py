@@ -93,6 +93,19 @@ def test_every_fact_can_be_changed_and_is_seen_at_once(as_person: LogIn) -> None
     assert {name: told(page)[name] for name in kept} == {name: before[name] for name in kept}
 
 
+def test_the_size_of_a_pixel_is_given_and_taken_back(as_person: LogIn) -> None:
+    page = work_page(as_person("owner"))
+    size = page.locator(".facts dd").filter(has_text="×")
+    pixels = size.inner_text()
+    for told_size, seen in (("0.25", "mm"), ("", "px")):
+        form = form_of(page)
+        form.get_by_label("Size of one pixel (mm)").fill(told_size)
+        saved(form)
+        expect(size).to_contain_text(seen)
+        expect(page.locator(".scalebar")).to_contain_text(seen)
+    assert size.inner_text() == pixels
+
+
 def test_what_cannot_be_is_refused_kindly_and_changes_nothing(as_person: LogIn) -> None:
     owner = as_person("owner")
     page = work_page(owner)

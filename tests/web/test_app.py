@@ -8,6 +8,7 @@ import zipfile
 
 import pytest
 
+from rumu.database.tables import Work
 from rumu.studio.samples import put_samples
 from rumu.web.answers import FOR_EVER
 
@@ -218,6 +219,21 @@ def test_the_owner_changes_the_gallery(own_world):
     before = owner("GET", "/api/works").json()["total"]
     assert owner("DELETE", "/api/works/seal-tian").status_code == 204
     assert owner("GET", "/api/works").json()["total"] == before - 1
+
+
+def test_the_size_of_a_pixel_is_given_and_taken_back(own_world, code_of):
+    world = own_world()
+    owner, url = world.browser("館主"), "/api/works/regular-shui"
+    assert owner("GET", f"{url}/viewer").json()["unit"] == "px"
+    assert owner("PATCH", url, json={"spacing": 0.25}).json()["spacing"] == 0.25
+    assert owner("PATCH", url, json={"title": {"zh": "水", "en": "Water"}}).json()["spacing"] == 0.25
+    assert owner("GET", f"{url}/viewer").json()["unit"] == "mm"
+    assert owner("PATCH", url, json={"spacing": None}).json()["spacing"] is None
+    assert owner("GET", f"{url}/viewer").json()["unit"] == "px"
+    with world.service.gallery.database.writing() as session:
+        session.get_one(Work, "regular-shui").kind = "capture"
+    assert code_of(owner("PATCH", url, json={"spacing": 0.25})) == "spacing"
+    assert owner("PATCH", url, json={"spacing": None}).status_code == 200  # as it is
 
 
 def test_a_teacher_adds_a_work(own_world, copy_of):

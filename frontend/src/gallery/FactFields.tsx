@@ -55,11 +55,10 @@ function Prose({ name, label, lang, value = "", hint = "", longest = 8000 }: Ask
   return <Field label={label} hint={hint}><textarea name={name} lang={lang} rows={2} maxLength={longest} defaultValue={value} /></Field>;
 }
 
-/** The service keeps a size that was once given: it can be mended and not taken back. */
 function Spacing({ value }: { value: number | null }) {
   return (
-    <Field label={t("spacing")} hint={value === null ? t("spacingHint") : ""}>
-      <input name="spacing" type="number" min="0.000001" max="1000" step="any" required={value !== null} defaultValue={value === null ? "" : String(value)} />
+    <Field label={t("spacing")} hint={t("spacingHint")}>
+      <input name="spacing" type="number" min="0.000001" max="1000" step="any" defaultValue={value === null ? "" : String(value)} />
     </Field>
   );
 }

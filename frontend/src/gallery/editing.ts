@@ -6,7 +6,7 @@ const BOTH = ["title", "hand", "period", "material"] as const;
 const ONE = ["character", "script", "dynasty", "source", "licence", "attribution"] as const;
 const UNSTATED = "none stated";
 
-export type WorkChange = Partial<Record<(typeof BOTH)[number], Text> & Record<(typeof ONE)[number], string> & { spacing: number }>;
+export type WorkChange = Partial<Record<(typeof BOTH)[number], Text> & Record<(typeof ONE)[number], string> & { spacing: number | null }>;
 
 /** A licence as it stands in a field: the service's "none stated" is an empty one. */
 export const licenceField = (licence: string): string => (licence === UNSTATED ? "" : licence);
@@ -25,8 +25,10 @@ export function changesOf(work: Work, form: FormData): WorkChange {
     const now = said(name, before);
     if (now !== plain(before)) changes[name] = now;
   }
-  const spacing = said("spacing", "");
-  if (spacing && Number(spacing) !== work.spacing) changes.spacing = Number(spacing);
+  if (form.has("spacing")) {
+    const spacing = said("spacing", "") === "" ? null : Number(form.get("spacing"));
+    if (spacing !== work.spacing) changes.spacing = spacing;
+  }
   return changes;
 }
 

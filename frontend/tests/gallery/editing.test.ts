@@ -32,8 +32,9 @@ describe("what an owner changes of a work", () => {
     expect(changesOf(work, form({ title_zh: "楷書「日」", title_en: "Sun" }))).toEqual({ title: { zh: "楷書「日」", en: "Sun" } });
   });
 
-  it("is taken back when a field is emptied, but for a size that the service keeps", () => {
-    expect(changesOf(work, form({ material_zh: "", material_en: "", dynasty: " ", spacing: "" }))).toEqual({ material: { zh: "", en: "" }, dynasty: "" });
+  it("is taken back when a field is emptied, the size of a pixel too", () => {
+    expect(changesOf(work, form({ material_zh: "", material_en: "", dynasty: " ", spacing: "" }))).toEqual({ material: { zh: "", en: "" }, dynasty: "", spacing: null });
+    expect(changesOf({ ...work, spacing: null }, form({ spacing: "" }))).toEqual({});
     expect(changesOf(work, form({ spacing: "0.5", licence: "CC0-1.0" }))).toEqual({ spacing: 0.5, licence: "CC0-1.0" });
   });
 });

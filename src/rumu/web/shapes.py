@@ -203,7 +203,7 @@ class WorkFacts(WorkCard):
 
 
 class WorkChange(Shape):
-    """What is left out stays. spacing: millimetres for each pixel."""
+    """What is left out stays. spacing: millimetres for each pixel; null where it is not known any more."""
 
     title: Title | None = None
     hand: Title | None = None

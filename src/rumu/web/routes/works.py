@@ -134,11 +134,25 @@ def _file(request: Request, service: Service, work_id: str, kind: str, exaggerat
 
 @router.patch("/api/works/{work_id}", response_model=WorkFacts)
 def change(service: Running, who: Owner, work_id: PathId, changes: WorkChange) -> dict[str, Any]:
-    """Change what is known of a work."""
-    found_work(service, work_id)
-    changed = catalog.change_work(service.gallery, work_id, columns(changes.model_dump()))
+    """Change what is known of a work. A spacing of null is one taken back."""
+    found = found_work(service, work_id)
+    given = columns(changes.model_dump())
+    if "spacing" in changes.model_fields_set:
+        given["spacing"] = _spacing(found, changes.spacing)
+    changed = catalog.change_work(service.gallery, work_id, given)
     service.files.forget()
     return told(service, changed)
+
+
+def _spacing(work: Work, told: float | None) -> float | None:
+    """Raises Unusable for photographs under lamps: their heights were measured at the size they brought."""
+    if work.kind == "capture" and told != work.spacing:
+        raise Unusable(
+            "spacing",
+            zh="多燈照片的像素大小由照片而來，不能另改。",
+            en="The size of a pixel came with these photographs and cannot be changed here.",
+        )
+    return told
 
 
 @router.delete("/api/works/{work_id}", status_code=204)
