@@ -8,7 +8,7 @@ import zipfile
 import pytest
 
 from rumu.studio.errors import Unusable
-from rumu.studio.unpacking import ZipLimits, unpack
+from rumu.studio.unpacking import ZipLimits, folder_name, unpack
 
 
 @pytest.fixture
@@ -110,3 +110,17 @@ def test_a_damaged_zip(zipped, tmp_path):
     path.write_bytes(data)
     with pytest.raises(Unusable):
         unpacked(path, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("sent", "folder"),
+    [
+        ("課堂 一.zip", "課堂 一"),
+        ("C:\\of\\me.zip", "me"),
+        ("../../etc.zip", "etc"),
+        ("..", "collection"),
+        ("\0.zip", "collection"),
+    ],
+)
+def test_the_name_of_a_zip_is_fit_for_a_folder(sent, folder):
+    assert folder_name(sent) == folder

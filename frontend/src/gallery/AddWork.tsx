@@ -63,7 +63,7 @@ function SendForm({ way }: { way: Way }) {
   return (
     <form onSubmit={(event) => void send(event)}>
       <Drop label={t(way === "addImage" ? "picture" : way === "addCapture" ? "captureZip" : "importZip")} accept={way === "addImage" ? PICTURES : ".zip,application/zip"} file={file} onFile={setFile} />
-      {way === "addImport" ? <p class="note">{t("importNote")}</p> : <FactFields spacing={way === "addImage"}>{way === "addImage" && <Method />}<Collection /></FactFields>}
+      {way === "addImport" ? <><p class="note">{t("importNote")}</p><Collection hint={t("importCollectionHint")} /></> : <FactFields spacing={way === "addImage"}>{way === "addImage" && <Method />}<Collection /></FactFields>}
       <button type="submit" disabled={!file || sending || (job !== null && !ENDED.has(job.state))}>{t(sending ? "sending" : "send")}</button>
       {error ? <Trouble error={error} /> : null}
       {job && <JobProgress job={job} />}
@@ -106,10 +106,10 @@ function Method() {
   );
 }
 
-function Collection() {
+function Collection({ hint = "" }: { hint?: string }) {
   const found = useLoaded((signal) => get<{ id: string; title: { zh: string; en: string } }[]>("/api/collections", signal), "all");
   return (
-    <Field label={t("collectionId")}>
+    <Field label={t("collectionId")} hint={hint}>
       <input name="collection" list="collections" maxLength={100} />
       <datalist id="collections">{(found.value ?? []).map((c) => <option key={c.id} value={say(c.title)} />)}</datalist>
     </Field>

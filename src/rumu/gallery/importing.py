@@ -58,7 +58,8 @@ def import_folder(
     """Put in every work of a folder; those that are there already are counted and left as they are.
 
     folder: with a labels.csv (see rumu.gallery.labels), or written by `export_gallery`. told: what holds for
-        all works that the labels say nothing of, and goes before collection.json. progress: called with
+        all works that the labels say nothing of, and goes before collection.json; of an export its id alone
+        is heeded: where the works go instead of into their own collections. progress: called with
         (done, total) when a batch is safe in the gallery.
     A picture that is missing or broken is left out with the reason and stops nothing.
     Raises GalleryError when there is nothing to import, or not one picture of it could be read.
@@ -67,7 +68,8 @@ def import_folder(
     if (place / EXPORTED).is_file():
         from rumu.gallery.restoring import restore
 
-        return restore(gallery, place, progress=progress)
+        room = collection_of(place, told) if told is not None and told.text("id") else None
+        return restore(gallery, place, room=room, progress=progress)
     if not (place / LABELS).is_file():
         raise GalleryError(
             f"{place}: expected a folder with {LABELS}, or one that `rumu gallery export` wrote; "

@@ -15,7 +15,7 @@ from sqlalchemy import DateTime, select, update
 from rumu.database.tables import Annotation, Base, Collection, Tour, UtcTime, Work
 from rumu.errors import GalleryError
 from rumu.gallery.catalog import Gallery
-from rumu.gallery.entries import put_others, put_works, search_text
+from rumu.gallery.entries import Room, put_others, put_works, search_text
 from rumu.gallery.exporting import FILES, FORMAT, KIND, WORKS
 from rumu.gallery.importing import BATCH, EXPORTED, Imported, Progress, grouped
 from rumu.gallery.works import Bilingual
@@ -23,21 +23,25 @@ from rumu.gallery.works import Bilingual
 _PLACES = ("pictures", "captures", "surfaces")
 
 
-def restore(gallery: Gallery, folder: Path, *, progress: Progress | None = None) -> Imported:
+def restore(
+    gallery: Gallery, folder: Path, *, room: Room | None = None, progress: Progress | None = None
+) -> Imported:
     """Put an exported folder into a gallery. What is there keeps its facts, but for a work that nobody
     changed.
 
+    room: where new works go instead of into their own collections; what is there then stays as it is.
     Raises GalleryError when the folder is not whole: a line that is no work, a file that is missing or whose
     content is not what its name says.
     """
     facts = _facts(folder)
-    titles = {room["id"]: Bilingual(room["title_zh"], room["title_en"]) for room in facts["collections"]}
-    entries = list(_entries(folder))
+    rooms = facts["collections"] if room is None else [room.row()]
+    titles = {one["id"]: Bilingual(one["title_zh"], one["title_en"]) for one in rooms}
+    entries = [entry if room is None else entry | {"collection_id": room.id} for entry in _entries(folder)]
     done = Imported(tuple(titles))
     with gallery.database.writing() as session:
-        put_others(session, Collection, [_row(Collection, room) for room in facts["collections"]])
+        put_others(session, Collection, [_row(Collection, one) for one in rooms])
     for batch in grouped(entries, BATCH):
-        done = done.and_then(_put_batch(gallery, folder, batch, titles))
+        done = done.and_then(_put_batch(gallery, folder, batch, titles, renew=room is None))
         if progress is not None:
             progress(done.added + done.there + len(done.left_out), len(entries))
     with gallery.database.writing() as session:
@@ -51,7 +55,12 @@ def holds_starter(folder: Path) -> bool:
 
 
 def _put_batch(
-    gallery: Gallery, folder: Path, batch: Sequence[Mapping[str, Any]], titles: Mapping[str, Bilingual]
+    gallery: Gallery,
+    folder: Path,
+    batch: Sequence[Mapping[str, Any]],
+    titles: Mapping[str, Bilingual],
+    *,
+    renew: bool,
 ) -> Imported:
     there = _there(gallery, batch)
     new = [entry for entry in batch if entry["id"] not in there]
@@ -59,7 +68,7 @@ def _put_batch(
         for key in entry["files"]:
             gallery.store.write(key, _file(folder, key))
     rows = [_work(entry, titles) for entry in batch]
-    same = [row for row in rows if there.get(row["id"]) == (row["digest"], True)]
+    same = [row for row in rows if renew and there.get(row["id"]) == (row["digest"], True)]
     with gallery.database.writing() as session:
         added = put_works(session, [row for row in rows if row["id"] not in there])
         for row in same:  # such as a starter work that was renamed before the export

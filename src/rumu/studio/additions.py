@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rumu.gallery.adding import add_capture, add_picture, room_named
-from rumu.gallery.catalog import Gallery
-from rumu.gallery.entries import NO_LICENCE, Entry
+from rumu.gallery.catalog import Gallery, collections
+from rumu.gallery.entries import NO_LICENCE, Entry, Room
 from rumu.gallery.importing import EXPORTED, import_folder
+from rumu.gallery.labels import Told
 from rumu.gallery.masters import LABELS
 from rumu.gallery.works import Bilingual
 from rumu.studio.errors import Unusable
@@ -44,24 +45,35 @@ def add_work(gallery: Gallery, data: bytes, facts: Mapping[str, str], *, spacing
     with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
         path = Path(folder) / f"picture.{format_of(data)}"
         path.write_bytes(data)
-        room = room_named(facts.get("collection") or None)
+        room = room_of(gallery, facts.get("collection", ""))
         return add_picture(gallery, path, entry=entry_of(facts), room=room, method=method, spacing=spacing).id
 
 
+def room_of(gallery: Gallery, name: str) -> Room:
+    """The collection that a person named: the one of this id or title, else a new one; that of works added
+    here where nothing was named."""
+    for row, _ in collections(gallery):
+        if name and name in (row.id, row.title_zh, row.title_en):
+            return Room(id=row.id, title=Bilingual(row.title_zh, row.title_en))
+    return room_named(name or None)
+
+
 def import_zip(
-    gallery: Gallery, packed: Path, facts: Mapping[str, str], *, progress: Progress
+    gallery: Gallery, packed: Path, facts: Mapping[str, str], *, name: str = "collection", progress: Progress
 ) -> dict[str, Any]:
     """Put in what a zip holds: a folder with labels.csv, one that `rumu gallery export` wrote, or one
     capture.
 
+    facts: collection, where its works go, and what is known of a capture. name: of the collection that
+    nothing else names, fit for a folder.
     What is there already is counted and left as it is, so that an import can be begun again.
     """
     with tempfile.TemporaryDirectory(prefix="rumu-") as place:
         progress(0, 0, "解開 Unpacking")
-        folder = unpack(packed, Path(place))
+        folder = unpack(packed, Path(place) / name)
         if (folder / LABELS).is_file() or (folder / EXPORTED).is_file():
             progress(0, 0, "收入 Putting in")
-            done = import_folder(gallery, folder, progress=progress)
+            done = import_folder(gallery, folder, told=_told(gallery, facts), progress=progress)
             return {
                 "collections": list(done.collections),
                 "added": done.added,
@@ -72,9 +84,16 @@ def import_zip(
         if not any(path.is_file() for path in folder.iterdir()):
             raise Unusable("no_works", zh="zip 檔是空的。", en="The zip file is empty.")
         progress(0, 0, "重建表面 Reconstructing")
-        room = room_named(facts.get("collection") or None)
+        room = room_of(gallery, facts.get("collection", ""))
         added = add_capture(gallery, folder, entry=entry_of(facts), room=room)
         return {"work": added.id, "added": int(added.new), "there": int(not added.new)}
+
+
+def _told(gallery: Gallery, facts: Mapping[str, str]) -> Told | None:
+    if not facts.get("collection"):
+        return None
+    room = room_of(gallery, facts["collection"])
+    return Told({"id": room.id}, {"title": room.title})
 
 
 def _both(facts: Mapping[str, str], name: str) -> Bilingual:

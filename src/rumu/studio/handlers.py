@@ -54,9 +54,11 @@ def prepare(gallery: Gallery, payload: Mapping[str, Any], progress: Progress, pl
 def import_sent(
     gallery: Gallery, payload: Mapping[str, Any], progress: Progress, place: Place
 ) -> dict[str, Any]:
-    """Put in the zip that was sent; payload: upload (its key), facts."""
+    """Put in the zip that was sent; payload: upload (its key), facts, name (that of the zip)."""
     with gallery.store.local(payload["upload"]) as packed:
-        return import_zip(gallery, packed, payload["facts"], progress=progress)
+        return import_zip(
+            gallery, packed, payload["facts"], name=payload.get("name", "collection"), progress=progress
+        )
 
 
 HANDLERS: dict[str, Handler] = {"prepare": prepare, "import": import_sent}

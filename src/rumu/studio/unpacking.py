@@ -26,15 +26,22 @@ class ZipLimits:
     ratio_from: int = 16 * 2**20
 
 
+def folder_name(sent: str) -> str:
+    """What a zip's own name says, as the name of a folder: `課堂 一.zip` is `課堂 一`."""
+    name = PurePosixPath(sent.replace("\\", "/")).name.removesuffix(".zip")
+    plain = "".join(c for c in name if c.isprintable() and c not in _ODD)[:60].strip(" .")
+    return plain or "collection"
+
+
 def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Path:
-    """Unpack a zip into an empty folder; the folder that holds its files, one level down where all lie in
-    one.
+    """Unpack a zip into an empty folder, made where there is none; the folder that holds its files, one level
+    down where all lie in one.
 
     Names are looked at before the first byte is written, and bytes are counted as they are written: what a
-    zip says
-    of itself proves nothing. Raises Unusable.
+    zip says of itself proves nothing. Raises Unusable.
     """
     limits = limits or ZipLimits()
+    folder.mkdir(parents=True, exist_ok=True)
     try:
         with zipfile.ZipFile(packed) as archive:
             entries = [entry for entry in archive.infolist() if _wanted(entry)]

@@ -60,6 +60,14 @@ def test_an_import_is_a_job_that_tells_how_far_it_is(own_world, shelf):
     assert again[-1]["result"]["added"] == 0 and again[-1]["result"]["there"] == 2
 
 
+@pytest.mark.parametrize(("facts", "room"), [({"collection": "Class 3"}, "class-3"), ({}, "a")])
+def test_an_import_goes_where_it_was_told_else_by_the_name_of_its_zip(own_world, shelf, facts, room):
+    teacher = own_world().browser("林")
+    told = events(teacher, sent(teacher, shelf, **facts).json()["job"]["id"])
+    assert told[-1]["result"]["collections"] == [room]
+    assert teacher("GET", f"/api/works?collection={room}").json()["total"] == 2
+
+
 @pytest.mark.parametrize(
     ("data", "word"),
     [(zipped({"../out": b"1"}), "leads out"), (zipped({"a": b""}), ""), (b"PK\x03\x04nonsense", "zip")],

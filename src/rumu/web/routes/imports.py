@@ -11,6 +11,7 @@ from rumu.studio import jobs, worker
 from rumu.studio.errors import Unusable
 from rumu.studio.handlers import upload_key
 from rumu.studio.pictures import format_of
+from rumu.studio.unpacking import folder_name
 from rumu.web.cards import job_facts
 from rumu.web.doors import Line, Running, Said, Teacher
 from rumu.web.routes.works import found_work, told
@@ -42,7 +43,8 @@ def facts(
     collection: Annotated[Line, Form(max_length=100)] = "",
     method: Annotated[Literal["inflation", "density"], Form()] = "inflation",
 ) -> dict[str, str]:
-    """What is known of what is sent. collection: its name; empty for works added here."""
+    """What is known of what is sent. collection: its name; empty for works added here, and for a
+    zip that names its own."""
     return dict(locals())
 
 
@@ -74,8 +76,9 @@ def send(
     archive: Annotated[UploadFile, File(alias="zip", description="A zip, 1 GB at most.")],
 ) -> dict[str, Any]:
     """Put in a zip of a folder with labels.csv, of one that `rumu gallery export` wrote, or of one capture
-    folder; the facts are those of a capture. It is kept before it is answered for: a restart loses
-    nothing."""
+    folder. collection: where the works go, by its name; else where collection.json, the export or the name
+    of the zip say. The other facts are those of a capture. It is kept before it is answered for: a restart
+    loses nothing."""
     service.rates.count(service.settings.rates.uploads, "uploads", who.id)
     if archive.file.read(2) != b"PK":
         raise Unusable("no_zip", zh="這不是 zip 檔。", en="Expected a zip file.")
@@ -83,7 +86,7 @@ def send(
     job_id = new_id()
     key = upload_key(job_id, ".zip")
     service.gallery.store.write(key, archive.file)
-    payload = {"upload": key, "facts": told_of_it}
+    payload = {"upload": key, "facts": told_of_it, "name": folder_name(archive.filename or "")}
     with service.gallery.database.writing() as session:
         job = jobs.add(session, "import", payload, person_id=who.id, job_id=job_id)
         started = job_facts(job)

@@ -1,0 +1,88 @@
+"""What is sent in goes into the collection that was named, whatever kind of thing it is."""
+
+from __future__ import annotations
+
+import zipfile
+
+import pytest
+
+from rumu.gallery.catalog import collections, work, works
+from rumu.gallery.exporting import export_gallery
+from rumu.gallery.works import starter_works
+from rumu.studio.additions import add_work, import_zip
+
+
+@pytest.fixture
+def zipped(tmp_path):
+    def pack(files: dict[str, bytes]):
+        path = tmp_path / "sent.zip"
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, data in files.items():
+                archive.writestr(name, data)
+        return path
+
+    return pack
+
+
+@pytest.fixture
+def labelled(zipped, copy_of):
+    return zipped(
+        {"labels.csv": b"file,character,script,work\na.png,\xe5\xa4\xa9,regular,x\n", "a.png": copy_of()}
+    )
+
+
+@pytest.fixture
+def exported(zipped, gallery, tmp_path):
+    """The starter gallery with one more work that is gone again."""
+    data = starter_works(script="seal")[0].path.read_bytes()
+    gone = add_work(gallery, data, {"title_zh": "舊"}, spacing=None)
+    export_gallery(gallery, tmp_path / "out")
+    from rumu.gallery.catalog import delete_work
+
+    delete_work(gallery, gone)
+    files = (path for path in (tmp_path / "out").rglob("*") if path.is_file())
+    return zipped({str(path.relative_to(tmp_path / "out")): path.read_bytes() for path in files}), gone
+
+
+def quiet(*_):
+    return None
+
+
+def members(gallery, collection):
+    return [one.id for one in works(gallery, collection=collection).items]
+
+
+def test_labels_go_into_the_collection_that_was_named(gallery, labelled):
+    done = import_zip(gallery, labelled, {"collection": "課堂"}, progress=quiet)
+    (room,) = done["collections"]
+    assert {row.id: row.title_zh for row, _ in collections(gallery)}[room] == "課堂"
+    assert (done["added"], len(members(gallery, room))) == (1, 1)
+
+
+def test_labels_that_nobody_names_a_collection_for_go_by_the_name_of_the_zip(gallery, labelled):
+    done = import_zip(gallery, labelled, {"collection": ""}, name="Third Class", progress=quiet)
+    assert done["collections"] == ["third-class"]
+
+
+def test_a_collection_that_is_there_is_found_by_its_title(gallery, labelled, copy_of):
+    starter = next(row for row, _ in collections(gallery) if row.id == "starter")
+    before = len(members(gallery, "starter"))
+    done = import_zip(gallery, labelled, {"collection": starter.title_zh}, progress=quiet)
+    assert done["collections"] == ["starter"] and len(members(gallery, "starter")) == before + 1
+    other = add_work(gallery, copy_of(degree="bad"), {"collection": starter.title_en}, spacing=None)
+    assert work(gallery, other).collection_id == "starter"
+
+
+def test_an_export_goes_into_the_collection_that_was_named_and_moves_nothing(gallery, exported):
+    packed, gone = exported
+    before = members(gallery, "starter")
+    done = import_zip(gallery, packed, {"collection": "restored"}, progress=quiet)
+    assert (done["collections"], done["added"]) == (["restored"], 1)
+    assert members(gallery, "restored") == [gone] and members(gallery, "starter") == before
+    assert [one.id for one in works(gallery, query="restored").items] == [gone]
+
+
+def test_an_export_without_a_named_collection_keeps_its_own(gallery, exported):
+    packed, gone = exported
+    done = import_zip(gallery, packed, {}, progress=quiet)
+    assert (work(gallery, gone).collection_id, done["added"]) == ("own", 1)
