@@ -52,7 +52,7 @@ QUICK_MATCH = MatchSettings(smooth=(0.22, 0.16, 0.12), single=(0.13, 0.1, 0.075,
 PLAIN = (0.1, 0.005)
 """Rms radii within which all ink of either has ink of the other when a copy plainly lacks nothing, but for
 such a share of it."""
-DOUBT, SLACK_DOUBT = 0.01, (0.08, 1.0)
+DOUBT, SLACK_DOUBT = 0.015, (0.08, 1.2)
 """Share of the ink that must be missing at the first look for a second to be taken; see SLACK_MISSING."""
 FAR = 0.12
 """Rms radii off the master's ink from which unexplained ink is too much."""

@@ -22,7 +22,8 @@ class _Said:
 
     cell: one rms radius of the master in cells. wide: width of the master's strokes, rms radii; whole: of the
     copy's over the master's. common: share of all strokes, by length, that one of them has on average.
-    grain: doubt in the logarithm of its width, which the pictures are too coarse to show.
+    grain: doubt in the logarithm of its width, which the pictures are too coarse to show. coarse: how many
+    times the coarser picture was enlarged, 1 when it was not.
     """
 
     stroke: StrokeFound
@@ -34,6 +35,7 @@ class _Said:
     whole: float
     common: float
     grain: float
+    coarse: float
 
     def remark(self, kind: str, size: float, unit: str, severity: float, *text: str) -> Remark:
         zh, en = text
@@ -80,6 +82,7 @@ def of_strokes(strokes: Strokes, registration: Registration, limits: Noticeable)
             strokes.width,
             1.0 / len(names),
             strokes.grain_of(s.line),
+            strokes.enlarged,
         )
         for s, name in zip(strokes.strokes, names, strict=True)
     ]
@@ -246,7 +249,8 @@ def _blunt(told: list[_Said], blunted: Blunted | None, limits: Noticeable) -> It
 
 def _ends(said: _Said) -> Iterator[Remark]:
     limits, entry, end = said.limits, said.stroke.entry, said.stroke.exit
-    least = limits.entry if entry > 0 else limits.faint
+    coarse = said.coarse**2  # an end is small: an enlarged picture shows it blurred
+    least = coarse * (limits.entry if entry > 0 else limits.faint)
     if abs(entry) >= least:  # not so where it is NaN
         kind, zh, en, do_zh, do_en = (
             ("entry_heavy", "重", "heavy", "落筆輕些，再按下去。", "Set the brush down more lightly.")
@@ -258,7 +262,7 @@ def _ends(said: _Said) -> Iterator[Remark]:
             f"{said.name.zh}起筆太{zh}，寬度差 {abs(entry):.0%}。{do_zh}",
             f"{said.en} begins too {en}, by {abs(entry):.0%} of its width. {do_en}",
         )  # fmt: skip
-    if end >= limits.exit:
+    if end >= coarse * limits.exit:
         yield said.at_its_end(
             "exit_blunt", end, said.grave(end, limits.exit, 2.2),
             f"{said.name.zh}收筆禿鈍，比範本寬 {end:.0%}。收筆時漸漸提鋒。",
