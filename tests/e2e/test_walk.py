@@ -82,6 +82,41 @@ def test_two_works_stand_side_by_side(visitor: Visitor) -> None:
     expect(page.locator(".work-stage canvas:visible")).to_have_count(2)
 
 
+def test_section_and_ruler_are_of_the_work_that_was_touched_last(visitor: Visitor) -> None:
+    page = opened(visitor, "/works/regular-shui?with=running-shui")
+    stages = page.locator(".viewer-stage")
+    expect(page.locator(".work-stage canvas:visible")).to_have_count(2)
+    drawn, plot = stages.locator(".drawn.section"), page.locator(".viewer-profile")
+    page.get_by_role("button", name="Cross-section").click()
+    expect(stages.nth(0)).to_have_class(re.compile("acting"))
+
+    def cut(which: int) -> None:
+        box = stages.nth(which).bounding_box()
+        assert box
+        page.mouse.move(box["x"] + box["width"] * 0.3, box["y"] + box["height"] * 0.5)
+        page.mouse.down()
+        page.mouse.move(box["x"] + box["width"] * 0.7, box["y"] + box["height"] * 0.5, steps=3)
+        page.mouse.up()
+
+    for which, script in ((1, "running"), (0, "regular")):
+        cut(which)
+        expect(stages.nth(which)).to_have_class(re.compile("acting"))
+        expect(stages.nth(which)).to_contain_text("Section and ruler: this one")
+        expect(stages.nth(1 - which)).not_to_have_class(re.compile("acting"))
+        expect(plot).to_contain_text(script)
+    expect(drawn).to_have_count(2)
+    curves = {which: "" for which in (0, 1)}
+    for which in curves:
+        stages.nth(which).locator(".viewer-host").focus()  # by keyboard as well
+        expect(stages.nth(which)).to_have_class(re.compile("acting"))
+        curves[which] = plot.locator("path.edge").get_attribute("d") or ""
+    assert curves[0] != curves[1]
+    page.get_by_role("button", name="Clear the section").click()
+    expect(drawn).to_have_count(1)
+    expect(stages.nth(0).locator(".drawn.section")).to_have_count(1)
+    expect(plot).to_have_count(0)
+
+
 def test_the_language_is_switched_and_remembered(visitor: Visitor) -> None:
     page = visitor.go("/works/regular-shui")
     page.get_by_role("button", name="中文").click()

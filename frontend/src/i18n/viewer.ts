@@ -50,6 +50,7 @@ export const viewer = {
   interval: { zh: "每隔 {step}", en: "every {step}" },
   profileSaid: { zh: "長 {length}，起伏 {rise}", en: "{length} long, {rise} from lowest to highest" },
   clearSection: { zh: "清除剖面", en: "Clear the section" },
+  actingHere: { zh: "剖面與量尺：這一件", en: "Section and ruler: this one" },
   drawSection: { zh: "在作品上拖出一條線，看它的剖面。", en: "Drag a line over the work to see the cut along it." },
   drawRuler: { zh: "在作品上拖出一段距離。", en: "Drag from one point to another to measure." },
   setPin: { zh: "在作品上點一下，寫下註解。", en: "Tap a point of the work to write a note there." },

@@ -41,6 +41,9 @@ export function ViewerPanel(props: PanelProps) {
   const [state, setState] = useState(props.initial);
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const [second, setSecond] = useState<Viewer | null>(null);
+  const [, secondChanged] = useState<ViewState | null>(null);
+  /** Which of two was touched last: the plotted cut and the hints are that one's. */
+  const [touched, setTouched] = useState<"first" | "second">("first");
   const [tool, setTool] = useState<Tool>(props.initial.mode === "sheet" ? "light" : "move");
   const [help, setHelp] = useState(false);
   const { onState, onViewer } = props;
@@ -75,11 +78,16 @@ export function ViewerPanel(props: PanelProps) {
     else return;
     event.preventDefault();
   };
-  const points = viewer?.field && state.section ? viewer.section(state.section) : null;
+  const onSecond = beside !== null && second !== null && touched === "second";
+  const acting = onSecond ? second : viewer;
+  const { facts, title } = onSecond ? beside : shown;
+  const lines = onSecond ? second.state : state;
+  const points = acting?.field && lines.section ? acting.section(lines.section) : null;
+  const sign = beside && (points || tool === "section" || tool === "ruler") ? <ActingSign /> : null;
   return (
     <section class="viewer" ref={box} aria-label={t("viewer")} onKeyDown={keys}>
       <div class={`viewer-stages mode-${state.mode} tool-${tool}`} data-count={beside ? 2 : 1}>
-        <Stage shown={shown} initial={state} onState={change} onPoint={onPoint}
+        <Stage shown={shown} initial={state} onState={change} onPoint={onPoint} onTouch={() => setTouched("first")} sign={!onSecond && sign}
           onViewer={(found) => { setViewer(found); onViewer?.(found); }}>
           {(found) => (
             <>
@@ -92,7 +100,8 @@ export function ViewerPanel(props: PanelProps) {
           )}
         </Stage>
         {beside && (
-          <Stage key={beside.facts.heights.url} shown={beside} initial={{ ...state, section: null, ruler: null }} onViewer={setSecond} caption>
+          <Stage key={beside.facts.heights.url} shown={beside} initial={{ ...state, section: null, ruler: null }} onState={secondChanged}
+            onTouch={() => setTouched("second")} sign={onSecond && sign} onViewer={(found) => { setSecond(found); if (!found) setTouched("first"); }} caption>
             {(found) => <Overlay viewer={found} pins={null} />}
           </Stage>
         )}
@@ -101,12 +110,13 @@ export function ViewerPanel(props: PanelProps) {
         files={props.files ?? null} onPair={props.onPair} link={props.link} onHelp={() => setHelp(true)} onFull={() => void toggleFull(box.current)} />
       {points && (
         <div class="viewer-profile">
-          <Profile points={points} unit={shown.facts.unit} note={say(shown.facts.source_text)} />
-          <button type="button" class="quiet" onClick={() => viewer?.set({ section: null })}>{t("clearSection")}</button>
+          {beside && <strong class="profile-of">{say(title)}</strong>}
+          <Profile points={points} unit={facts.unit} note={say(facts.source_text)} />
+          <button type="button" class="quiet" onClick={() => acting?.set({ section: null })}>{t("clearSection")}</button>
         </div>
       )}
       {tool === "section" && !points && <p class="viewer-hint">{t("drawSection")}</p>}
-      {tool === "ruler" && !state.ruler && <p class="viewer-hint">{t("drawRuler")}</p>}
+      {tool === "ruler" && !lines.ruler && <p class="viewer-hint">{t("drawRuler")}</p>}
       {tool === "pin" && <p class="viewer-hint">{t("setPin")}</p>}
       {help && <KeysHelp onClose={() => setHelp(false)} />}
     </section>
@@ -120,10 +130,13 @@ type StageProps = {
   onState?: (state: ViewState) => void;
   onPoint?: ((place: Place) => void) | undefined;
   onViewer: (viewer: Viewer | null) => void;
+  onTouch: () => void;
+  /** Given: this one of two is where cut and ruler are. */
+  sign: ComponentChildren;
   children: (viewer: Viewer) => ComponentChildren;
 };
 
-function Stage({ shown, initial, caption, onState, onPoint, onViewer, children }: StageProps) {
+function Stage({ shown, initial, caption, onState, onPoint, onViewer, onTouch, sign, children }: StageProps) {
   const host = useRef<HTMLDivElement>(null);
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const [error, setError] = useState<unknown>(null);
@@ -156,13 +169,21 @@ function Stage({ shown, initial, caption, onState, onPoint, onViewer, children }
     };
   }, [shown.facts.heights.url, turn]);
   return (
-    <div class="viewer-stage">
-      <div class="viewer-host" ref={host} role="application" aria-label={`${say(shown.title)}. ${t("hostSaid")}`} />
+    <div class={sign ? "viewer-stage acting" : "viewer-stage"}>
+      <div class="viewer-host" ref={host} onPointerDown={onTouch} onFocusIn={onTouch} role="application" aria-label={`${say(shown.title)}. ${t("hostSaid")}`} />
       {viewer ? children(viewer) : error ? <Trouble error={error} again={() => setTurn((n) => n + 1)} /> : <div class="viewer-wait"><img src={shown.facts.picture} alt="" /><Waiting /></div>}
+      {sign}
       {caption && <p class="viewer-caption">{say(shown.title)}<small>{say(shown.facts.source_text)}</small></p>}
     </div>
   );
 }
+
+/** Says it in words, too: a frame alone is not heard, nor seen by everybody. */
+const ActingSign = () => (
+  <p class="viewer-acting" role="status">
+    {t("actingHere")}
+  </p>
+);
 
 const tilted = (mode: Mode): boolean => mode === "surface" || mode === "mesh";
 
