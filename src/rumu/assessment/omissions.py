@@ -81,11 +81,15 @@ class Left:
 
 
 def left_over(registration: Registration) -> Left | None:
-    """What strokes laid on strokes leave; None for a copy that plainly lacks nothing and has no more."""
+    """What strokes laid on strokes leave; None for a copy that plainly lacks nothing and has no more, and for
+    one whose strokes are hairs without a ridge."""
     if _plainly_whole(registration):
         return None
     copy, master = _cloud_of_copy(registration), _master(registration.reference)
-    quick = _laid(copy, copy.ridges(), master, points=master.few, settings=QUICK_MATCH)
+    ridges = copy.ridges()
+    if not len(ridges.xy):
+        return None
+    quick = _laid(copy, ridges, master, points=master.few, settings=QUICK_MATCH)
     extra = max(quick.extra - _doubtful(quick, SLACK_EXTRA), 0.0)
     missing, at = _confirmed(copy, master, quick)
     up = np.array([1.0, -1.0])
