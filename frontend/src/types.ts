@@ -127,5 +127,5 @@ export type Job = {
   total: number;
   message: string;
   result: Record<string, unknown>;
-  error: string;
+  error: Text | null;
 };

@@ -137,6 +137,19 @@ def test_the_form_is_for_phones_and_for_everybody(as_person: LogIn) -> None:
     expect(page.get_by_role("button", name="修改作品資料")).to_be_focused()
 
 
+def test_why_an_import_failed_is_told_in_the_reader_s_language(as_person: LogIn) -> None:
+    page = as_person("teacher").go("/add")
+    page.get_by_role("button", name="Import an archive").click()
+    broken = {"name": "a.zip", "mimeType": "application/zip", "buffer": b"PK\x03\x04 and no more"}
+    page.locator("input[type=file]").set_input_files(broken)  # type: ignore[arg-type]
+    page.get_by_role("button", name="Send").click()
+    told = page.locator(".job").get_by_role("alert")
+    expect(told).to_contain_text("Expected a whole zip file without a password")
+    expect(told).not_to_contain_text("zip 檔")
+    page.get_by_role("button", name="中文").click()
+    expect(told).to_have_text("這不是完整的 zip 檔。")
+
+
 def test_a_pupil_is_not_offered_to(as_person: LogIn) -> None:
     page = work_page(as_person("pupil"))
     expect(page.get_by_role("link", name="Write it yourself")).to_be_visible()

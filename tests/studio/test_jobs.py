@@ -8,6 +8,7 @@ import time
 import pytest
 
 from rumu.database.tables import Job
+from rumu.errors import GalleryError
 from rumu.studio import handlers, jobs
 from rumu.studio.errors import Missing, NotAllowed, Unusable
 from rumu.studio.place import Place
@@ -51,7 +52,17 @@ def test_a_job_is_done_and_says_so(gallery, place, handler, queued):
 
 @pytest.mark.parametrize(
     "failure",
-    [(Unusable(zh="壞", en="bad"), "壞 bad"), (ZeroDivisionError(), "unexpected ZeroDivisionError")],
+    [
+        (Unusable(zh="壞", en="bad"), ("壞", "bad")),
+        (GalleryError("no\n works"), ("無法完成：no works", "no works")),
+        (
+            ZeroDivisionError(),
+            (
+                "伺服器出了意外（ZeroDivisionError）。",
+                "Something unexpected happened on the server (ZeroDivisionError).",
+            ),
+        ),
+    ],
 )
 def test_a_job_that_fails_says_why_and_the_next_goes_on(gallery, place, handler, queued, failure):
     error, told = failure
@@ -62,7 +73,7 @@ def test_a_job_that_fails_says_why_and_the_next_goes_on(gallery, place, handler,
     handler(fails)
     first, second = queued(), queued()
     job = done(gallery, place, first)
-    assert (job.state, job.error) == ("failed", told)
+    assert (job.state, (job.error_zh, job.error_en)) == ("failed", told)
     handler(lambda *_: {})
     assert done(gallery, place, second).state == "done"
 
@@ -72,7 +83,7 @@ def test_what_was_cut_off_is_done_again_but_not_for_ever(gallery, place, handler
     for _ in range(jobs.MOST_TRIES):
         assert jobs.take(gallery.database) == job_id  # and the server dies
         jobs.take_up(gallery.database)
-    assert row(gallery, job_id).state == "failed" and "cut off" in row(gallery, job_id).error
+    assert row(gallery, job_id).state == "failed" and "cut off" in row(gallery, job_id).error_en
     handler(lambda *_: {"whole": True})
     job_id = queued()
     jobs.take(gallery.database)

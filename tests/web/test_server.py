@@ -119,7 +119,7 @@ def job_of(gallery, job_id) -> Job:
 def awaited(gallery, job_id, *, state="done", seconds=90) -> Job:
     until = time.monotonic() + seconds
     while (job := job_of(gallery, job_id)).state != state:
-        assert job.state in ("queued", "running") and time.monotonic() < until, (job.state, job.error)
+        assert job.state in ("queued", "running") and time.monotonic() < until, (job.state, job.error_en)
         time.sleep(0.05)
     return job
 

@@ -34,7 +34,7 @@ export function JobProgress({ job }: { job: Job }) {
       <strong role="status">{t(NAMES[job.state])}</strong>{job.total > 0 && <span class="count-of">{job.done.toLocaleString()} / {job.total.toLocaleString()}</span>}
       {job.state === "queued" || (job.state === "running" && !job.total) ? <progress aria-label={t("runningJob")} /> : <progress aria-label={t("runningJob")} value={job.state === "done" ? 1 : job.done} max={job.state === "done" ? 1 : job.total || 1} />}
       {job.message && !ended && <p class="note">{oneLanguage(job.message)}</p>}
-      {job.error && <p class="trouble">{job.error}</p>}
+      {job.error && <p class="trouble" role="alert">{say(job.error)}</p>}
       {!ended && <button type="button" class="quiet" onClick={() => void post(`/api/jobs/${job.id}/cancel`)}>{t("stop")}</button>}
       {job.state === "done" && <Outcome result={job.result} />}
     </section>

@@ -302,7 +302,8 @@ class Comparison(Base):
 
 class Job(Base):
     """Long work. state: queued, running, done, failed or cancelled. payload: what is needed to do it again
-    after a restart. done, total: progress; total 0 while unknown."""
+    after a restart. done, total: progress; total 0 while unknown. error: why it failed, empty where it did
+    not."""
 
     __tablename__ = "jobs"
     __table_args__ = (Index(None, "state", "created"),)
@@ -315,7 +316,8 @@ class Job(Base):
     total: Mapped[int] = mapped_column(Integer, default=0)
     message: Mapped[str] = mapped_column(Text, default="")
     result: Mapped[dict[str, Any]] = mapped_column(default=dict)
-    error: Mapped[str] = mapped_column(Text, default="")
+    error_zh: Mapped[str] = mapped_column(Text, default="")
+    error_en: Mapped[str] = mapped_column(Text, default="")
     tries: Mapped[int] = mapped_column(Integer, default=0)
     person_id: Mapped[str | None] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"), default=None)
     created: Mapped[datetime] = mapped_column(default=now)

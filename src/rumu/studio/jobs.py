@@ -90,7 +90,7 @@ def take_up(database: Database) -> int:
     """
     with database.writing() as session:
         cut_off = Job.state == "running"
-        failed = {"state": "failed", "error": "被打斷太多次。 It was cut off too often.", "changed": now()}
+        failed = _failed("被打斷太多次。", "It was cut off too often.") | {"changed": now()}
         session.execute(update(Job).where(cut_off, Job.tries >= MOST_TRIES).values(failed))
         session.execute(update(Job).where(cut_off, Job.tries < MOST_TRIES).values(state="queued"))
         return len(session.scalars(select(Job.id).where(Job.state == "queued")).all())
@@ -119,17 +119,29 @@ def perform(gallery: Gallery, job_id: str, *, place: Place) -> None:
         result = HANDLERS[job.kind](gallery, job.payload, Progress(database, job_id), place)
     except CancelledError:
         ended: dict[str, Any] = {"state": "cancelled"}
-    except StudioError as error:
-        ended = {"state": "failed", "error": f"{error.zh} {error.en}"}
-    except RumuError as error:
-        ended = {"state": "failed", "error": str(error)}
     except Exception as error:  # a job that fails must not take the queue with it
-        _log.exception("job %s of kind %s failed", job_id, job.kind)
-        ended = {"state": "failed", "error": f"unexpected {type(error).__name__}"}
+        if not isinstance(error, RumuError):
+            _log.exception("job %s of kind %s failed", job_id, job.kind)
+        ended = _why(error)
     else:
         ended = {"state": "done", "result": result, "done": Job.total}
     _noted(database, job_id, ended | {"changed": now()})
     clear(gallery, job_id)
+
+
+def _why(error: Exception) -> dict[str, Any]:
+    """How a job ended that raised this."""
+    if isinstance(error, StudioError):
+        return _failed(error.zh, error.en)
+    if isinstance(error, RumuError):  # said in English alone by the rooms below
+        told = " ".join(str(error).split())
+        return _failed(f"無法完成：{told}", told)
+    name = type(error).__name__
+    return _failed(f"伺服器出了意外（{name}）。", f"Something unexpected happened on the server ({name}).")
+
+
+def _failed(zh: str, en: str) -> dict[str, Any]:
+    return {"state": "failed", "error_zh": zh, "error_en": en}
 
 
 def _noted(database: Database, job_id: str, values: dict[str, Any]) -> bool:
@@ -183,8 +195,4 @@ class Runner:
             if self._over.is_set():
                 return
             _log.warning("job %s: %s", job_id, error)
-            _noted(
-                self._database,
-                job_id,
-                {"state": "failed", "error": " ".join(str(error).split()), "changed": now()},
-            )
+            _noted(self._database, job_id, _why(error) | {"changed": now()})

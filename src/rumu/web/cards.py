@@ -155,5 +155,6 @@ def task_facts(task: Task, work: Work) -> dict[str, Any]:
 
 def job_facts(job: Job) -> dict[str, Any]:
     """See studio_shapes.JobFacts."""
-    names = ("id", "kind", "state", "done", "total", "message", "result", "error")
-    return {name: getattr(job, name) for name in names}
+    names = ("id", "kind", "state", "done", "total", "message", "result")
+    error = both(job, "error") if job.error_en or job.error_zh else None
+    return {name: getattr(job, name) for name in names} | {"error": error}

@@ -279,7 +279,7 @@ class VerdictFacts(Shape):
 
 
 class JobFacts(Shape):
-    """Long work. total: 0 while unknown."""
+    """Long work. total: 0 while unknown. error: why it failed."""
 
     id: str
     kind: str = Field(examples=["import"])
@@ -288,7 +288,7 @@ class JobFacts(Shape):
     total: int
     message: str
     result: dict[str, Any]
-    error: str
+    error: Text | None
 
 
 class JobStarted(Shape):

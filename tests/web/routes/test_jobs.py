@@ -52,7 +52,7 @@ def test_an_import_is_a_job_that_tells_how_far_it_is(own_world, shelf):
     answer = sent(teacher, shelf)
     assert answer.status_code == 202, answer.text
     told = events(teacher, answer.json()["job"]["id"])
-    assert told[-1]["state"] == "done" and told[-1]["result"]["added"] == 2
+    assert told[-1]["state"] == "done" and told[-1]["result"]["added"] == 2 and told[-1]["error"] is None
     assert told[0]["state"] in ("queued", "running", "done")
     assert all(one["id"] == told[0]["id"] for one in told)
     assert teacher("GET", "/api/works").json()["total"] == before + 2
@@ -75,7 +75,8 @@ def test_an_import_goes_where_it_was_told_else_by_the_name_of_its_zip(own_world,
 def test_a_zip_that_will_not_do_fails_with_its_reason_and_is_forgotten(own_world, data, word, tmp_path):
     teacher = own_world().browser("林")
     told = events(teacher, sent(teacher, data).json()["job"]["id"])
-    assert told[-1]["state"] == "failed" and word in told[-1]["error"] and told[-1]["error"]
+    assert told[-1]["state"] == "failed" and word in told[-1]["error"]["en"]
+    assert told[-1]["error"]["zh"] != told[-1]["error"]["en"]
     until = time.monotonic() + 5
     while any(p.is_file() for p in (tmp_path / "files" / "uploads").rglob("*")) and time.monotonic() < until:
         time.sleep(0.05)
