@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rumu.errors import CaptureError, GalleryError, ImageError, RefusedImage
+from rumu.errors import CaptureError, GalleryError, ImageError, RefusedImage, SurfaceError
 from rumu.gallery.adding import add_capture, add_glyphs, add_picture, room_named
 from rumu.gallery.catalog import surface, work, works
 from rumu.gallery.derived import derived, viewer_facts
@@ -39,10 +39,12 @@ def test_a_height_from_density_says_so(bare):
 def test_what_holds_no_writing_is_refused(bare, tmp_path):
     Image.new("L", (64, 64), 255).save(tmp_path / "blank.png")
     (tmp_path / "words.png").write_text("words")
-    with pytest.raises(RefusedImage):
+    with pytest.raises(RefusedImage, match=r"blank\.png: "):
         add_picture(bare, tmp_path / "blank.png", entry=CAT)
     with pytest.raises(ImageError):
         add_picture(bare, tmp_path / "words.png", entry=CAT)
+    with pytest.raises(SurfaceError, match="method: expected one of inflation, density, got 'depth'"):
+        add_picture(bare, find_work("regular-shui").path, entry=CAT, method="depth")
     assert works(bare).total == 0 and list(bare.store.keys("pictures")) == []
 
 
