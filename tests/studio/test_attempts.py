@@ -6,10 +6,10 @@ import json
 
 import pytest
 
-from rumu.database.tables import Attempt, Membership, Work
+from rumu.database.tables import Attempt, Membership, SchoolClass, Work
 from rumu.studio import attempts, worker
 from rumu.studio.access import seen_attempt
-from rumu.studio.classes import add_task, create_class, found_class
+from rumu.studio.classes import add_task, create_class, found
 from rumu.studio.errors import Missing, NotAllowed, Unusable
 
 
@@ -107,8 +107,8 @@ def test_a_task_is_for_its_class_and_its_work(gallery, person):
         class_id = create_class(session, teacher, name="a").id
         session.add(Membership(class_id=class_id, person_id=lin.id))
         session.flush()
-        found = found_class(session, class_id, who=teacher)
-        task = add_task(session, found, work_id="regular-tian", title="")
+        taught = found(session, SchoolClass, class_id, who=teacher)
+        task = add_task(session, taught, work_id="regular-tian", title="")
         assert attempts.task_for(session, task.id, who=lin, work_id="regular-tian").id == task.id
         for who, work, refusal in (
             (lin, "regular-shui", Unusable),

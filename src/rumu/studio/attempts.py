@@ -16,7 +16,7 @@ from rumu.gallery.catalog import Gallery
 from rumu.gallery.originals import derived_folder, picture_original
 from rumu.gallery.store import Store
 from rumu.studio.access import attempts_of, seen_attempt
-from rumu.studio.classes import found_task
+from rumu.studio.classes import found
 from rumu.studio.errors import NotAllowed, Unusable
 from rumu.studio.people import Identity
 from rumu.studio.worker import Marked
@@ -70,7 +70,7 @@ def _is_point(point: Any) -> bool:
 def task_for(session: Session, task_id: str, *, who: Identity, work_id: str) -> Task:
     """The task an attempt is for. Raises Missing, NotAllowed for somebody outside of the class, Unusable for
     another work than the task's."""
-    task = found_task(session, task_id, who=who)
+    task = found(session, Task, task_id, who=who)
     if session.get(Membership, (task.class_id, who.id)) is None:
         raise NotAllowed("這項作業是給班上學生的。", "This task is for the pupils of the class.")
     if task.work_id != work_id:

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Any, TypeVar
 
-from sqlalchemy import delete, func, select
+from sqlalchemy import ColumnElement, delete, func, select
 from sqlalchemy.orm import Session
 
 from rumu.database.tables import Attempt, Membership, Person, SchoolClass, Task, TeacherMark, Work
 from rumu.studio.access import attempts_of, classes_of, tasks_of
 from rumu.studio.errors import Missing, NotAllowed
 from rumu.studio.people import Identity
+
+Given = TypeVar("Given", SchoolClass, Task)
+_SEEN: dict[type[Any], tuple[Callable[[Identity], ColumnElement[bool]], str, str]] = {
+    SchoolClass: (classes_of, "個班", "class"),
+    Task: (tasks_of, "項作業", "task"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,19 +59,23 @@ def classes(session: Session, who: Identity) -> list[SchoolClass]:
     return list(session.scalars(select(SchoolClass).where(classes_of(who)).order_by(SchoolClass.created)))
 
 
-def found_class(session: Session, class_id: str, *, who: Identity, to_teach: bool = False) -> SchoolClass:
-    """Raises Missing where there is none that this person sees, NotAllowed for a pupil where `to_teach`."""
-    found = session.scalar(select(SchoolClass).where(SchoolClass.id == class_id, classes_of(who)))
-    if found is None:
-        raise Missing("沒有這個班。", "There is no such class.")
+def found(
+    session: Session, table: type[Given], row_id: str, *, who: Identity, to_teach: bool = False
+) -> Given:
+    """A class or a task. Raises Missing where there is none that this person sees, NotAllowed for a pupil
+    where `to_teach`."""
+    seen, zh, en = _SEEN[table]
+    row = session.scalar(select(table).where(table.id == row_id, seen(who)))
+    if row is None:
+        raise Missing(f"沒有這{zh}。", f"There is no such {en}.")
     if to_teach and not who.teaches:
         raise NotAllowed()
-    return found
+    return row
 
 
 def rename_class(session: Session, class_id: str, *, who: Identity, name: str) -> None:
     """By its teacher or an owner. Raises Missing, NotAllowed for a pupil."""
-    found_class(session, class_id, who=who, to_teach=True).name = name
+    found(session, SchoolClass, class_id, who=who, to_teach=True).name = name
 
 
 def delete_class(session: Session, class_id: str, *, who: Identity) -> None:
@@ -73,7 +84,9 @@ def delete_class(session: Session, class_id: str, *, who: Identity) -> None:
     What pupils wrote stays theirs, with every mark given to it; it is for no task any more. Raises Missing,
     NotAllowed for a pupil.
     """
-    session.delete(found_class(session, class_id, who=who, to_teach=True))  # the rest falls by foreign keys
+    session.delete(
+        found(session, SchoolClass, class_id, who=who, to_teach=True)
+    )  # the rest falls by foreign keys
 
 
 def pupils(session: Session, class_id: str) -> list[Person]:
@@ -109,16 +122,6 @@ def add_task(
     task = Task(class_id=school_class.id, work_id=work_id, title=title, note=note, due=due)
     session.add(task)
     session.flush()
-    return task
-
-
-def found_task(session: Session, task_id: str, *, who: Identity, to_teach: bool = False) -> Task:
-    """Raises Missing where there is none that this person sees, NotAllowed for a pupil where `to_teach`."""
-    task = session.scalar(select(Task).where(Task.id == task_id, tasks_of(who)))
-    if task is None:
-        raise Missing("沒有這項作業。", "There is no such task.")
-    if to_teach and not who.teaches:
-        raise NotAllowed()
     return task
 
 

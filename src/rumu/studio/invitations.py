@@ -10,7 +10,7 @@ from sqlalchemy import delete, update
 from sqlalchemy.orm import Session
 
 from rumu.database.tables import Invitation, Membership, Person, SchoolClass, now
-from rumu.studio.classes import found_class
+from rumu.studio.classes import found
 from rumu.studio.errors import Clash, Missing, NotAllowed
 from rumu.studio.people import Identity, Role, create_person, known_by, owner_exists
 
@@ -37,7 +37,7 @@ def invite(
             "老師只能邀請學生進自己的班。", "A teacher may invite pupils into their own classes only."
         )
     if class_id is not None:
-        found_class(session, class_id, who=who, to_teach=True)
+        found(session, SchoolClass, class_id, who=who, to_teach=True)
         if role != "pupil":
             raise NotAllowed("班級只收學生。", "Only pupils are invited into a class.")
     return _written(session, role=role, class_id=class_id, author_id=who.id)

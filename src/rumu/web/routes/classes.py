@@ -8,7 +8,7 @@ from fastapi import APIRouter, Response
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from rumu.database.tables import Invitation, Person, Task, Work, now
+from rumu.database.tables import Invitation, Person, SchoolClass, Task, Work, now
 from rumu.report.wording import kind_name
 from rumu.studio import classes
 from rumu.studio.errors import NotAllowed, Unusable
@@ -52,7 +52,7 @@ def add(service: Running, who: Teacher, told: ClassOrder) -> dict[str, Any]:
 def school_class(service: Running, who: Somebody, class_id: PathId) -> dict[str, Any]:
     """A class: its pupils to its teacher, its tasks to all in it."""
     with service.gallery.database.reading() as session:
-        found = classes.found_class(session, class_id, who=who)
+        found = classes.found(session, SchoolClass, class_id, who=who)
         invited = Invitation.class_id == class_id, Invitation.used.is_(None), Invitation.expires > now()
         links = session.scalars(select(Invitation).where(*invited).order_by(Invitation.created)).all()
         return {
@@ -87,7 +87,7 @@ def delete(service: Running, who: Teacher, class_id: PathId) -> None:
 def take_out(service: Running, who: Teacher, class_id: PathId, person_id: PathId) -> None:
     """A pupil leaves a class."""
     with service.gallery.database.writing() as session:
-        classes.found_class(session, class_id, who=who, to_teach=True)
+        classes.found(session, SchoolClass, class_id, who=who, to_teach=True)
         classes.take_out(session, class_id, person_id)
 
 
@@ -97,7 +97,7 @@ def add_task(service: Running, who: Teacher, class_id: PathId, told: TaskOrder) 
     if told.due is not None and told.due.tzinfo is None:
         raise Unusable("due", zh="期限要帶時區。", en="Expected the day with its time zone.")
     with service.gallery.database.writing() as session:
-        found = classes.found_class(session, class_id, who=who, to_teach=True)
+        found = classes.found(session, SchoolClass, class_id, who=who, to_teach=True)
         task = classes.add_task(
             session, found, work_id=told.work, title=told.title, note=told.note, due=told.due
         )
@@ -108,14 +108,14 @@ def add_task(service: Running, who: Teacher, class_id: PathId, told: TaskOrder) 
 def delete_task(service: Running, who: Teacher, task_id: PathId) -> None:
     """Take a task back; what was written for it stays."""
     with service.gallery.database.writing() as session:
-        session.delete(classes.found_task(session, task_id, who=who, to_teach=True))
+        session.delete(classes.found(session, Task, task_id, who=who, to_teach=True))
 
 
 @router.get("/api/tasks/{task_id}", response_model=TaskTable)
 def table(service: Running, who: Somebody, task_id: PathId) -> dict[str, Any]:
     """How it went: a row a pupil, and what many got wrong; to a pupil their own row."""
     with service.gallery.database.reading() as session:
-        task = classes.found_task(session, task_id, who=who)
+        task = classes.found(session, Task, task_id, who=who)
         rows = [_row(row) for row in classes.table(session, task, who=who)]
         common = classes.common_remarks(session, task, who=who)
         return {"task": _task(session, task), "rows": rows, "common": [_common(one) for one in common]}
@@ -125,7 +125,7 @@ def table(service: Running, who: Somebody, task_id: PathId) -> dict[str, Any]:
 def task_marks_csv(service: Running, who: Teacher, task_id: PathId) -> Response:
     """One's own marks of a task: image, reference, mark. The paths are those of marks.zip."""
     with service.gallery.database.reading() as session:
-        classes.found_task(session, task_id, who=who, to_teach=True)
+        classes.found(session, Task, task_id, who=who, to_teach=True)
         text = marks_csv(given_marks(session, who, task_id=task_id))
     return csv_answer(text, "marks.csv")
 
@@ -134,7 +134,7 @@ def task_marks_csv(service: Running, who: Teacher, task_id: PathId) -> Response:
 def task_marks_zip(service: Running, who: Teacher, task_id: PathId) -> Response:
     """marks.csv with the pictures that it names, as `rumu calibrate` reads it."""
     with service.gallery.database.reading() as session:
-        classes.found_task(session, task_id, who=who, to_teach=True)
+        classes.found(session, Task, task_id, who=who, to_teach=True)
     return _zip(service, who, task_id)
 
 
