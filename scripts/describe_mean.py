@@ -1,11 +1,14 @@
-"""The mean description of regular script: `python scripts/describe_mean.py [DATA]`.
+"""What `likeness` and `beyond_others` know of writing: `python scripts/describe_mean.py [DATA]`.
 
-Writes src/rumu/registration/mean_description.npy, which `likeness` takes away: the mean of `describe` over
-the 6,590 characters of the regular masters, 1,024 numbers, of no single character.
+Writes into src/rumu/registration, from the 6,590 characters of the regular masters: mean_description.npy, the
+mean of `describe`, which `likeness` takes away; and other_characters.npz, one description of each character
+in one half of them. The half is chosen by a hash of the name, as in benchmarks/refusal.py, so that the other
+half tells what this is worth on characters that it does not hold.
 """
 
 from __future__ import annotations
 
+import hashlib
 import os
 import sys
 from pathlib import Path
@@ -15,16 +18,27 @@ import numpy as np
 from rumu.gallery.masters import read_masters
 from rumu.outputs import whole_file
 from rumu.pipeline import surface_of
-from rumu.registration.descriptor import describe
+from rumu.registration.descriptor import STEPS, describe
 from rumu.registration.points import sample_points
 
 HOME = Path(__file__).parents[1]
+PLACE = HOME / "src/rumu/registration"
+
+
+def one_of_each(characters: np.ndarray) -> np.ndarray:
+    """One row of each character in the development half, drawn by chance."""
+    rng = np.random.default_rng(0)
+    kept = [c for c in np.unique(characters) if hashlib.sha256(c.encode()).digest()[0] % 2 == 0]
+    return np.array([rng.choice(np.flatnonzero(characters == c)) for c in kept])
+
 
 if __name__ == "__main__":
     data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("RUMU_DATA", HOME / "../shared/data"))
     masters = read_masters(data / "masters" / "regular")
-    total = sum(describe(sample_points(surface_of(master.path))).astype(float) for master in masters)
-    target = HOME / "src/rumu/registration/mean_description.npy"
-    with whole_file(target) as part, part.open("wb") as stream:
-        np.save(stream, (total / len(masters)).astype(np.float16))
-    print(f"mean of {len(masters)} characters")
+    vectors = np.array([describe(sample_points(surface_of(master.path))) for master in masters])
+    chosen = vectors[one_of_each(np.array([master.character for master in masters]))]
+    with whole_file(PLACE / "mean_description.npy") as part, part.open("wb") as stream:
+        np.save(stream, vectors.mean(axis=0, dtype=float).astype(np.float16))
+    with whole_file(PLACE / "other_characters.npz") as part, part.open("wb") as stream:
+        np.savez_compressed(stream, vectors=np.clip(np.rint(chosen * STEPS), 0, 255).astype(np.uint8))
+    print(f"mean of {len(masters)} characters, {len(chosen)} of them kept")

@@ -289,7 +289,7 @@ def test_evidence_of_a_copy_and_itself():
     assert evidence.lightness == pytest.approx(1.0)
     assert evidence.hollowness == pytest.approx(0.0)
     assert evidence.beyond == 0.0
-    assert evidence.strangeness < -1.5
+    assert evidence.strangeness < -1.0
 
 
 def test_parts_stand_clear_of_each_other():

@@ -9,7 +9,14 @@ from PIL import Image
 
 import rumu
 from rumu.gallery.works import find_work
-from rumu.registration.descriptor import DescriptorSettings, describe, likeness, mirrored, turned
+from rumu.registration.descriptor import (
+    DescriptorSettings,
+    beyond_others,
+    describe,
+    likeness,
+    mirrored,
+    turned,
+)
 from rumu.registration.points import sample_points
 from rumu.simulation import faults
 
@@ -85,3 +92,11 @@ def test_points_reversed_are_the_points_of_the_reversed_picture(change, steps):
     again = change(change(points[0]))
     np.testing.assert_allclose(again.xyz, points[0].xyz)
     np.testing.assert_allclose(again.direction, points[0].direction)
+
+
+def test_beyond_others_parts_a_hand_from_another_character_and_knows_common_shapes():
+    own, hand = vector_of(ink_of("regular-shui")), vector_of(ink_of("running-shui"))
+    others = [vector_of(ink_of(f"regular-{name}")) for name in ("ren", "ri", "shu", "tian", "yue")]
+    assert beyond_others(own, hand) > 0 > max(beyond_others(own, other) for other in others)
+    assert beyond_others(own, hand) == pytest.approx(beyond_others(hand, own), abs=1e-5)
+    assert beyond_others(own, own) < float(likeness(own, own))  # some other characters are like it too

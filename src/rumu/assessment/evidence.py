@@ -15,7 +15,14 @@ import numpy as np
 
 from rumu.assessment.similarity import posed
 from rumu.errors import RumuError
-from rumu.registration.descriptor import describe, describe_canvas, likeness, mirrored, turned
+from rumu.registration.descriptor import (
+    beyond_others,
+    describe,
+    describe_canvas,
+    likeness,
+    mirrored,
+    turned,
+)
 from rumu.registration.nearest import Nearest
 from rumu.registration.points import INFLATION_TOP, full_ink, ink_mask
 from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
@@ -62,9 +69,14 @@ class Evidence:
         return float(likeness(self._vector, _described(self._reference, turned))) - self.likeness
 
     @cached_property
+    def beyond_others(self) -> float:
+        """Likeness beyond what other characters reach with either: below 0 for most pairs of two."""
+        return beyond_others(self._vector, _described(self._reference))
+
+    @cached_property
     def strangeness(self) -> float:
         """Grows with what registration leaves and falls with likeness; the weight is chosen, see refusal."""
-        return 0.2 * float(np.log(self.position + 0.02)) - self.likeness
+        return 0.2 * float(np.log(self.position + 0.02)) - self.beyond_others
 
     @cached_property
     def in_place(self) -> float:

@@ -50,8 +50,8 @@ class RefusalLimits:
     reversed_at: float = 0.45
     reversal: float = 0.15
     clear: float = 25.0
-    strange: float = -0.47
-    odd: float = -0.63
+    strange: float = -0.03
+    odd: float = -0.18
     odd_fits: float = 0.22
     odd_most: float = 39.0
 

@@ -34,7 +34,8 @@ MEASURES: Mapping[str, str] = {
     "similarity": "two-sided similarity",
     "position": "what registration leaves in the plane",
     "likeness": "likeness of outlines",
-    "familiarity": "the last two together, as refusal weighs them",
+    "beyond others": "likeness beyond what other characters reach",
+    "familiarity": "the last with what registration leaves, as refusal weighs them",
 }
 DRAWS = 1000
 
@@ -173,6 +174,7 @@ def measure(pair: Pair) -> Measured:
         "similarity": similarity(registration),
         "position": -evidence.position,
         "likeness": evidence.likeness,
+        "beyond others": evidence.beyond_others,
         "familiarity": -evidence.strangeness,
     }
     return Measured(pair, values)
