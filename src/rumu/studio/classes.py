@@ -84,9 +84,8 @@ def delete_class(session: Session, class_id: str, *, who: Identity) -> None:
     What pupils wrote stays theirs, with every mark given to it; it is for no task any more. Raises Missing,
     NotAllowed for a pupil.
     """
-    session.delete(
-        found(session, SchoolClass, class_id, who=who, to_teach=True)
-    )  # the rest falls by foreign keys
+    gone = found(session, SchoolClass, class_id, who=who, to_teach=True)
+    session.delete(gone)  # the rest falls by foreign keys
 
 
 def pupils(session: Session, class_id: str) -> list[Person]:
