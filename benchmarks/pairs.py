@@ -20,8 +20,8 @@ import time
 from pathlib import Path
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[2] / "shared" / "data"))
-SECONDS = 0.1
-"""Between two looks at the memory."""
+SECONDS = 0.5
+"""Between two looks at the memory: at ten looks a second they took an eighth of one core."""
 Sample = tuple[float, float]
 """Seconds since the start, MiB that the processes hold together."""
 
