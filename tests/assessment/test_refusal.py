@@ -249,9 +249,14 @@ def test_what_may_be_another_character_gets_no_more_than_a_bad_mark_and_a_copy_m
     copy = rumu.relief(picture_of(mask("regular-ri")))
     registration, _ = compare(copy, master("regular-shu"))
     strange = Evidence(copy, master("regular-shu"), registration).strangeness
-    between = RefusalLimits(strange=strange + 0.1, odd=strange - 0.1)
+    between = RefusalLimits(strange=strange + 0.1, odd=strange - 0.1, nothing=strange + 0.1)
     own = {"registration": registration}
-    assert judged(copy, master("regular-shu"), **own, limits=between) == (None, between.odd_most)
+    assert judged(copy, master("regular-shu"), **own, limits=between) == (
+        None,
+        pytest.approx(between.odd_most / 2),  # half-way from odd to nothing
+    )
+    stranger = replace(between, odd=strange - 0.2, nothing=strange)
+    assert judged(copy, master("regular-shu"), **own, limits=stranger) == (None, 0.0)
     beyond = RefusalLimits(strange=strange + 0.2, odd=strange + 0.1)
     assert judged(copy, master("regular-shu"), **own, limits=beyond) == (None, 100.0)
     near = replace(between, odd_fits=9.0)

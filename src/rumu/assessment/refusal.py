@@ -31,7 +31,8 @@ class RefusalLimits:
     clear: clearness from which ink is clean. Old silk and rubbings lie below it: their crops hold stains and
         parts of neighbours, so they are never refused as several characters or as another.
     strange: strangeness from which it is another character; odd: from which it may be one where its residual
-        in the plane is above odd_fits, so that the mark is odd_most at the highest.
+        in the plane is above odd_fits, so that the mark is odd_most at the highest, and the less the stranger
+        it is: nothing from `nothing` on.
     """
 
     half_dark: float = 20.0
@@ -54,6 +55,7 @@ class RefusalLimits:
     odd: float = -0.18
     odd_fits: float = 0.22
     odd_most: float = 39.0
+    nothing: float = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +88,15 @@ def judged(
     if evidence.in_place >= limits.in_place:
         return None, 100.0
     found = next((reason(code) for code, holds in _MISFITS.items() if holds(evidence, limits)), None)
-    odd = evidence.strangeness > limits.odd and evidence.position > limits.odd_fits
-    return found, limits.odd_most if odd else 100.0
+    return found, _highest(evidence, limits)
+
+
+def _highest(e: Evidence, limits: RefusalLimits) -> float:
+    """What a copy may reach that is hardly like its master, see RefusalLimits; 100 for any other."""
+    if e.strangeness <= limits.odd or e.position <= limits.odd_fits:
+        return 100.0
+    share = (limits.nothing - e.strangeness) / (limits.nothing - limits.odd)
+    return limits.odd_most * max(share, 0.0)
 
 
 def reason(code: str) -> Refusal:

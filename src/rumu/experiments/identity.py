@@ -30,6 +30,7 @@ from rumu.values import FloatArray, Surface
 Progress = Callable[[int, int], None]
 
 MEASURES: Mapping[str, str] = {
+    "score": "the mark as it is given, nothing when refused",
     "mark": "the mark, before any refusal",
     "similarity": "two-sided similarity",
     "position": "what registration leaves in the plane",
@@ -161,6 +162,7 @@ def measure(pair: Pair) -> Measured:
     from rumu.assessment.calibration import panel
     from rumu.assessment.comparison import compare
     from rumu.assessment.evidence import Evidence
+    from rumu.assessment.refusal import judged
     from rumu.assessment.similarity import similarity
 
     try:
@@ -169,8 +171,10 @@ def measure(pair: Pair) -> Measured:
     except (RefusedImage, RegistrationError):
         return Measured(pair, None)
     evidence = Evidence(copy, master, registration)
+    mark, (no_copy, highest) = panel().score(features), judged(copy, master, registration=registration)
     values = {
-        "mark": panel().score(features),
+        "score": -1.0 if no_copy else min(mark, highest),
+        "mark": mark,
         "similarity": similarity(registration),
         "position": -evidence.position,
         "likeness": evidence.likeness,
