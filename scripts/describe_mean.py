@@ -18,7 +18,7 @@ import numpy as np
 from rumu.gallery.masters import read_masters
 from rumu.outputs import whole_file
 from rumu.pipeline import surface_of
-from rumu.registration.descriptor import STEPS, describe
+from rumu.registration.descriptor import describe, to_bytes
 from rumu.registration.points import sample_points
 
 HOME = Path(__file__).parents[1]
@@ -40,5 +40,5 @@ if __name__ == "__main__":
     with whole_file(PLACE / "mean_description.npy") as part, part.open("wb") as stream:
         np.save(stream, vectors.mean(axis=0, dtype=float).astype(np.float16))
     with whole_file(PLACE / "other_characters.npz") as part, part.open("wb") as stream:
-        np.savez_compressed(stream, vectors=np.clip(np.rint(chosen * STEPS), 0, 255).astype(np.uint8))
+        np.savez_compressed(stream, vectors=to_bytes(chosen))
     print(f"mean of {len(masters)} characters, {len(chosen)} of them kept")

@@ -100,16 +100,6 @@ class Features:
         full = np.clip(self.size, -FULLNESS_RANGE, FULLNESS_RANGE)
         return np.concatenate([self.residuals.logarithms(), amount(edges), sense(edges), [full]])
 
-    @property
-    def absent(self) -> float:
-        """Share of the master's ink in whole regions that the copy lacks."""
-        return sum(region.share for region in self.regions if region.kind == "missing")
-
-    @property
-    def surplus(self) -> float:
-        """Share of the copy's ink in whole regions where the master is blank."""
-        return sum(region.share for region in self.regions if region.kind == "extra")
-
 
 def measure(registration: Registration, *, edges: FloatArray | None = None) -> Features:
     """Features of one registration. edges: (NUMBERS,) description of the copy's edge less the master's."""

@@ -14,12 +14,12 @@ import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from sqlalchemy import func, select
 
 from rumu.database.tables import Work
-from rumu.errors import GalleryError, RefusedImage, SurfaceError
+from rumu.errors import GalleryError
 from rumu.gallery.catalog import Gallery
 from rumu.gallery.entries import (
     NO_LICENCE,
@@ -44,7 +44,6 @@ if TYPE_CHECKING:
 SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif", ".pgm", ".ppm", ".exr")
 OWN_WORKS = Room(id="own", title=Bilingual(zh="自己收入", en="Added here"))
 
-_METHODS = ("inflation", "density")
 _OF_SURFACE = ("height.tif", "normals.tif", "albedo.tif", "confidence.tif", "mask.png", "surface.json")
 
 
@@ -71,13 +70,15 @@ def add_picture(
     Raises ImageError for what is no picture, RefusedImage where there is no writing in it, SurfaceError for
     another method.
     """
+    from rumu.surface.relief import Method, check_choice, read_written
+
     path = Path(path)
-    if method not in _METHODS:
-        raise SurfaceError(f"method: expected one of {', '.join(_METHODS)}, got {method!r}")
+    check_choice(method, get_args(Method), "method")
+    rows, columns = read_written(path)[0].shape[:2]  # a sheet without writing is refused now
     return _keep_picture(
         gallery,
         path.read_bytes(),
-        size=_written_size(path),
+        size=(columns, rows),
         suffix=suffix_of(path),
         entry=replace(entry, origin=entry.origin or path.name),
         room=room,
@@ -190,20 +191,6 @@ def suffix_of(path: Path) -> str:
     """The end of a picture's name in the store: one that is known, lower case."""
     suffix = path.suffix.lower()
     return suffix if suffix in SUFFIXES else ".image"
-
-
-def _written_size(path: Path) -> tuple[int, int]:
-    """(columns, rows) of a picture of writing; a sheet without any is refused now, not when it is looked
-    at."""
-    from rumu.capture.image import read_image
-    from rumu.surface.ink import find_ink
-
-    image = read_image(path)
-    try:
-        find_ink(image)
-    except RefusedImage as error:
-        raise RefusedImage(f"{path}: {error}", reason=error.reason) from None
-    return image.shape[1], image.shape[0]
 
 
 def _label(entry: Entry) -> tuple[str, ...]:

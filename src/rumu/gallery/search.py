@@ -21,7 +21,14 @@ from rumu.errors import GalleryError, OutputError, RumuError
 from rumu.gallery.home import user_home
 from rumu.gallery.masters import Master, Places, read_masters
 from rumu.processes import in_order
-from rumu.registration.descriptor import STEPS, VERSION, DescriptorSettings, describe, likeness
+from rumu.registration.descriptor import (
+    VERSION,
+    DescriptorSettings,
+    describe,
+    from_bytes,
+    likeness,
+    to_bytes,
+)
 from rumu.registration.points import sample_points
 
 if TYPE_CHECKING:
@@ -79,7 +86,7 @@ def find(
 
     vector = describe(sample_points(surface_of(copy)))
     index = masters if isinstance(masters, MasterIndex) else index_masters(masters, progress=progress)
-    alike = likeness(vector, index.vectors.astype(np.float32) / np.float32(STEPS))
+    alike = likeness(vector, from_bytes(index.vectors))
     best = np.argsort(-alike, kind="stable")[:top]
     return tuple(Match(index.masters[k], float(alike[k])) for k in best)
 
@@ -209,4 +216,4 @@ def _row(path: str) -> tuple[np.ndarray, str]:
         vector = describe(sample_points(surface_of(path)))
     except RumuError as error:
         return np.zeros(_LENGTH, np.uint8), " ".join(str(error).split())
-    return np.clip(np.rint(vector * STEPS), 0, 255).astype(np.uint8), ""
+    return to_bytes(vector), ""

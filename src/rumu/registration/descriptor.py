@@ -14,6 +14,7 @@ from functools import lru_cache
 from importlib.resources import files
 
 import numpy as np
+import numpy.typing as npt
 
 from rumu.registration.points import CANVAS, RADIUS
 from rumu.values import BoolArray, FloatArray, IntArray, PointSet
@@ -22,7 +23,7 @@ DIRECTIONS = 8
 VERSION = 1
 """Raised whenever `describe` changes, so that no vector is compared with one of another kind."""
 
-STEPS = 1000.0
+_STEPS = 1000.0
 """A number of a vector is kept as a byte: value times this; hardly any is above .255."""
 MOST_ALIKE = 10
 """So many of the other characters tell what shapes that are not the same reach."""
@@ -78,6 +79,16 @@ def likeness(vector: FloatArray, vectors: FloatArray) -> FloatArray:
     return np.asarray(others @ own / np.maximum(lengths * np.linalg.norm(own), 1e-6))
 
 
+def to_bytes(vectors: FloatArray) -> npt.NDArray[np.uint8]:
+    """Vectors (..., L) as they are kept; see `from_bytes`."""
+    return np.asarray(np.clip(np.rint(vectors * _STEPS), 0, 255), dtype=np.uint8)
+
+
+def from_bytes(kept: npt.NDArray[np.uint8]) -> FloatArray:
+    """(..., L) float32, what `to_bytes` made bytes of, to half a thousandth."""
+    return np.asarray(kept / np.float32(_STEPS))
+
+
 def beyond_others(vector: FloatArray, other: FloatArray) -> float:
     """Likeness of two vectors, (L,) each, beyond what other characters reach: most pairs of one character are
     above -0.1, most of two below.
@@ -108,7 +119,7 @@ def turned(points: PointSet) -> PointSet:
 def _others() -> FloatArray:
     """(N, L) float32, each of unit length once the mean is taken away."""
     with (files("rumu.registration") / "other_characters.npz").open("rb") as stream, np.load(stream) as kept:
-        vectors = kept["vectors"] / np.float32(STEPS) - _mean()
+        vectors = from_bytes(kept["vectors"]) - _mean()
     return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True), dtype=np.float32)
 
 

@@ -54,8 +54,8 @@ def relief(
     Raises ImageError for what is no image, RefusedImage (naming the file) where there is no writing,
     SurfaceError for an unknown method or mode, or a kappa that is not finite.
     """
-    _check_choice(method, get_args(Method), "method")
-    _check_choice(mode, get_args(Mode), "mode")
+    check_choice(method, get_args(Method), "method")
+    check_choice(mode, get_args(Mode), "mode")
     if not np.isfinite(kappa):
         raise SurfaceError(f"kappa: expected a finite number, got {kappa}")
     ink, albedo = _ink_and_albedo(image)
@@ -83,7 +83,8 @@ def relief(
     )
 
 
-def _check_choice(value: object, choices: tuple[str, ...], name: str) -> None:
+def check_choice(value: object, choices: tuple[str, ...], name: str) -> None:
+    """Raises SurfaceError that names the choices when `value` is none of them."""
     if value not in choices:
         raise SurfaceError(f"{name}: expected one of {', '.join(choices)}, got {value!r}")
 
@@ -96,11 +97,17 @@ def _ink_and_albedo(
     if isinstance(image, np.ndarray):
         stored = as_image(image)
         return find_ink(stored), partial(_linear, stored)
-    stored = read_image(Path(image))
+    stored, ink = read_written(Path(image))
+    return ink, partial(_linear, stored)
+
+
+def read_written(path: Path) -> tuple[Floats, Ink]:
+    """The picture in a file, as stored, and its ink. Raises ImageError; RefusedImage names the file."""
+    stored = read_image(path)
     try:
-        return find_ink(stored), partial(_linear, stored)
+        return stored, find_ink(stored)
     except RefusedImage as error:
-        raise RefusedImage(f"{image}: {error}", reason=error.reason) from None
+        raise RefusedImage(f"{path}: {error}", reason=error.reason) from None
 
 
 def _linear(stored: Floats) -> Floats:
