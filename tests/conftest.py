@@ -7,6 +7,7 @@ import itertools
 import os
 import pwd
 import shutil
+import signal
 import socket
 import subprocess
 import tempfile
@@ -129,8 +130,8 @@ def postgresql() -> Iterator[str]:
             _await(url, server, folder / "log")
             yield url
         finally:
-            server.terminate()
-            server.wait(30)
+            server.send_signal(signal.SIGINT)  # SIGTERM would wait for whoever is still connected
+            server.wait(60)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import threading
@@ -86,6 +87,36 @@ def test_errors_come_back_as_they_were(workers):
     with pytest.raises(RefusedImage, match="got nothing") as refused:
         workers.ask(refuses)
     assert refused.value.reason == "blank"
+
+
+def begins(place, *, mark):
+    with mark.open("a") as file:
+        file.write("x")
+    time.sleep(60)
+
+
+def test_what_is_cut_off_by_the_end_is_not_begun_anew(workers, tmp_path):
+    """A process that is made after the end would hold up the exit of the program, for ever at worst."""
+    mark, ended = tmp_path / "mark", []
+    others = set(multiprocessing.active_children())
+
+    def ask():
+        try:
+            workers.ask(begins, patience=None, mark=mark)
+        except Busy as error:
+            ended.append(error)
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    until = time.monotonic() + 60
+    while not mark.exists() and time.monotonic() < until:
+        time.sleep(0.01)
+    workers.stop()
+    asking.join(20)
+    assert len(ended) == 1 and mark.read_text() == "x"
+    assert set(multiprocessing.active_children()) <= others
+    with pytest.raises(Busy):
+        workers.ask(own_id)
 
 
 def test_threads_do_where_processes_are_not_wanted(place, gallery):

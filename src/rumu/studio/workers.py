@@ -19,6 +19,7 @@ from rumu.studio.place import Place
 Answer = TypeVar("Answer")
 
 _PATIENCE = 120.0  # seconds for one piece of work
+_GRACE = 5.0  # seconds for a process to end by itself
 
 
 class Workers:
@@ -30,33 +31,40 @@ class Workers:
         self._places = threading.BoundedSemaphore(waiting)
         self._lock = threading.Lock()
         self._pool: Executor | None = None
+        self._over = False
 
     def start(self) -> None:
         """Start all processes and have each load what a mark needs; threads, where processes cannot be
         had."""
         pool = self._running()
         try:
-            wait([pool.submit(worker.ready, self.place) for _ in range(max(self._processes, 1))])
+            wait([self._submitted(pool, worker.ready, {}) for _ in range(max(self._processes, 1))])
         except (BrokenProcessPool, OSError):
             self._processes = 0
             self._broken(pool)
 
     def stop(self) -> None:
-        """End all processes, in the midst of what they do."""
-        with self._lock:
+        """End all processes, in the midst of what they do, for good: who asks afterwards gets Busy."""
+        with self._lock:  # a process made after this would be waited for when the program ends
+            self._over = True
             pool, self._pool = self._pool, None
-        if pool is not None:
             running = list((getattr(pool, "_processes", None) or {}).values())
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in running:  # a long job would else hold the exit up; it is begun again
-                process.terminate()
+        if pool is None:
+            return
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in running:  # a long job would else hold the exit up; it is begun again
+            process.terminate()
+        for process in running:
+            process.join(_GRACE)
+            if process.is_alive():
+                process.kill()
 
     def ask(self, work: Callable[..., Answer], *, patience: float | None = _PATIENCE, **terms: Any) -> Answer:
         """`work(place, **terms)` in a process. A process that dies under it is replaced, and it is tried
         once more.
 
-        patience: seconds to wait for the answer, None for ever. Raises Busy when too many wait, RumuError
-        when the process died twice, and what `work` raises.
+        patience: seconds to wait for the answer, None for ever. Raises Busy when too many wait or after
+        `stop`, RumuError when the process died twice, and what `work` raises.
         """
         if not self._places.acquire(blocking=False):
             raise Busy
@@ -74,13 +82,15 @@ class Workers:
             self._places.release()
 
     def _submitted(self, pool: Executor, work: Callable[..., Answer], terms: Any) -> Future[Answer]:
-        try:
+        with self._lock:  # to hand work over may start a process, and `stop` must know of it
+            if self._pool is not pool:
+                raise BrokenProcessPool("shut down meanwhile")
             return pool.submit(worker.answered, work, self.place, terms)
-        except RuntimeError as error:  # shut down meanwhile
-            raise BrokenProcessPool(str(error)) from error
 
     def _running(self) -> Executor:
         with self._lock:
+            if self._over:
+                raise Busy
             if self._pool is None:
                 self._pool = self._made()
             return self._pool
