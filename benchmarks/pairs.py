@@ -20,8 +20,8 @@ import time
 from pathlib import Path
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[2] / "shared" / "data"))
-SECONDS = 0.5
-"""Between two looks at the memory: at ten looks a second they took an eighth of one core."""
+SECONDS = 1.0
+"""Between two looks at the memory: each look takes the machine some hundredths of a second."""
 Sample = tuple[float, float]
 """Seconds since the start, MiB that the processes hold together."""
 

@@ -8,6 +8,7 @@ from rumu import pipeline
 from rumu.assessment.comparison import compare
 from rumu.assessment.omissions import left_over
 from rumu.gallery.works import find_work
+from rumu.simulation.copies import copy_at
 from rumu.simulation.faults import apply
 from rumu.simulation.glyph import Glyph
 
@@ -75,6 +76,15 @@ def test_what_is_displaced_or_thin_is_not_missing(glyph, fault, severity):
 
 def test_a_copy_that_plainly_lacks_nothing_is_not_asked_further(glyph):
     assert left(glyph.mask, glyph) is None
+
+
+def test_a_blur_does_not_decide_whether_a_stroke_is_missing():
+    """Two horizontals of this copy nearly meet, so that a blur joins them or not."""
+    master = find_work("seal-shu").path
+    light = 1.0 - copy_at(pipeline.surface_of(master).mask, "good", seed=11).ink
+    copies = [light] + [cv2.GaussianBlur(light, (0, 0), sigma) for sigma in (1.0, 2.0)]
+    scores = [pipeline.assess(copy, master, remarks=False).score for copy in copies]
+    assert max(scores) - min(scores) < 2.0
 
 
 def test_where_a_missing_stroke_should_stand_is_told(glyph):

@@ -41,6 +41,7 @@ class Sought:
     run: float = 1.5
     dot: float = np.inf
     bridge: float = 0.6
+    lost: tuple[float, float] = (0.25, 0.5)
     spare: float = 1.0
 
 
@@ -242,16 +243,17 @@ class _Laid:
         bare = (~self.covered | (self.found < sought.share)) & (
             (self.moved > sought.moved) | (self.still > sought.still)
         )
-        gone = np.zeros_like(bare)
+        weight, counted = _weight(self.master), np.zeros(len(bare))
         wide = self.width / self.master.spacing
         for k, line in enumerate(lines):
             own = np.flatnonzero(self.master.owner == k)
             least = min(sought.run * wide, sought.dot * len(own) if all(line.free) else np.inf)
             for run in _runs(bare[own], bridge=sought.bridge * wide):
                 if run[-1] - run[0] + 1 >= least:
-                    gone[own[run]] = True
-        share = float(_weight(self.master)[gone].sum()) - sought.spare * float(self.spare.mean())
-        return max(share, 0.0), gone
+                    lost = float(np.average(~self.covered[own], weights=weight[own]))
+                    counted[own[run]] = np.interp(lost, sought.lost, (0.0, 1.0))
+        share = float(weight @ counted) - sought.spare * float(self.spare.mean())
+        return max(share, 0.0), counted > 0
 
     @property
     def unexplained(self) -> BoolArray:
