@@ -38,19 +38,19 @@ def in_order(
         return
     from concurrent.futures.process import BrokenProcessPool
 
-    with _pool(processes, work) as pool:
-        waiting: deque[Future[Answer]] = deque()
-        try:
-            for item in items:
-                waiting.append(pool.submit(work, item))
-                if len(waiting) >= _AHEAD * processes:
-                    yield waiting.popleft().result()
-            while waiting:
+    pool = _pool(processes, work)
+    waiting: deque[Future[Answer]] = deque()
+    try:
+        for item in items:
+            waiting.append(pool.submit(work, item))
+            if len(waiting) >= _AHEAD * processes:
                 yield waiting.popleft().result()
-        except BrokenProcessPool as error:
-            raise RumuError("a process was ended from outside (out of memory?); try fewer --jobs") from error
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+        while waiting:
+            yield waiting.popleft().result()
+    except BrokenProcessPool as error:
+        raise RumuError("a process was ended from outside (out of memory?); try fewer --jobs") from error
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def by_group(

@@ -19,7 +19,6 @@ from rumu.studio.place import Place
 Answer = TypeVar("Answer")
 
 _PATIENCE = 120.0  # seconds for one piece of work
-_GRACE = 5.0  # seconds for a process to end by itself
 
 
 class Workers:
@@ -48,16 +47,15 @@ class Workers:
         with self._lock:  # a process made after this would be waited for when the program ends
             self._over = True
             pool, self._pool = self._pool, None
-            running = list((getattr(pool, "_processes", None) or {}).values())
-        if pool is None:
-            return
-        pool.shutdown(wait=False, cancel_futures=True)
+            running = []
+            if isinstance(pool, ProcessPoolExecutor):
+                running = list((pool._processes or {}).values())
+                # half an answer is known for an end once nobody is left who could write the rest
+                pool._result_queue._writer.close()  # type: ignore[attr-defined]
         for process in running:  # a long job would else hold the exit up; it is begun again
-            process.terminate()
-        for process in running:
-            process.join(_GRACE)
-            if process.is_alive():
-                process.kill()
+            process.kill()
+        if pool is not None:
+            pool.shutdown(wait=bool(running), cancel_futures=True)
 
     def ask(self, work: Callable[..., Answer], *, patience: float | None = _PATIENCE, **terms: Any) -> Answer:
         """`work(place, **terms)` in a process. A process that dies under it is replaced, and it is tried
