@@ -109,7 +109,7 @@ def test_what_is_cut_off_by_the_end_is_not_begun_anew(workers, tmp_path):
     asking = threading.Thread(target=ask)
     asking.start()
     until = time.monotonic() + 60
-    while not mark.exists() and time.monotonic() < until:
+    while not (mark.exists() and mark.read_text()) and time.monotonic() < until:
         time.sleep(0.01)
     workers.stop()
     asking.join(20)
