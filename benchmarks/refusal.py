@@ -188,9 +188,9 @@ def asked(case: Case) -> Answer | None:
         return None  # a fault that this glyph has no stroke for
     except RefusedImage as refused:
         return Answer(case, refused.reason, None)
-    found = refusal(copy, surface(case.master), registration=registration)
-    strangeness = Evidence(copy, surface(case.master), registration).strangeness
-    return Answer(case, found.code if found else None, panel().score(features), strangeness)
+    evidence = Evidence(copy, surface(case.master), registration)
+    found = refusal(evidence)
+    return Answer(case, found.code if found else None, panel().score(features), evidence.strangeness)
 
 
 @lru_cache(maxsize=64)

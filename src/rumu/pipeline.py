@@ -12,6 +12,7 @@ import numpy as np
 
 from rumu.assessment.calibration import Calibration
 from rumu.assessment.comparison import compare
+from rumu.assessment.evidence import Evidence
 from rumu.assessment.marking import checked_terms, marked
 from rumu.assessment.refusal import Refusal, judged, reason
 from rumu.assessment.remarks import remarks as remarks_on
@@ -98,7 +99,7 @@ def assess(
         except RefusedImage as error:
             coming.result()  # a master that is no use is an error, whatever the copy is
             return _refused(replace(reason(error.reason), en=str(error)))
-    no_copy, highest = judged(copy, master, registration=registration)
+    no_copy, highest = judged(Evidence(copy, master, registration))
     if no_copy is not None:
         return _refused(no_copy)
     return Assessment(

@@ -36,7 +36,7 @@ def master(work: str) -> Surface:
 def code(page: np.ndarray, work: str, **options) -> str | None:
     copy = rumu.relief(page)
     registration, _ = compare(copy, master(work))
-    found = refusal(copy, master(work), registration=registration, **options)
+    found = refusal(Evidence(copy, master(work), registration), **options)
     return found.code if found else None
 
 
@@ -98,7 +98,7 @@ def test_one_character_of_several_parts_is_one(name):
         M[:, 2] += rng.uniform(-15, 15, 2)
         copy = rumu.relief(picture_of(cv2.warpAffine(APART[name].astype(np.float32), M, (400, 400))))
         registration, _ = compare(copy, own)
-        assert refusal(copy, own, registration=registration) is None
+        assert refusal(Evidence(copy, own, registration)) is None
 
 
 def test_learners_copies_are_not_refused(data):
@@ -173,7 +173,7 @@ def test_a_character_cut_by_the_edge_is_told(work, quarters):
     cut = own[:, int(np.searchsorted(lost, 0.2)) :]
     copy, whole = rumu.relief(picture_of(cut)), rumu.relief(picture_of(own))
     registration, _ = compare(copy, whole)
-    assert refusal(copy, whole, registration=registration).code == "cut off"
+    assert refusal(Evidence(copy, whole, registration)).code == "cut off"
 
 
 def test_an_outline_of_a_learners_own_writing_is_told():
@@ -192,7 +192,7 @@ def test_a_square_drawn_with_a_pen_is_no_outline():
     copy, own = rumu.relief(picture_of(pen > 0)), rumu.relief(picture_of(square > 0))
     registration, _ = compare(copy, own)
     assert Evidence(copy, own, registration).lightness < RefusalLimits().light
-    assert refusal(copy, own, registration=registration) is None
+    assert refusal(Evidence(copy, own, registration)) is None
 
 
 def test_what_is_within_closed_lines_is_filled():
@@ -241,28 +241,28 @@ def test_where_the_ink_is_not_clean_another_character_is_not_refused():
     copy = rumu.relief(picture_of(mask("regular-ri")))
     registration, _ = compare(copy, master("regular-shu"))
     silk = replace(copy, quality={**copy.quality, "noise": 9.0})
-    assert refusal(copy, master("regular-shu"), registration=registration).code == "another character"
-    assert refusal(silk, master("regular-shu"), registration=registration) is None
+    assert refusal(Evidence(copy, master("regular-shu"), registration)).code == "another character"
+    assert refusal(Evidence(silk, master("regular-shu"), registration)) is None
 
 
 def test_what_may_be_another_character_gets_no_more_than_a_bad_mark_and_a_copy_may_get_all():
     copy = rumu.relief(picture_of(mask("regular-ri")))
     registration, _ = compare(copy, master("regular-shu"))
-    strange = Evidence(copy, master("regular-shu"), registration).strangeness
+    evidence = Evidence(copy, master("regular-shu"), registration)
+    strange = evidence.strangeness
     between = RefusalLimits(strange=strange + 0.1, odd=strange - 0.1, nothing=strange + 0.1)
-    own = {"registration": registration}
-    assert judged(copy, master("regular-shu"), **own, limits=between) == (
+    assert judged(evidence, limits=between) == (
         None,
         pytest.approx(between.odd_most / 2),  # half-way from odd to nothing
     )
     stranger = replace(between, odd=strange - 0.2, nothing=strange)
-    assert judged(copy, master("regular-shu"), **own, limits=stranger) == (None, 0.0)
+    assert judged(evidence, limits=stranger) == (None, 0.0)
     beyond = RefusalLimits(strange=strange + 0.2, odd=strange + 0.1)
-    assert judged(copy, master("regular-shu"), **own, limits=beyond) == (None, 100.0)
+    assert judged(evidence, limits=beyond) == (None, 100.0)
     near = replace(between, odd_fits=9.0)
-    assert judged(copy, master("regular-shu"), **own, limits=near) == (None, 100.0)
+    assert judged(evidence, limits=near) == (None, 100.0)
     itself, _ = compare(copy, copy)
-    assert judged(copy, copy, registration=itself, limits=RefusalLimits(odd=-9.0)) == (None, 100.0)
+    assert judged(Evidence(copy, copy, itself), limits=RefusalLimits(odd=-9.0)) == (None, 100.0)
 
 
 def test_the_mark_keeps_below_what_the_copy_may_get(monkeypatch):

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from rumu.assessment.evidence import Evidence
-from rumu.values import Registration, Surface
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,19 +66,15 @@ class Refusal:
     en: str
 
 
-def refusal(
-    copy: Surface, master: Surface, *, registration: Registration, limits: RefusalLimits | None = None
-) -> Refusal | None:
+def refusal(evidence: Evidence, *, limits: RefusalLimits | None = None) -> Refusal | None:
     """The reason why a copy that was laid on its master is no copy of it to be marked, or None."""
-    return judged(copy, master, registration=registration, limits=limits)[0]
+    return judged(evidence, limits=limits)[0]
 
 
-def judged(
-    copy: Surface, master: Surface, *, registration: Registration, limits: RefusalLimits | None = None
-) -> tuple[Refusal | None, float]:
+def judged(evidence: Evidence, *, limits: RefusalLimits | None = None) -> tuple[Refusal | None, float]:
     """(why there is no copy to be marked, or None; the highest mark, 0-100, of one that is hardly like its
     master: it may be another character, which a mark alone does not see when its strokes lie alike)."""
-    evidence, limits = Evidence(copy, master, registration), limits or RefusalLimits()
+    limits = limits or RefusalLimits()
     for code, holds in _ALWAYS.items():
         if holds(evidence, limits):
             return reason(code), 0.0

@@ -122,13 +122,14 @@ def look(row: Marked, *, root: Path) -> Looked:
     """One copy against its master, as for a mark; whatever goes wrong is told in `refused`."""
     from rumu import pipeline
     from rumu.assessment.comparison import compare
+    from rumu.assessment.evidence import Evidence
     from rumu.assessment.refusal import refusal
 
     try:
         path = master_path(row.reference, root=root)
         master, copy = _master(path), pipeline.surface_of(root / row.image)
         registration, features = compare(copy, master)
-        no_copy = refusal(copy, master, registration=registration)
+        no_copy = refusal(Evidence(copy, master, registration))
     except RumuError as error:
         return Looked(None, refused=" ".join(str(error).split()))
     except Exception as error:  # one row must never cost the others

@@ -19,6 +19,7 @@ import numpy as np
 
 from rumu.assessment.calibration import LEVELS, Calibration, level_of
 from rumu.assessment.comparison import compare
+from rumu.assessment.evidence import Evidence
 from rumu.assessment.features import Features
 from rumu.assessment.fitting import PARTS, WEIGHED, anchored, fit_scale
 from rumu.assessment.refusal import judged
@@ -169,7 +170,7 @@ def measure_copy(copy: Copy) -> Measured:
         registration, features = compare(surface, master)
     except RefusedImage as refusal:
         return Measured(copy, None, refused=str(refusal))
-    no_copy, highest = judged(surface, master, registration=registration)
+    no_copy, highest = judged(Evidence(surface, master, registration))
     if no_copy is not None:
         return Measured(copy, None, refused=no_copy.en)
     return Measured(copy, features, sim_paper(registration), similarity(registration), highest=highest)

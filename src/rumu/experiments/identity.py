@@ -171,7 +171,7 @@ def measure(pair: Pair) -> Measured:
     except (RefusedImage, RegistrationError):
         return Measured(pair, None)
     evidence = Evidence(copy, master, registration)
-    mark, (no_copy, highest) = panel().score(features), judged(copy, master, registration=registration)
+    mark, (no_copy, highest) = panel().score(features), judged(evidence)
     values = {
         "score": -1.0 if no_copy else min(mark, highest),
         "mark": mark,
