@@ -21,7 +21,7 @@ from pathlib import Path
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[2] / "shared" / "data"))
 SECONDS = 1.0
-"""Between two looks at the memory: each look takes the machine some hundredths of a second."""
+"""Between two looks at the memory: a look takes time from the processes that it looks at."""
 Sample = tuple[float, float]
 """Seconds since the start, MiB that the processes hold together."""
 

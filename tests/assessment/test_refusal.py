@@ -191,8 +191,9 @@ def test_a_square_drawn_with_a_pen_is_no_outline():
     cv2.rectangle(pen, (90, 90), (310, 310), 1, 10)
     copy, own = rumu.relief(picture_of(pen > 0)), rumu.relief(picture_of(square > 0))
     registration, _ = compare(copy, own)
-    assert Evidence(copy, own, registration).lightness < RefusalLimits().light
-    assert refusal(Evidence(copy, own, registration)) is None
+    evidence = Evidence(copy, own, registration)
+    assert evidence.lightness < RefusalLimits().light
+    assert refusal(evidence) is None
 
 
 def test_what_is_within_closed_lines_is_filled():

@@ -7,17 +7,20 @@ import os
 import re
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Page, Response, expect
 from tests.conftest import absent
 
 STATIC = Path(__file__).parents[2] / "src" / "rumu" / "web" / "static"
 PATIENCE = 30_000  # milliseconds: the lamp is drawn by a processor here
+
+_REFUSED = "Failed to load resource"  # how the browser reports an answer from 400 on
 
 expect.set_options(timeout=PATIENCE)
 
@@ -56,13 +59,22 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
 class Visitor:
     """One person at one browser: `page`, and what the page complained of.
 
-    expected: of complaints these words are looked for, which the browser utters late or soon: a refusal.
+    refused: answers of the server by which it refused something.
     """
 
     page: Page
     url: str
     complaints: list[str]
-    expected: list[str] = field(default_factory=list)
+    refused: list[Response]
+
+    def forgive(self) -> None:
+        """Forget every complaint so far: the browser reports the refusals, as it should, if not at once."""
+        until = time.monotonic() + PATIENCE / 1000
+        while sum(_REFUSED in said for said in self.complaints) < len(self.refused):
+            assert time.monotonic() < until, "the browser has not reported every refusal"
+            self.page.wait_for_timeout(20)
+        self.complaints.clear()
+        self.refused.clear()
 
     def go(self, path: str) -> Page:
         self.page.goto(f"{self.url}/#{path}")
@@ -73,6 +85,14 @@ class Visitor:
 Arrive = Callable[..., Visitor]
 
 
+def _context(browser: Browser, **options: Any) -> BrowserContext:
+    """A browser of its own, as patient as the machine needs."""
+    context = browser.new_context(**({"locale": "en-GB"} | options))
+    context.set_default_timeout(PATIENCE)
+    context.set_default_navigation_timeout(3 * PATIENCE)  # the first page also wakes browser and server
+    return context
+
+
 @pytest.fixture
 def arrive(site: Site, browser: Browser) -> Iterator[Arrive]:
     """Make a visitor with a browser of their own; at the end no page may have complained."""
@@ -80,28 +100,21 @@ def arrive(site: Site, browser: Browser) -> Iterator[Arrive]:
     visitors: list[Visitor] = []
 
     def make(**options: Any) -> Visitor:
-        context = browser.new_context(
-            **({"viewport": {"width": 1280, "height": 800}, "locale": "en-GB"} | options)
-        )
-        context.set_default_timeout(PATIENCE)
-        context.set_default_navigation_timeout(3 * PATIENCE)  # the first page also wakes browser and server
+        context = _context(browser, **({"viewport": {"width": 1280, "height": 800}} | options))
         page = context.new_page()
         complaints: list[str] = []
+        refused: list[Response] = []
+        page.on("response", lambda answer: refused.append(answer) if answer.status >= 400 else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)
         contexts.append(context)
-        visitors.append(Visitor(page, site.url, complaints))
+        visitors.append(Visitor(page, site.url, complaints, refused))
         return visitors[-1]
 
     yield make
     for context in contexts:
         context.close()
-    assert [
-        complaint
-        for visitor in visitors
-        for complaint in visitor.complaints
-        if not any(words in complaint for words in visitor.expected)
-    ] == []
+    assert [complaint for visitor in visitors for complaint in visitor.complaints] == []
 
 
 @pytest.fixture
@@ -113,8 +126,7 @@ def visitor(arrive: Arrive) -> Visitor:
 def people(site: Site, browser: Browser) -> dict[str, tuple[str, str]]:
     """Name and password of an owner, a teacher and two pupils, who came by their links."""
     made: dict[str, tuple[str, str]] = {}
-    context = browser.new_context(locale="en-GB")
-    context.set_default_navigation_timeout(3 * PATIENCE)
+    context = _context(browser)
     page = context.new_page()
     _join(page, site.owner_link, "Mistress Wei", made, "owner")
     for role, name in (("teacher", "Teacher Ouyang"), ("pupil", "Xiao Ming"), ("pupil", "Xiao Hua")):
@@ -128,8 +140,7 @@ def people(site: Site, browser: Browser) -> dict[str, tuple[str, str]]:
             }""",
             role,
         )
-        other = browser.new_context(locale="en-GB")
-        other.set_default_navigation_timeout(3 * PATIENCE)
+        other = _context(browser)
         _join(other.new_page(), site.url + link, name, made, role if role not in made else f"other {role}")
         other.close()
     context.close()
@@ -140,8 +151,8 @@ def _join(page: Page, link: str, name: str, made: dict[str, tuple[str, str]], ke
     password = f"brush and ink {key}"
     page.goto(link)
     page.get_by_label("Name").fill(name)
-    for box in page.locator("input[type=password]").all():
-        box.fill(password)
+    for field in page.locator("input[type=password]").all():
+        field.fill(password)
     page.locator("form button[type=submit]").click()
     expect(page.get_by_role("button", name="Log out")).to_be_visible()
     made[key] = (name, password)

@@ -248,10 +248,11 @@ class _Laid:
         for k, line in enumerate(lines):
             own = np.flatnonzero(self.master.owner == k)
             least = min(sought.run * wide, sought.dot * len(own) if all(line.free) else np.inf)
-            for run in _runs(bare[own], bridge=sought.bridge * wide):
-                if run[-1] - run[0] + 1 >= least:
-                    lost = float(np.average(~self.covered[own], weights=weight[own]))
-                    counted[own[run]] = np.interp(lost, sought.lost, (0.0, 1.0))
+            runs = _runs(bare[own], bridge=sought.bridge * wide)
+            long = [run for run in runs if run[-1] - run[0] + 1 >= least]
+            if long:
+                lost = float(np.average(~self.covered[own], weights=weight[own]))
+                counted[own[np.concatenate(long)]] = np.interp(lost, sought.lost, (0.0, 1.0))
         share = float(weight @ counted) - sought.spare * float(self.spare.mean())
         return max(share, 0.0), counted > 0
 

@@ -47,15 +47,14 @@ class Workers:
         with self._lock:  # a process made after this would be waited for when the program ends
             self._over = True
             pool, self._pool = self._pool, None
-            running = []
-            if isinstance(pool, ProcessPoolExecutor):
-                running = list((pool._processes or {}).values())
-                # half an answer is known for an end once nobody is left who could write the rest
-                pool._result_queue._writer.close()  # type: ignore[attr-defined]
-        for process in running:  # a long job would else hold the exit up; it is begun again
-            process.kill()
-        if pool is not None:
-            pool.shutdown(wait=bool(running), cancel_futures=True)
+        if isinstance(pool, ProcessPoolExecutor):
+            # half an answer is known for an end once nobody is left who could write the rest
+            pool._result_queue._writer.close()  # type: ignore[attr-defined]
+            for process in list((pool._processes or {}).values()):
+                process.kill()  # a long job would else hold the exit up; it is begun again
+            pool.shutdown(cancel_futures=True)
+        elif pool is not None:
+            pool.shutdown(wait=False, cancel_futures=True)  # a thread cannot be cut off
 
     def ask(self, work: Callable[..., Answer], *, patience: float | None = _PATIENCE, **terms: Any) -> Answer:
         """`work(place, **terms)` in a process. A process that dies under it is replaced, and it is tried
