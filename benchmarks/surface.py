@@ -90,14 +90,23 @@ def degrees_off(normals: np.ndarray, truth: np.ndarray, where: np.ndarray) -> fl
     return float(np.degrees(np.arccos(np.clip(cosine, -1, 1))).mean())
 
 
+def angular_errors() -> dict[str, dict[str, float]]:
+    """Mean angular error in degrees of each solver on each capture whose normals are known; its residual on one
+    that has none, in per cent."""
+    table = {}
+    for name, (capture, truth, where) in known().items():
+        table[name] = {
+            solver: degrees_off(surface_normals(capture, solver=solver)[0], truth, where) for solver in SOLVERS
+        }
+    cat = read_capture(PHOTOS / "psbox-cat")
+    residuals = {solver: 100 * surface_normals(cat, solver=solver)[3]["residual"] for solver in SOLVERS}
+    return table | {"psbox-cat, residual %": residuals}
+
+
 def accuracy() -> None:
     print("\nmean angular error, degrees     " + "".join(f"{solver:>15}" for solver in SOLVERS))
-    for name, (capture, truth, where) in known().items():
-        off = [degrees_off(surface_normals(capture, solver=s)[0], truth, where) for s in SOLVERS]
-        print(f"  {name:<30}" + "".join(f"{value:15.2f}" for value in off))
-    capture = read_capture(PHOTOS / "psbox-cat")
-    off = [surface_normals(capture, solver=s)[3]["residual"] for s in SOLVERS]
-    print("  psbox-cat, residual %         " + "".join(f"{100 * value:15.1f}" for value in off))
+    for name, row in angular_errors().items():
+        print(f"  {name:<30}" + "".join(f"{row[solver]:15.2f}" for solver in SOLVERS))
 
 
 def solving() -> None:
