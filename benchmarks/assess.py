@@ -22,7 +22,7 @@ import rumu
 from rumu.gallery.works import find_work
 from rumu.registration.icp import IcpSettings
 from rumu.registration.points import sample_points
-from rumu.simulation import faults
+from rumu_lab.simulation import faults
 
 WORKS = ("regular-shui", "regular-shu", "clerical-tian", "running-yue", "cursive-shu")
 LEANS = (-11.0, 0.0, 7.0)

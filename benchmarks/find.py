@@ -16,8 +16,8 @@ import cv2
 import numpy as np
 
 import rumu
-from rumu.experiments.e3c import Copy, read_copies
 from rumu.gallery.search import MasterIndex, find, index_masters
+from rumu_lab.experiments.e3c import Copy, read_copies
 
 SETS = ("regular", "running-lantingxu", "cursive")
 MANY = 8000

@@ -27,13 +27,13 @@ from rumu.assessment.comparison import compare
 from rumu.assessment.evidence import Evidence
 from rumu.assessment.refusal import refusal
 from rumu.errors import RefusedImage, SurfaceError
-from rumu.experiments.e3c import read_copies
 from rumu.gallery.masters import Master, read_masters
 from rumu.gallery.works import starter_works
 from rumu.processes import in_order
-from rumu.simulation import faults
-from rumu.simulation.impostors import IMPOSTORS, impostor, picture_of
 from rumu.values import Surface
+from rumu_lab.experiments.e3c import read_copies
+from rumu_lab.simulation import faults
+from rumu_lab.simulation.impostors import IMPOSTORS, impostor, picture_of
 
 RIGHT = ("E3C copy", "Lanting Xu, two versions", "fault of severity 5", "regular, two works")
 

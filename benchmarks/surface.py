@@ -91,12 +91,13 @@ def degrees_off(normals: np.ndarray, truth: np.ndarray, where: np.ndarray) -> fl
 
 
 def angular_errors() -> dict[str, dict[str, float]]:
-    """Mean angular error in degrees of each solver on each capture whose normals are known; its residual on one
-    that has none, in per cent."""
+    """Mean angular error in degrees of each solver where the normals are known; its residual in per
+    cent on a capture without known normals."""
     table = {}
     for name, (capture, truth, where) in known().items():
         table[name] = {
-            solver: degrees_off(surface_normals(capture, solver=solver)[0], truth, where) for solver in SOLVERS
+            solver: degrees_off(surface_normals(capture, solver=solver)[0], truth, where)
+            for solver in SOLVERS
         }
     cat = read_capture(PHOTOS / "psbox-cat")
     residuals = {solver: 100 * surface_normals(cat, solver=solver)[3]["residual"] for solver in SOLVERS}

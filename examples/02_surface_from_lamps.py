@@ -3,8 +3,8 @@
 import numpy as np
 
 import rumu
-from rumu.simulation.lamps import photographs
-from rumu.simulation.shapes import bump
+from rumu_lab.simulation.lamps import photographs
+from rumu_lab.simulation.shapes import bump
 
 mound = bump((96, 96), peak=6.0, sigma=14.0)
 images, lights = photographs(mound.height, 0.8, tilts=(0, 60, 120, 180, 240, 300), slant=40.0)

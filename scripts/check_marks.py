@@ -2,7 +2,7 @@
 
 A change of the code that is to change no mark runs this before and after. It marks every E3C copy against its
 template and every starter sample against its work, reconstructs the captures of `benchmarks/surface.py`, and
-prints the largest difference of each figure from `scripts/recorded_marks.json.gz`. It ends with 1 when a score
+prints the largest difference of each figure from `recorded_marks.json.gz` beside it. It ends with 1 when one
 differs by more than 1e-6 or a remark by a letter. `--write` records anew, for a change that is meant to.
 """
 
@@ -72,8 +72,15 @@ def figures(assessment: Any) -> Figures:
             "similarity": a.similarity,
             **{f"part {name}": value for name, value in a.parts.items()},
         },
-        "words": [a.level, a.refused, a.refused_zh, *(word for r in a.remarks for word in (r.kind, r.zh, r.en))],
-        "drawings": hashlib.sha256(repr([(r.region, r.outline) for r in a.remarks]).encode()).hexdigest()[:16],
+        "words": [
+            a.level,
+            a.refused,
+            a.refused_zh,
+            *(word for r in a.remarks for word in (r.kind, r.zh, r.en)),
+        ],
+        "drawings": hashlib.sha256(repr([(r.region, r.outline) for r in a.remarks]).encode()).hexdigest()[
+            :16
+        ],
     }
 
 

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from rumu.assessment.calibration import write_calibration
-from rumu.experiments import e3c
+from rumu_lab.experiments import e3c
 
 HOME = Path(__file__).parents[1]
 

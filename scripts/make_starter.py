@@ -27,7 +27,7 @@ from rumu.gallery.fonts import SIDE
 from rumu.gallery.fonts import Face as Drawn
 from rumu.gallery.works import Bilingual
 from rumu.outputs import whole_folder
-from rumu.simulation.copies import DEGREES, copy_at
+from rumu_lab.simulation.copies import DEGREES, copy_at
 
 ROOT = Path(__file__).resolve().parents[1]
 STARTER = ROOT / "src" / "rumu" / "gallery" / "starter"

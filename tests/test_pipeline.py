@@ -15,10 +15,10 @@ import rumu
 from rumu import pipeline
 from rumu.errors import CalibrationError, ImageError, RefusedImage
 from rumu.gallery.works import find_work, starter_works
-from rumu.simulation import faults
-from rumu.simulation.glyph import Glyph
 from rumu.surface.folder import write_surface
 from rumu.values import Assessment, Surface
+from rumu_lab.simulation import faults
+from rumu_lab.simulation.glyph import Glyph
 
 
 def known(*values: str, why: str):

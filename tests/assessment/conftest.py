@@ -14,9 +14,9 @@ from rumu.assessment.comparison import compare
 from rumu.gallery.works import find_work
 from rumu.registration.icp import register_points
 from rumu.registration.points import Sampling, sample_points
-from rumu.simulation import faults
 from rumu.surface.inflation import inflate
 from rumu.values import Registration, Surface
+from rumu_lab.simulation import faults
 
 
 @lru_cache(maxsize=32)

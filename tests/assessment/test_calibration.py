@@ -239,7 +239,7 @@ def test_levels_by_name():
 
 
 def test_all_four_levels_are_in_use_on_human_marks(data):
-    from rumu.experiments.e3c import read_copies
+    from rumu_lab.experiments.e3c import read_copies
 
     levels = [level_of(copy.mark) for copy in read_copies(data)]
     shares = {level: levels.count(level) / len(levels) for level in (*LEVELS["panel"], "bad")}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rumu.assessment.features import RESIDUALS, SOFTENING, residuals
-from rumu.simulation.glyph import Glyph
+from rumu_lab.simulation.glyph import Glyph
 
 WORK = "regular-shui"
 

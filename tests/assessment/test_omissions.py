@@ -8,9 +8,9 @@ from rumu import pipeline
 from rumu.assessment.comparison import compare
 from rumu.assessment.omissions import left_over
 from rumu.gallery.works import find_work
-from rumu.simulation.copies import copy_at
-from rumu.simulation.faults import apply
-from rumu.simulation.glyph import Glyph
+from rumu_lab.simulation.copies import copy_at
+from rumu_lab.simulation.faults import apply
+from rumu_lab.simulation.glyph import Glyph
 
 WORKS = ("regular-shui", "regular-shu", "clerical-ri", "seal-tian", "running-tian", "cursive-ren")
 

@@ -16,9 +16,9 @@ from rumu.assessment.comparison import compare
 from rumu.assessment.evidence import Evidence, filled, parts_of
 from rumu.assessment.refusal import RefusalLimits, judged, reason, refusal
 from rumu.gallery.works import find_work, starter_works
-from rumu.simulation import faults
-from rumu.simulation.impostors import impostor, picture_of
 from rumu.values import Surface
+from rumu_lab.simulation import faults
+from rumu_lab.simulation.impostors import impostor, picture_of
 
 WORKS = ("regular-shu", "regular-shui", "clerical-tian", "seal-yue", "running-ri", "cursive-shu")
 

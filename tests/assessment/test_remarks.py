@@ -9,8 +9,8 @@ import pytest
 
 from rumu.assessment.comparison import compare
 from rumu.assessment.remarks import Noticeable, remarks
-from rumu.simulation.faults import FAULTS
-from rumu.simulation.glyph import Glyph, region_of
+from rumu_lab.simulation.faults import FAULTS
+from rumu_lab.simulation.glyph import Glyph, region_of
 
 WORK = "regular-shui"
 

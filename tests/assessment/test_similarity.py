@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from rumu.assessment.similarity import posed, sim_paper, similarity
-from rumu.simulation.glyph import Glyph
+from rumu_lab.simulation.glyph import Glyph
 
 WORK = "regular-shui"
 

@@ -9,7 +9,7 @@ from rumu.assessment.comparison import compare
 from rumu.assessment.inkwork import measure_ink
 from rumu.assessment.pose import robust_pose
 from rumu.assessment.strokes import find_strokes
-from rumu.simulation.glyph import Glyph
+from rumu_lab.simulation.glyph import Glyph
 
 WORK = "regular-shui"
 

@@ -2,54 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
-from typer.testing import CliRunner
-
-from rumu.cli import app
-
-
-@dataclass(frozen=True)
-class Ended:
-    """How a command ended."""
-
-    code: int
-    out: str
-    err: str
-
-    @property
-    def facts(self) -> dict[str, Any]:
-        """The one JSON object on stdout; fails when anything else is there."""
-        assert self.out.count("\n") == 1 and self.out.endswith("\n"), self.out
-        facts = json.loads(self.out, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
-        assert isinstance(facts, dict)
-        return facts
-
-    def failed_with(self, *words: str) -> None:
-        """Exit code 1 and one line on stderr that holds all `words`, with no traceback."""
-        assert self.code == 1, self
-        assert self.err.startswith("rumu: ") and self.err.count("\n") == 1, self.err
-        assert "Traceback" not in self.err and "unexpected" not in self.err
-        for word in words:
-            assert word in self.err, self.err
-
-
-@pytest.fixture
-def rumu() -> Callable[..., Ended]:
-    def run(*arguments: object) -> Ended:
-        result = CliRunner().invoke(app, [str(argument) for argument in arguments])
-        if result.exception is not None and not isinstance(result.exception, SystemExit):
-            raise result.exception
-        return Ended(result.exit_code, result.stdout, result.stderr)
-
-    return run
 
 
 def glyph(*, side: int = 160, lean: int = 0, bar: bool = True) -> Image.Image:

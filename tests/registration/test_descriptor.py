@@ -18,7 +18,7 @@ from rumu.registration.descriptor import (
     turned,
 )
 from rumu.registration.points import sample_points
-from rumu.simulation import faults
+from rumu_lab.simulation import faults
 
 
 def vector_of(ink: np.ndarray, **options) -> np.ndarray:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rumu.errors import SurfaceError
-from rumu.simulation.shapes import bump, plane, sphere
 from rumu.surface.integrate import INTEGRATORS, integrate
 from rumu.surface.stereo import normals_from_gradients
+from rumu_lab.simulation.shapes import bump, plane, sphere
 
 METHODS = [name for name in INTEGRATORS if name != "auto"]
 

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rumu.errors import SurfaceError
-from rumu.simulation.lamps import photographs
-from rumu.simulation.shapes import bump
 from rumu.surface.relight import relight, relight_three
 from rumu.values import Surface
+from rumu_lab.simulation.lamps import photographs
+from rumu_lab.simulation.shapes import bump
 
 SHAPE = bump((40, 50), peak=4.0, sigma=10.0)
 ALBEDO = 0.3 + 0.5 * (np.indices((40, 50)).sum(axis=0) % 2)

@@ -7,12 +7,12 @@ import pytest
 
 from rumu.capture.folder import read_capture
 from rumu.errors import SurfaceError
-from rumu.simulation.lamps import Gloss, Sensor, photographs
-from rumu.simulation.shapes import bump, ridges
 from rumu.surface.photometric import photometric, surface_normals
 from rumu.surface.robust import SOLVERS, solve
 from rumu.surface.strengths import calibrate
 from rumu.values import Capture
+from rumu_lab.simulation.lamps import Gloss, Sensor, photographs
+from rumu_lab.simulation.shapes import bump, ridges
 
 RING = tuple(np.arange(12) * 30.0)
 TWO_SLANTS = (30.0, 50.0) * 6

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from rumu.errors import SurfaceError
-from rumu.simulation.lamps import Sensor, photographs
-from rumu.simulation.shapes import bump, plane
 from rumu.surface.integrate import integrate
 from rumu.surface.stereo import (
     gradients_from_normals,
@@ -15,6 +13,8 @@ from rumu.surface.stereo import (
     normals_from_gradients,
     three_lamps,
 )
+from rumu_lab.simulation.lamps import Sensor, photographs
+from rumu_lab.simulation.shapes import bump, plane
 
 PAPER = (0.0, 90.0, 180.0, 270.0)
 SIZE = (60, 80)

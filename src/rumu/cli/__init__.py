@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import rumu
-from rumu.cli import assess, calibrate, demo, experiments, find, gallery, serve, surfaces
+from rumu.cli import assess, calibrate, demo, extensions, find, gallery, serve, surfaces
 from rumu.cli.outcome import interrupted, speak_plainly
 
 app = typer.Typer(
@@ -19,8 +19,9 @@ app = typer.Typer(
     rich_markup_mode=None,  # the rich help costs more time than the rest of the start
     pretty_exceptions_enable=False,
 )
-for room in (demo, surfaces, assess, calibrate, find, gallery, experiments, serve):
-    room.register(app)
+for commands in (demo, surfaces, assess, calibrate, find, gallery, serve):
+    commands.register(app)
+extensions.register(app)
 
 
 def _version(asked: bool) -> None:

@@ -1,0 +1,249 @@
+"""The same character or another? The area under the curve over the sets of masters, and E3C.
+
+In each set every character gives as many pairs of the same character (another work, another version, a
+learner's copy and its template) as of two different ones, and each measure is asked to part the two. 1 is
+without error, .5 is chance. Intervals come from drawing characters anew, not pairs.
+
+Labels name characters and not forms: some pairs of one character in the regular works show two forms of
+it (號 and 号, 臺 and 台) or are labelled wrongly, and the Lanting Xu varies its forms on purpose. Such
+pairs stay in; they bound what any comparison of shapes can reach.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rumu.errors import RefusedImage, RegistrationError
+from rumu.gallery.masters import Master, read_masters
+from rumu.processes import in_order
+from rumu.values import FloatArray, Surface
+from rumu_lab.experiments.e3c import read_copies
+
+Progress = Callable[[int, int], None]
+
+MEASURES: Mapping[str, str] = {
+    "score": "the mark as it is given, nothing when refused",
+    "mark": "the mark, before any refusal",
+    "similarity": "two-sided similarity",
+    "position": "what registration leaves in the plane",
+    "likeness": "likeness of outlines",
+    "beyond others": "likeness beyond what other characters reach",
+    "familiarity": "the last with what registration leaves, as refusal weighs them",
+}
+DRAWS = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two pictures of one character, or of two. character: of the first, by which intervals are drawn."""
+
+    where: str
+    character: str
+    copy: Path
+    master: Path
+    same: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """One pair with its measures, more is more alike; None when a picture holds nothing to compare."""
+
+    pair: Pair
+    measures: Mapping[str, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """figures: set -> measure -> {'auc', 'low', 'high'} with 95 % intervals, and the numbers of pairs."""
+
+    measured: tuple[Measured, ...]
+    figures: Mapping[str, Any]
+
+    def summary(self) -> dict[str, Any]:
+        """All figures, plain."""
+        return dict(self.figures)
+
+    def text(self) -> str:
+        """The figures as a person reads them."""
+        lines = []
+        for where, figures in self.figures.items():
+            lines.append(
+                f"{where}: {figures['same']} pairs of one character, {figures['other']} of two, "
+                f"{figures['characters']} characters, {figures['left_out']} pairs left out"
+            )
+            for name, meaning in MEASURES.items():
+                f = figures[name]
+                lines.append(f"  {f['auc']:.4f} ({f['low']:.4f} to {f['high']:.4f})  {meaning}")
+        return "\n".join(lines)
+
+
+def run(
+    data: str | Path,
+    *,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+    most: int | None = None,
+    seed: int = 0,
+) -> Result:
+    """Measure the pairs of every set under `data`. most: at most so many characters a set. out: a folder for
+    identity.csv. seed: chooses the pairs. Raises RumuError when the data is not there.
+    """
+    chosen = list(pairs(Path(data), most=most, seed=seed))
+    measured: list[Measured] = []
+    for item in in_order(measure, chosen):
+        measured.append(item)
+        if progress:
+            progress(len(measured), len(chosen))
+    result = Result(tuple(measured), _figures(measured, seed=seed))
+    if out is not None:
+        write_table(result, Path(out) / "identity.csv")
+    return result
+
+
+def pairs(data: Path, *, most: int | None, seed: int) -> Iterator[Pair]:
+    """One pair of the same and one of another character for each character of each set (E3C: each copy)."""
+    rng = np.random.default_rng(seed)
+    regular = read_masters(data / "masters" / "regular")
+    yield from _of_masters("regular, six works", regular, _work, most=most, rng=rng)
+    running = read_masters(data / "masters" / "running-lantingxu")
+    clear = [m for m in running if "dingwu" not in m.path.parts]
+    yield from _of_masters("Lanting Xu, three versions in ink", clear, _work, most=most, rng=rng)
+    yield from _of_masters("Lanting Xu with the rubbing", running, _work, most=most, rng=rng)
+    copies = read_copies(data)
+    templates = sorted({copy.template for copy in copies})
+    for copy in copies if most is None else copies[:: max(len(copies) // most, 1)]:
+        others = [template for template in templates if template != copy.template]
+        other = others[int(rng.integers(len(others)))]
+        for template, same in ((copy.template, True), (other, False)):
+            yield Pair("E3C copies and templates", copy.character, copy.image, template, same)
+
+
+def _work(master: Master) -> str:
+    return master.path.parent.name
+
+
+def _of_masters(
+    where: str,
+    masters: Sequence[Master],
+    group: Callable[[Master], str],
+    *,
+    most: int | None,
+    rng: np.random.Generator,
+) -> Iterator[Pair]:
+    """Copy and master from two works; the other character stands in the work of the right one."""
+    by_character: dict[str, list[Master]] = defaultdict(list)
+    by_work: dict[str, list[Master]] = defaultdict(list)
+    for master in masters:
+        by_character[master.character or ""].append(master)
+        by_work[group(master)].append(master)
+    shared = [c for c, found in by_character.items() if len({group(m) for m in found}) > 1]
+    chosen = shared if most is None else [shared[k] for k in rng.permutation(len(shared))[:most]]
+    for character in chosen:
+        found = by_character[character]
+        copy = found[int(rng.integers(len(found)))]
+        same = [m for m in found if group(m) != group(copy)]
+        right = same[int(rng.integers(len(same)))]
+        others = [m for m in by_work[group(right)] if m.character != character]
+        wrong = others[int(rng.integers(len(others)))]
+        yield Pair(where, character, copy.path, right.path, True)
+        yield Pair(where, character, copy.path, wrong.path, False)
+
+
+def measure(pair: Pair) -> Measured:
+    """All measures of one pair."""
+    from rumu.assessment.calibration import panel
+    from rumu.assessment.comparison import compare
+    from rumu.assessment.evidence import Evidence
+    from rumu.assessment.refusal import judged
+    from rumu.assessment.similarity import similarity
+
+    try:
+        copy, master = _surface(pair.copy), _surface(pair.master)
+        registration, features = compare(copy, master)
+    except (RefusedImage, RegistrationError):
+        return Measured(pair, None)
+    evidence = Evidence(copy, master, registration)
+    mark, (no_copy, highest) = panel().score(features), judged(evidence)
+    values = {
+        "score": -1.0 if no_copy else min(mark, highest),
+        "mark": mark,
+        "similarity": similarity(registration),
+        "position": -evidence.position,
+        "likeness": evidence.likeness,
+        "beyond others": evidence.beyond_others,
+        "familiarity": -evidence.strangeness,
+    }
+    return Measured(pair, values)
+
+
+def area(same: FloatArray, other: FloatArray) -> float:
+    """Share of all (same, other) pairs that stand in the right order; ties count half."""
+    from scipy.stats import rankdata
+
+    ranks = rankdata(np.concatenate([same, other]))
+    n, m = len(same), len(other)
+    return float((ranks[:n].sum() - n * (n + 1) / 2) / (n * m))
+
+
+def interval(
+    values: FloatArray, same: FloatArray, characters: np.ndarray, *, seed: int
+) -> tuple[float, float]:
+    """95 % interval of `area` when characters are drawn anew, each with all its pairs."""
+    rng = np.random.default_rng(seed)
+    names, which = np.unique(characters, return_inverse=True)
+    members = [np.flatnonzero(which == k) for k in range(len(names))]
+    areas = []
+    for _ in range(DRAWS):
+        drawn = np.concatenate([members[k] for k in rng.integers(len(names), size=len(names))])
+        areas.append(area(values[drawn][same[drawn]], values[drawn][~same[drawn]]))
+    low, high = np.percentile(areas, (2.5, 97.5))
+    return float(low), float(high)
+
+
+def _figures(measured: list[Measured], *, seed: int) -> dict[str, Any]:
+    figures: dict[str, Any] = {}
+    for where in dict.fromkeys(m.pair.where for m in measured):
+        mine = [m for m in measured if m.pair.where == where]
+        kept = [(m.pair, m.measures) for m in mine if m.measures is not None]
+        same = np.array([pair.same for pair, _ in kept])
+        characters = np.array([pair.character for pair, _ in kept])
+        entry: dict[str, Any] = {
+            "same": int(same.sum()),
+            "other": int((~same).sum()),
+            "characters": len(np.unique(characters)),
+            "left_out": len(mine) - len(kept),
+        }
+        for name in MEASURES:
+            values = np.array([measures[name] for _, measures in kept])
+            low, high = interval(values, same, characters, seed=seed)
+            entry[name] = {"auc": area(values[same], values[~same]), "low": low, "high": high}
+        figures[where] = entry
+    return figures
+
+
+def write_table(result: Result, path: Path) -> None:
+    """One row a pair."""
+    from rumu.outputs import whole_file
+
+    with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(["set", "character", "copy", "master", "same", *MEASURES])
+        for m in result.measured:
+            values = [f"{m.measures[name]:.5f}" if m.measures else "" for name in MEASURES]
+            p = m.pair
+            writer.writerow([p.where, p.character, p.copy.name, p.master.name, int(p.same), *values])
+
+
+@lru_cache(maxsize=64)
+def _surface(path: Path) -> Surface:
+    from rumu.pipeline import surface_of
+
+    return surface_of(path)

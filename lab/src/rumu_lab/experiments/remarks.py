@@ -1,0 +1,344 @@
+"""Known faults told back by name: what is said of a copy whose one fault is known.
+
+Each fault of the simulation is put into masters of three kinds - the works of the starter gallery, the
+templates of the E3C copies, samples of steles - and the copy is asked for its remarks. A fault is told back
+when a remark of its kind is among them that speaks of the stroke it struck, if it struck one. The thresholds
+of the remarks were set on the masters that are 'seen'; the others took no part, and their figures count.
+"""
+
+from __future__ import annotations
+
+import csv
+import functools
+import zlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rumu.errors import CalibrationError, RumuError, SurfaceError
+from rumu.processes import in_order
+from rumu.values import BoolArray, Remark
+from rumu_lab.simulation.faults import Faulted, apply
+from rumu_lab.simulation.glyph import Glyph
+
+Progress = Callable[[int, int], None]
+
+ANSWERS: Mapping[str, tuple[str, ...]] = {
+    "missing": ("missing",),
+    "squeeze": ("squeeze",),
+    "lean": ("lean",),
+    "entry": ("entry_heavy",),
+    "blunt": ("exit_blunt",),
+    "small": ("size",),
+    "shift": ("displaced",),
+    "angle": ("stroke_angle",),
+    "horizontal": ("stroke_angle",),
+    "thick": ("heavy",),
+    "thin": ("thin",),
+    "stroke_thick": ("stroke_heavy",),
+    "stroke_thin": ("stroke_thin",),
+    "short": ("stroke_short",),
+    "extra": ("extra",),
+    "off_centre": ("offset",),
+    "uneven": ("spacing", "displaced"),
+    "wobble": ("rough",),
+    "blot": ("blot",),
+    "pale": ("pale",),
+    "dry": ("dry",),
+}
+"""The kinds of remark that name a fault, the faults that were asked for first."""
+SEVERITIES = (2.0, 3.0, 4.0, 5.0)
+MIDDLE = (3.0,)
+"""What `run` puts in unless told otherwise: all four take four times as long."""
+ASKED: tuple[tuple[str, float], ...] = (("lean", 1.5), ("small", 1.5), ("horizontal", 3.0))
+"""A lean of 6 degrees, a character 12 % too small, a horizontal that leans by 6 degrees."""
+_SEEN = """
+seal-tian seal-yue seal-ren seal-shui seal-shu clerical-ri clerical-shui clerical-ren regular-shu regular-shui
+regular-ri running-shui running-tian cursive-ren cursive-shu
+"""
+SEEN = frozenset(_SEEN.split())
+"""Starter works that were looked at while the thresholds were set; the other half was not."""
+SIDE = 256
+"""Pixels of the longer side of a master, at most; a sixteenth of paper is added all round."""
+STELES = 12
+"""Samples of masters/regular, spread evenly over the list."""
+SEEN_INK = 0.01
+"""Share of the ink that blunt tips must add to be there at all."""
+NEAR = 0.07
+"""Fraction of the picture within which a remark's outline must keep to the struck stroke's path."""
+
+
+@dataclass(frozen=True, slots=True)
+class Master:
+    """One master. seen: whether the thresholds were set with it in view."""
+
+    name: str
+    path: Path
+    seen: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """One copy with one fault, and what was said.
+
+    told: at which place of the remarks it was named, 0 first; None when it was not.
+    """
+
+    master: str
+    seen: bool
+    fault: str
+    severity: float
+    told: int | None
+    kinds: tuple[str, ...]
+    refused: str | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Result:
+    """What was told back of every copy."""
+
+    told: tuple[Told, ...]
+    figures: Mapping[str, Any] = field(default_factory=dict)
+
+    def summary(self) -> dict[str, Any]:
+        """All figures, plain."""
+        return dict(self.figures)
+
+    def text(self) -> str:
+        """The figures as a person reads them."""
+        head = ("fault", "copies", "told back", "told first", "", "on seen masters")
+        rows = [head]
+        for name, f in self.figures["faults"].items():
+            held, seen = f["held_out"], f["seen"]
+            rows.append((name, str(held["copies"]), *(f"{held[k]:.0%}" for k in ("told", "first")), "",
+                         f"{seen['told']:.0%} of {seen['copies']}"))  # fmt: skip
+        widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
+        table = "\n".join(
+            "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows
+        )
+        clean = self.figures["clean"]
+        return "\n".join(
+            [
+                f"Faults told back by name, severity {self.figures['severities']}: "
+                f"N = {self.figures['copies']} copies of {self.figures['held_out_masters']} masters that no "
+                "threshold was set on.",
+                table,
+                f"Clean copies, at another size or place: {clean['copies']}, of which {clean['stroke']} "
+                f"got a remark on a stroke and {clean['any']} any remark.",
+            ]
+        )
+
+
+def run(
+    data: str | Path,
+    *,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+    masters: Iterable[Master] | None = None,
+    severities: tuple[float, ...] = MIDDLE,
+) -> Result:
+    """Put every fault into every master and ask for the remarks.
+
+    data: holds e3c and masters/regular. out: a folder for remarks.csv, one row a copy. masters: others than
+    the standard ones. severities: of SEVERITIES. Raises CalibrationError when the data is not there.
+    """
+    chosen = list(masters) if masters is not None else standard_masters(Path(data))
+    told: list[Told] = []
+    work = functools.partial(_told_of_master, severities=severities)
+    for done, some in enumerate(in_order(work, chosen), start=1):
+        told += some
+        if progress:
+            progress(done, len(chosen))
+    result = Result(tuple(told), figures(told))
+    if out is not None:
+        write_table(result, Path(out) / "remarks.csv")
+    return result
+
+
+def standard_masters(data: Path) -> list[Master]:
+    """The thirty starter works, the E3C templates, and samples of steles."""
+    from rumu.gallery.works import starter_works
+
+    templates = sorted((data / "e3c" / "templates").glob("*.*"))
+    steles = sorted((data / "masters" / "regular").rglob("*.png"))
+    if not templates or not steles:
+        raise CalibrationError(f"{data}: expected e3c/templates and masters/regular here, found none")
+    spread = [steles[k] for k in np.linspace(0, len(steles) - 1, STELES).astype(int)]
+    return [
+        *(Master(w.id, w.path, w.id in SEEN) for w in starter_works()),
+        *(Master(f"e3c-{p.stem}", p, False) for p in templates),
+        *(Master(f"stele-{p.stem}", p, False) for p in spread),
+    ]
+
+
+def _told_of_master(master: Master, severities: tuple[float, ...]) -> list[Told]:
+    """All faults of one master. A fault that the glyph cannot have is left out."""
+    glyph = _glyph(master.path)
+    cases = list(dict.fromkeys([(fault, s) for fault in ANSWERS for s in severities] + list(ASKED)))
+    told = []
+    for fault, severity in cases:
+        seed = zlib.crc32(f"{master.name} {fault} {severity:g}".encode()) % 10_000
+        try:
+            copy = apply(glyph.mask, fault, severity=severity, seed=seed)
+        except SurfaceError:  # no stroke to leave out, none that lies
+            continue
+        if fault == "blunt" and (copy.mask ^ glyph.mask).sum() < SEEN_INK * glyph.mask.sum():
+            continue  # no tip that tapers, as in seal script
+        told.append(_told(master, glyph, copy))
+    return [*told, *_clean(master, glyph)]
+
+
+def _told(master: Master, glyph: Glyph, copy: Faulted) -> Told:
+    try:
+        found = _remarks(_picture(copy.ink), _picture(glyph.mask))
+    except RumuError as error:
+        return Told(master.name, master.seen, copy.fault, copy.severity, None, (), str(error))
+    right = [r.kind in ANSWERS[copy.fault] and speaks_of(r, copy, glyph) for r in found]
+    place = right.index(True) if any(right) else None
+    kinds = tuple(r.kind for r in found)
+    return Told(master.name, master.seen, copy.fault, copy.severity, place, kinds)
+
+
+def speaks_of(remark: Remark, copy: Faulted, glyph: Glyph) -> bool:
+    """Whether a remark speaks of strokes that the fault struck, or of the place where it is."""
+    if not copy.strokes:
+        return remark.region is None or copy.fault not in ("extra", "blot") or _meet(remark, copy)
+    if not remark.outline:
+        return False
+    if copy.fault == "entry" and not _meet(remark, copy):
+        return False  # a heavy beginning, but of another stroke or at the wrong end
+    points = np.concatenate([np.array(line) for line in remark.outline])
+    size = np.array(glyph.mask.shape, float)
+    paths = np.concatenate([(glyph.strokes[k].path / size)[:, ::-1] for k in copy.strokes])
+    away = np.sqrt(((points[:, None] - paths[None]) ** 2).sum(axis=2)).min(axis=1)
+    return float((away < NEAR).mean()) >= 0.6
+
+
+def _meet(remark: Remark, copy: Faulted) -> bool:
+    a, b = remark.region or copy.region, copy.region
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+def _clean(master: Master, glyph: Glyph) -> list[Told]:
+    """The master itself at half and at one and a half times its size, and a little aside."""
+    import cv2
+
+    ink = glyph.mask.astype(np.float32)
+    aside = np.array([[1.0, 0.0, 3.3], [0.0, 1.0, -2.6]])
+    copies = {
+        "half": cv2.resize(ink, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA),
+        "larger": cv2.resize(ink, None, fx=1.5, fy=1.5, interpolation=cv2.INTER_LINEAR),
+        "aside": cv2.warpAffine(ink, aside, ink.shape[::-1]),
+    }
+    told = []
+    for name, copy in copies.items():
+        try:
+            kinds = tuple(r.kind for r in _remarks(_picture(copy), _picture(glyph.mask)))
+        except RumuError as error:
+            told.append(Told(master.name, master.seen, f"clean {name}", 0.0, None, (), str(error)))
+            continue
+        told.append(Told(master.name, master.seen, f"clean {name}", 0.0, None, kinds))
+    return told
+
+
+def _remarks(copy: np.ndarray, master: np.ndarray) -> tuple[Remark, ...]:
+    from rumu import pipeline
+
+    return pipeline.assess(copy, _surface(master.tobytes(), master.shape)).remarks
+
+
+@functools.lru_cache(maxsize=2)
+def _surface(data: bytes, shape: tuple[int, ...]) -> Any:
+    from rumu import pipeline
+
+    return pipeline.surface_of(np.frombuffer(data, np.uint8).reshape(shape))
+
+
+def _picture(ink: np.ndarray) -> np.ndarray:
+    """Dark ink on white paper, (H, W) uint8; ink: from 0 to 1."""
+    return np.asarray(np.round(255.0 * (1.0 - ink.astype(np.float32))), np.uint8)
+
+
+def _glyph(path: Path) -> Glyph:
+    import cv2
+
+    from rumu import pipeline
+
+    mask: BoolArray = pipeline.surface_of(path).mask
+    share = SIDE / max(mask.shape)
+    if share < 1.0:
+        smaller = cv2.resize(mask.astype(np.float32), None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
+        mask = np.asarray(smaller > 0.5)
+    return Glyph(np.pad(mask, SIDE // 16))  # what a fault moves must stay in the picture
+
+
+def figures(told: Iterable[Told]) -> dict[str, Any]:
+    """Shares told back and told first by fault, on held-out and on seen masters, and false alarms."""
+    told = list(told)
+    faulted = [t for t in told if not t.fault.startswith("clean")]
+    clean = [t for t in told if t.fault.startswith("clean")]
+    asked = {(name, severity) for name, severity in ASKED}
+    names = {
+        name: [t for t in faulted if t.fault == name and (name, t.severity) not in asked - _usual()]
+        for name in ANSWERS
+    }
+    names |= {f"{name} {severity:g}": [t for t in faulted if (t.fault, t.severity) == (name, severity)]
+              for name, severity in ASKED}  # fmt: skip
+    usual = sorted({t.severity for t in faulted if (t.fault, t.severity) not in asked})
+    return {
+        "severities": ", ".join(f"{s:g}" for s in usual),
+        "copies": sum(not t.seen for t in faulted),
+        "held_out_masters": len({t.master for t in told if not t.seen}),
+        "seen_masters": sorted({t.master for t in told if t.seen}),
+        "faults": {
+            name: {
+                "held_out": _shares([t for t in some if not t.seen]),
+                "seen": _shares([t for t in some if t.seen]),
+                "by_severity": {
+                    f"{s:g}": _shares([t for t in some if not t.seen and t.severity == s])
+                    for s in sorted({t.severity for t in some})
+                },
+            }
+            for name, some in names.items()
+        },
+        "clean": {
+            "copies": len(clean),
+            "any": sum(bool(t.kinds) for t in clean),
+            "stroke": sum(any(kind not in WHOLE for kind in t.kinds) for t in clean),
+            "refused": sum(t.refused is not None for t in clean),
+        },
+    }
+
+
+WHOLE = frozenset(("lean", "size", "offset", "heavy", "thin", "pale", "rough", "dry", "squeeze"))
+"""Remarks on the whole character."""
+
+
+def _usual() -> set[tuple[str, float]]:
+    return {(name, severity) for name in ANSWERS for severity in SEVERITIES}
+
+
+def _shares(told: list[Told]) -> dict[str, float]:
+    n = max(len(told), 1)
+    return {
+        "copies": len(told),
+        "told": sum(t.told is not None for t in told) / n,
+        "first": sum(t.told == 0 for t in told) / n,
+    }
+
+
+def write_table(result: Result, path: Path) -> None:
+    """One row a copy: master, whether seen, fault, severity, at which place it was told, what was said."""
+    from rumu.outputs import whole_file
+
+    with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(["master", "seen", "fault", "severity", "told", "kinds", "refused"])
+        for t in result.told:
+            place = "" if t.told is None else t.told + 1
+            writer.writerow(
+                [t.master, t.seen, t.fault, f"{t.severity:g}", place, " ".join(t.kinds), t.refused or ""]
+            )

@@ -1,0 +1,50 @@
+"""Measured copies that nobody measured, so that what is made of them can be tested alone."""
+
+from __future__ import annotations
+
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rumu_lab.baselines.methods import METHODS
+from rumu_lab.experiments.findings import Setting
+from rumu_lab.experiments.measuring import OURS, OWN, Measured, Task
+
+
+@pytest.fixture
+def quick(tmp_path) -> Setting:
+    """The quick subset, with a place to keep what it finds and no data."""
+    return Setting(tmp_path / "data", tmp_path / "out", quick=True)
+
+
+def _graded(task: Task, quality: float, *, noise: float = 0.02) -> Measured:
+    """Ours says `quality` (0 to 1); the others say it with noise of their own."""
+    rng = np.random.default_rng(zlib.crc32(task.key.encode()))
+    raw = {name: float(np.clip(quality + noise * rng.normal(), 0, 1)) for name in (*OWN, *METHODS)}
+    return Measured(task.key, task.cluster, raw | {OURS: quality})
+
+
+@pytest.fixture
+def graded():
+    """(task, quality, noise=) -> a copy of that quality, measured by every method."""
+    return _graded
+
+
+@pytest.fixture
+def e3c_data(tmp_path) -> Path:
+    """scores.csv with the characters of the quick subset; the pictures are not there."""
+    folder = tmp_path / "data" / "e3c"
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(3)
+    rows = ["image,character,template,mean_score,n_raters,ratings"]
+    for character in "十合得":
+        for k in range(8):
+            ratings = np.clip(np.round(2 + k + rng.normal(size=4)), 1, 10)
+            told = " ".join(f"{r:.0f}" for r in ratings)
+            rows.append(
+                f"copies/{character}{k}.png,{character},templates/{character}.png,{ratings.mean()},4,{told}"
+            )
+    (folder / "scores.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return tmp_path / "data"

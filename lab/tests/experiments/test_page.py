@@ -1,0 +1,86 @@
+"""The page: made of what is there, whole in itself, and open about what is missing."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from PIL import Image
+
+from rumu.errors import OutputError
+from rumu_lab.experiments import human, nuisance, page, severities
+from rumu_lab.experiments.findings import Findings, keep
+from rumu_lab.experiments.registry import EXPERIMENTS
+
+
+@pytest.fixture
+def results(quick, e3c_data, graded, monkeypatch):
+    """Human marks, severities, nuisances and runtime, of copies that nobody measured."""
+
+    def measure(tasks, *, store, progress):
+        return [graded(t, 0.9 - 0.1 * int(t.key[-1]) if t.key[-1].isdigit() else 0.5) for t in tasks]
+
+    for module in (human, severities, nuisance):
+        monkeypatch.setattr(module, "measure_all", measure)
+        keep(module.run(quick), setting=quick, seconds=1)
+    rows = [
+        {"method": name, "median": t, "least": t, "most": t, "ratio": 1.0} for name, t in (("rumu", 9.0),)
+    ]
+    keep(Findings("runtime", {"methods": rows, "repeats": 2, "side": 512}), setting=quick, seconds=1)
+    keep(Findings("gaming", {"above": []}, words="none <above> 40"), setting=quick, seconds=1)
+    return quick
+
+
+def test_the_page_needs_nothing_and_hides_nothing(results):
+    made = page.write_report(results.out)
+    text = made.page.read_text("utf-8")
+    assert not re.findall(r"""(?:src|href)=["'](?!data:|#)""", text)
+    assert "<script" not in text and "@import" not in text
+    assert text.count(results.protocol.sha256) > len(made.figures) / 2  # on the page and under every table
+    assert set(made.missing) == {"e3c", "levels", "ablation", "remarks", "identity", "pictures"}
+    assert all(f"<code>{name}</code>" in text for name in made.missing)
+    assert "no result" in text and "小樣快跑" in text
+    assert "none &lt;above&gt; 40" in text
+    for sentence in human.run(results).sentences:
+        assert sentence.zh in text
+
+
+def test_the_paper_s_numbers_stand_apart(results):
+    text = page.write_report(results.out).page.read_text("utf-8")
+    tables = "".join(re.findall(r"<table.*?</table>", text, flags=re.DOTALL))
+    assert "1.78" in text and "1.78" not in tables
+    assert "Not comparable" in text and "不可比" in text
+
+
+def test_figures_are_files_with_something_on_them(results):
+    made = page.write_report(results.out)
+    assert {"figures/figure-7-human.png", "figures/figure-7-human.svg"} < set(made.figures)
+    for name in made.figures:
+        file = results.out / name
+        if file.suffix == ".png":
+            with Image.open(file) as picture:
+                assert min(picture.size) > 100 and len(picture.convert("RGB").getcolors(1 << 24)) > 10
+        else:
+            assert file.read_text("utf-8").rstrip().endswith("</svg>")
+
+
+def test_nothing_yet(tmp_path):
+    with pytest.raises(OutputError, match="experiments run all"):
+        page.write_report(tmp_path)
+
+
+def test_results_of_several_versions_are_flagged():
+    from rumu_lab.experiments.protocol import declared
+
+    whole = {"quick": False, "protocol_sha256": declared().sha256, "code_sha256": "a"}
+    assert page.warnings_of({"a": whole, "b": whole}) == ()
+    (mixed,) = page.warnings_of({"a": whole, "b": {**whole, "code_sha256": "b"}})
+    assert "same version" in mixed.en
+    (other,) = page.warnings_of({"a": {**whole, "protocol_sha256": "x"}})
+    assert "protocol" in other.en
+
+
+def test_every_experiment_has_its_place_and_both_languages():
+    assert len({e.name for e in EXPERIMENTS}) == len(EXPERIMENTS)
+    for experiment in EXPERIMENTS:
+        assert re.search(r"[\u4e00-\u9fff]", experiment.title.zh) and experiment.title.en.isascii()

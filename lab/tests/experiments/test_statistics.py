@@ -1,0 +1,63 @@
+"""Each statistic against a figure from the literature, another implementation, or what must follow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import binomtest
+
+from rumu.errors import CalibrationError
+from rumu_lab.experiments import statistics as s
+
+
+@pytest.mark.parametrize(("right", "total"), [(6, 6), (5, 6), (29, 30), (0, 9), (17, 40)])
+def test_exact_intervals_are_those_of_the_binomial_test(right, total):
+    exact = binomtest(right, total).proportion_ci(0.95, method="exact")
+    assert s.clopper_pearson(right, total) == pytest.approx((exact.low, exact.high))
+
+
+def test_an_interval_needs_trials():
+    with pytest.raises(CalibrationError, match="0 of 0"):
+        s.clopper_pearson(0, 0)
+
+
+def test_kappa():
+    assert s.weighted_kappa([0, 1, 2, 3], [0, 1, 2, 3], levels=4) == 1.0
+    assert s.weighted_kappa([0, 1, 2, 3], [3, 2, 1, 0], levels=4) == -1.0
+    assert s.weighted_kappa([0, 0, 3, 3], [0, 3, 0, 3], levels=4) == 0.0
+    near = s.weighted_kappa([0, 1, 2, 3, 0, 1, 2, 3], [1, 1, 2, 2, 0, 2, 3, 3], levels=4)
+    far = s.weighted_kappa([0, 1, 2, 3, 0, 1, 2, 3], [3, 1, 2, 0, 0, 2, 3, 3], levels=4)
+    assert far < near < 1
+    assert np.isnan(s.weighted_kappa([2, 2], [2, 2], levels=4))
+
+
+def test_whole_clusters_are_drawn():
+    """Two clusters that differ: single values would be a hundred witnesses, clusters are only two."""
+    values = np.repeat([0.0, 1.0], 50)
+    assert s.cluster_interval(values, np.repeat(["a", "b"], 50), resamples=500, seed=1) == (0.0, 1.0)
+    low, high = s.cluster_interval(values, np.arange(100), resamples=500, seed=1)
+    assert 0.35 < low < 0.45 and 0.55 < high < 0.65
+
+
+def test_holm():
+    assert s.holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
+    assert s.holm([0.9, 0.8]) == pytest.approx([1.0, 1.0])
+
+
+def test_pairs_that_do_not_differ():
+    assert s.paired_p(np.ones(9), np.ones(9)) == 1.0
+    assert s.paired_p(np.arange(9.0), np.arange(9.0) + 1.0) < 0.01
+
+
+def test_ranks():
+    marks = np.array([10.0, 20.0, 20.0, 40.0])
+    assert s.order_accuracy(marks, marks) == 1.0
+    assert s.order_accuracy(-marks, marks) == 0.0
+    assert s.order_accuracy(np.zeros(4), marks) == 0.5
+    assert s.spearman(np.zeros(4), marks) == 0.0 == s.kendall(np.zeros(4), marks)
+    assert s.violations(np.array([5.0, 4.0, 4.5, 3.0, 3.0])) == 0.25
+
+
+def test_within_leaves_small_clusters_out():
+    given, truth = np.array([1.0, 2.0, 3.0, 9.0]), np.array([1.0, 2.0, 3.0, 0.0])
+    assert s.within(s.spearman, given, truth, ["a", "a", "a", "b"], fewest=3) == {"a": pytest.approx(1.0)}
