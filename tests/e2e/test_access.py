@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import absent
 from playwright.sync_api import Page, expect
-from tests.conftest import absent
 from tests.e2e.brush import write
 from tests.e2e.conftest import Arrive, Visitor
 

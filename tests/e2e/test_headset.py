@@ -5,9 +5,9 @@ from __future__ import annotations
 import io
 
 import numpy as np
+from conftest import FRONTEND
 from PIL import Image
 from playwright.sync_api import Page
-from tests.conftest import FRONTEND
 from tests.e2e.conftest import Visitor
 from tests.e2e.test_walk import opened
 

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tests.conftest import FRONTEND
+from conftest import FRONTEND
 
 
 @pytest.fixture(scope="session")

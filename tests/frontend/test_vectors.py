@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tests.conftest import FRONTEND
+from conftest import FRONTEND
 
 ROOT = Path(__file__).parents[2]
 

@@ -9,8 +9,8 @@ import threading
 
 import numpy as np
 import pytest
+from conftest import FRONTEND
 from PIL import Image
-from tests.conftest import FRONTEND
 
 from rumu.errors import GalleryError, RefusedImage
 from rumu.gallery import making
