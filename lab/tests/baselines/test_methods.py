@@ -11,7 +11,7 @@ import pytest
 
 from rumu.errors import RumuError
 from rumu_lab.baselines.cell import SIDE, Raw, cell_from
-from rumu_lab.baselines.methods import METHODS, RECONSTRUCTED, title
+from rumu_lab.baselines.methods import METHODS, RECONSTRUCTED
 
 NAMES = tuple(METHODS)
 
@@ -21,11 +21,6 @@ def test_their_names_and_order_are_fixed() -> None:
     assert NAMES[5:] == (
         *("IoU (cell)", "IoU (aligned)", "SSIM", "Hausdorff (95 %)", "ink ratio", "HOG cosine"),
     )
-
-
-def test_a_reconstruction_is_called_one() -> None:
-    assert title("MBSE") == "MBSE-based grader (our reconstruction)"
-    assert title("SSIM") == "SSIM"
 
 
 def test_listing_them_loads_none() -> None:

@@ -1,4 +1,4 @@
-"""The VICP-based grader: retrieval, pose taken out, and the faults it sees."""
+"""The VICP-based grader: pose taken out, and the faults it sees."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rumu.errors import RumuError
 from rumu_lab.baselines.cell import SIDE, cell_from
-from rumu_lab.baselines.vicp import BINS, angular_relations, raw, recognise, retrieve, vectorised
+from rumu_lab.baselines.vicp import raw
 
 NAMES = ("shu", "tian", "yue", "shui", "ren", "ri")
 
@@ -65,35 +65,14 @@ def test_thickness_is_seen_in_the_strokes(cell):
     assert fine["position"] > 0.75
 
 
-def test_angles_do_not_change_when_the_character_is_turned(cell, moved):
-    upright, leaning = cell("regular-shu"), moved("regular-shu", lean=20.0)
-    assert vectorised(upright).angles @ vectorised(leaning).angles > 0.95
-
-
-def test_a_single_stroke_has_no_angles():
-    assert (angular_relations(vectorised(bar()).lines) == np.zeros(BINS)).all()
-    assert raw(bar(), bar()).raw > 0.98
-
-
 def bar():
     ink = np.zeros((SIDE, SIDE), bool)
     ink[120:136, 40:216] = True
     return cell_from(ink)
 
 
-def test_a_copy_is_found_among_others_without_knowing_it(cell):
-    database = [cell(f"regular-{name}") for name in NAMES]
-    for number, name in enumerate(NAMES):
-        copy = cell(f"regular-{name}", "shift", 2)
-        found, grade = recognise(copy, database)
-        assert found == number
-        assert grade.raw == raw(copy, database[number]).raw
-
-
-def test_retrieval_puts_the_most_alike_first(cell):
-    angles = np.array([vectorised(cell(f"regular-{name}")).angles for name in NAMES])
-    assert retrieve(cell("regular-shu"), angles, keep=1) == [0]
-    assert sorted(retrieve(cell("regular-shu"), angles)) == list(range(len(NAMES)))
+def test_a_single_stroke_can_be_graded():
+    assert raw(bar(), bar()).raw > 0.98
 
 
 def test_without_ink_there_is_one_clear_error():

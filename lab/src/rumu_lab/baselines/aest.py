@@ -6,7 +6,7 @@ Developmental Systems 9(1), 2017, of which the abstract was read.
 Known from there: a robot plans each stroke so that the whole looks best; how good it looks is characterised
 by three indexes. That they are coordination, balance and distribution, and are summed with weights, is how
 later authors report it.
-Reconstructed by us: every formula, and the weights (`sensitivity` shows what they do).
+Reconstructed by us: every formula, and the weights.
 
 Decided where the reconstruction left it open: a robot knows its strokes, a picture does not, so lines of
 copy and reference are paired after both are brought to one centre and size (`stroke_pairs`). A relation of
@@ -19,13 +19,12 @@ other differ by one unit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from rumu.errors import RumuError
 from rumu.values import FloatArray
 from rumu_lab.baselines.cell import SIDE, Cell, Raw
 from rumu_lab.baselines.lines import Line, lines_of, skeleton_of
@@ -43,35 +42,16 @@ INDEXES = ("coordination", "balance", "distribution")
 
 
 @dataclass(frozen=True, slots=True)
-class AestWeights:
-    """Shares of the three indexes in the grade: 0 or more, not all 0; they are divided by their sum."""
-
-    coordination: float = 0.4
-    balance: float = 0.3
-    distribution: float = 0.3
-
-    def __post_init__(self) -> None:
-        values = self.values
-        if not (np.isfinite(values).all() and min(values) >= 0 and sum(values) > 0):
-            raise RumuError(f"expected weights of 0 or more, not all 0, got {values}")
-
-    @property
-    def values(self) -> tuple[float, float, float]:
-        """In the order of INDEXES."""
-        return self.coordination, self.balance, self.distribution
-
-    def combined(self, indexes: FloatArray) -> FloatArray:
-        """(..., 3) indexes -> (...) grades."""
-        return np.asarray(indexes @ np.array(self.values) / sum(self.values))
-
-
-@dataclass(frozen=True, slots=True)
 class AestSettings:
-    """doubling: ratio of lengths, or of widths, that is one unit; angle: degrees that are. units: mean units
-    at which coordination falls to 1/e. offset: of the centre, in cells, at which balance does; gap:
-    difference of white, in cells, at which distribution does. reach: of a pair's places, in cells.
+    """What counts as one unit of difference, and where each index falls to 1/e.
+
+    weights: of the INDEXES in the grade. doubling: ratio of lengths, or of widths, that is one unit; angle:
+    degrees that are. units: mean units at which coordination falls to 1/e. offset: of the centre, in cells,
+    at which balance does; gap: difference of white, in cells, at which distribution does. reach: of a
+    pair's places, in cells.
     """
 
+    weights: tuple[float, float, float] = (0.4, 0.3, 0.3)
     doubling: float = 2.0
     angle: float = 30.0
     units: float = 3.0
@@ -80,7 +60,7 @@ class AestSettings:
     reach: float = 0.1
 
 
-def raw(probe: Cell, reference: Cell, *, weights: AestWeights | None = None) -> Raw:
+def raw(probe: Cell, reference: Cell) -> Raw:
     """The weighted sum. Features: the three INDEXES, each in [0, 1]; paired, the share of the strokes'
     length that has a partner; ink, the share of the mesh that agrees; white, of the gaps."""
     settings = AestSettings()
@@ -89,7 +69,7 @@ def raw(probe: Cell, reference: Cell, *, weights: AestWeights | None = None) -> 
     ink = 1.0 - 0.5 * float(np.abs(_shares(probe) - _shares(reference)).sum())
     white = _white(probe, reference, lines, settings)
     indexes = np.array([coordination, balance(probe, reference, settings=settings), ink * white])
-    grade = float((weights or AestWeights()).combined(indexes))
+    grade = float(indexes @ np.array(settings.weights))
     values = dict(zip(INDEXES, map(float, indexes), strict=True))
     return Raw(float(np.clip(grade, 0.0, 1.0)), {**values, "paired": lines.share, "ink": ink, "white": white})
 
@@ -230,28 +210,3 @@ def _white(probe: Cell, reference: Cell, lines: _PairedLines, settings: AestSett
             a, b = sorted((partner[i], partner[j]))
             apart.append(abs(gap - lines.scale * own[a, b]) if (a, b) in own else settings.gap)
     return float(np.exp(-np.mean(apart) / settings.gap)) if apart else 1.0
-
-
-# --- what the weights do --------------------------------------------------------------------------------
-
-
-def sensitivity(
-    indexes: FloatArray, judge: Callable[[FloatArray], float], *, change: float = 0.5
-) -> dict[str, float]:
-    """What a figure of merit becomes when each weight is raised and lowered by a share.
-
-    indexes: (N, 3), INDEXES of N copies. judge: of (N,) grades, such as their rank correlation with marks.
-    Returns the figure for 'ours', the weights as they are, and for 'NAME +50%', 'NAME -50%' of each.
-    Raises RumuError for other shapes and for a change that is not between 0 and 1.
-    """
-    if indexes.ndim != 2 or indexes.shape[1] != len(INDEXES) or not 0.0 < change < 1.0:
-        raise RumuError(
-            f"expected (N, {len(INDEXES)}) indexes, a change between 0 and 1, got {indexes.shape}, {change}"
-        )
-    ours = AestWeights()
-    found = {"ours": judge(ours.combined(indexes))}
-    for name in INDEXES:
-        for sign in (1.0, -1.0):
-            changed = replace(ours, **{name: getattr(ours, name) * (1.0 + sign * change)})
-            found[f"{name} {sign * change:+.0%}"] = judge(changed.combined(indexes))
-    return found

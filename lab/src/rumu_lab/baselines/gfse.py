@@ -55,13 +55,13 @@ class Extracted:
     error: float
 
 
-def raw(probe: Cell, reference: Cell, *, settings: GfseSettings | None = None) -> Raw:
+def raw(probe: Cell, reference: Cell) -> Raw:
     """Mean of the likeness of the directional features and of the stroke pieces.
 
     features: 'directions' and 'pieces', the two halves in [0, 1]; 'error', the probe's reconstruction error;
     'count', the probe's pieces over the reference's; those of `placed`.
     """
-    settings = settings or GfseSettings()
+    settings = GfseSettings()
     width = reference.width
     here, there = extract(aligned(probe, reference), width, settings), extract(reference, width, settings)
     directions = alike_features(here.features, there.features)

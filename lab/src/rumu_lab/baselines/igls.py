@@ -3,8 +3,9 @@
 Known from the abstract: characters are cut out of paper printed with a red mesh; three quantised features,
 the centre, the size and the projections of a character, go into a fuzzy inference system that gives the
 grade; the learner is told how to improve. Our reconstruction: every formula, membership function and rule
-below, that the features are taken against a reference, that the grade is brought to [0, 1], and the
-sentences. The red mesh is taken off where any picture is read (`rumu.surface.ink`), for all methods alike.
+below, that the features are taken against a reference, and that the grade is brought to [0, 1]; what the
+learner is told is left out. The red mesh is taken off where any picture is read (`rumu.surface.ink`), for all
+methods alike.
 
 What we decided. The size is a feature of its own, so the projections are compared after it is taken out;
 their score reaches 0 where most masters of other characters lie (their median is 0.027 cells, three in
@@ -52,13 +53,13 @@ class IglsSettings:
     steps: int = 20
 
 
-def raw(probe: Cell, reference: Cell, *, settings: IglsSettings | None = None) -> Raw:
+def raw(probe: Cell, reference: Cell) -> Raw:
     """The fuzzy grade, stretched to [0, 1].
 
     features: 'centre', 'size', 'projections', each in [0, 1] before it is quantised; 'grade', what the rules
     conclude, in points of 100 (20.4 to 94.6).
     """
-    settings = settings or IglsSettings()
+    settings = IglsSettings()
     scores = measure(probe, reference, settings=settings)
     grade = _system().infer(tuple(quantised(score, steps=settings.steps) for score in scores.values()))
     low, high = _system().infer((0.0, 0.0, 0.0)), _system().infer((1.0, 1.0, 1.0))
@@ -67,8 +68,10 @@ def raw(probe: Cell, reference: Cell, *, settings: IglsSettings | None = None) -
 
 def measure(probe: Cell, reference: Cell, *, settings: IglsSettings) -> dict[str, float]:
     """How well centre, size and projections agree, each in [0, 1], not quantised."""
-    off = float(np.hypot(*offset(probe, reference)))
-    ratio = max(abs(r) for r in log_sizes(probe, reference))
+    off = float(np.linalg.norm(_centroid(probe.ink) - _centroid(reference.ink))) / SIDE
+    ratio = max(
+        abs(math.log(own / there)) for own, there in zip(_box(probe.ink), _box(reference.ink), strict=True)
+    )
     moved = np.mean([np.abs(d).mean() for d in _differences(probe, reference, bins=settings.bins)])
     return {
         "centre": _share(off, settings.off_centre),
@@ -109,21 +112,10 @@ def _centroid(ink: BoolArray) -> FloatArray:
     return np.array([columns.mean(), rows.mean()])
 
 
-def offset(probe: Cell, reference: Cell) -> tuple[float, float]:
-    """The probe's centroid from the reference's, (right, up), in cells."""
-    right, down = (_centroid(probe.ink) - _centroid(reference.ink)) / SIDE
-    return float(right), float(-down)
-
-
-def log_sizes(probe: Cell, reference: Cell) -> tuple[float, float]:
-    """ln of the width and of the height of the probe's ink box over the reference's."""
-
-    def box(ink: BoolArray) -> tuple[int, int]:
-        columns, rows = np.flatnonzero(ink.any(axis=0)), np.flatnonzero(ink.any(axis=1))
-        return int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1
-
-    (w, h), (w_there, h_there) = box(probe.ink), box(reference.ink)
-    return math.log(w / w_there), math.log(h / h_there)
+def _box(ink: BoolArray) -> tuple[int, int]:
+    """Width and height of the ink's box, in pixels."""
+    columns, rows = np.flatnonzero(ink.any(axis=0)), np.flatnonzero(ink.any(axis=1))
+    return int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1
 
 
 def _differences(probe: Cell, reference: Cell, *, bins: int) -> tuple[FloatArray, FloatArray]:

@@ -88,9 +88,9 @@ def lines_of(cell: Cell) -> tuple[Line, ...]:
     return cut_lines(skeleton_of(cell))
 
 
-def cut_lines(skeleton: Skeleton, *, settings: LineSettings | None = None) -> tuple[Line, ...]:
+def cut_lines(skeleton: Skeleton) -> tuple[Line, ...]:
     """Strokes by good continuation, cut at corners; pixels of the mask, y downward, longest first."""
-    settings = settings or LineSettings()
+    settings = LineSettings()
     side = box_side(np.concatenate([s.points for s in skeleton.segments]))
     found = []
     for stroke in strokes(skeleton, turn=settings.continuation):

@@ -30,12 +30,7 @@ _HOMES: Mapping[str, tuple[str, str]] = {
     "HOG cosine": ("hog", "raw"),
 }
 RECONSTRUCTED: tuple[str, ...] = ("MBSE", "GFSE", "IGLS", "VICP", "AEST")
-"""Published methods of which only the abstract was read: to be named as `title` does."""
-
-
-def title(name: str) -> str:
-    """The name to print: a reconstruction is called one."""
-    return f"{name}-based grader (our reconstruction)" if name in RECONSTRUCTED else name
+"""Published methods of which only the abstract was read: their names say so wherever they are printed."""
 
 
 def _call(home: tuple[str, str], probe: Cell, reference: Cell) -> Raw:

@@ -6,10 +6,11 @@ algorithm", Mathematical Problems in Engineering, 2016, of which the abstract an
 Known from there: a character of any size, place and slant; promising candidates from a data base by angular
 difference relations, so that it need not be known; these, vectorised as disk B-spline curves, are checked by
 ICP on the skeleton and the best one wins; global and local (stroke) similarity make one composite score.
-Reconstructed by us: the fit (`disk_spline`), the descriptor of angles, the pairs and starts of ICP
-(`similarity_icp`), which stroke is which (`stroke_pairs`), and every formula of the similarities below.
+Reconstructed by us: the fit (`disk_spline`), the pairs and starts of ICP (`similarity_icp`), which stroke is
+which (`stroke_pairs`), and every formula of the similarities below.
 
-Decided where the reconstruction left it open: the seven starts lie within 45 degrees of upright, as a turn of
+The character is known here, so the retrieval of candidates is left out. Decided where the reconstruction left
+it open: the seven starts lie within 45 degrees of upright, as a turn of
 90 makes another character of some; strokes are cut at corners; distances are in sides of the cell; the
 weights of the strokes run over the reference's and over those of the copy that have no partner, which count
 0, so that both a missing and an extra stroke cost. Slant, size and place are removed by ICP, reported, and
@@ -26,7 +27,7 @@ import numpy as np
 
 from rumu.values import BoolArray, FloatArray
 from rumu_lab.baselines.cell import SIDE, Cell, Raw
-from rumu_lab.baselines.disk_spline import DiskSpline, fit_disk_spline, swept
+from rumu_lab.baselines.disk_spline import fit_disk_spline, swept
 from rumu_lab.baselines.lines import Line, lines_of, skeleton_of
 from rumu_lab.baselines.similarity_icp import Similarity, SimilarityIcpSettings, similarity_icp
 from rumu_lab.baselines.stroke_pairs import (
@@ -38,11 +39,6 @@ from rumu_lab.baselines.stroke_pairs import (
     oriented,
     paired,
 )
-
-BINS = 12
-"""Bins of the descriptor, 15 degrees each."""
-KEEP = 10
-"""Candidates retrieved."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,22 +57,19 @@ class VicpSettings:
 @dataclass(frozen=True, slots=True, eq=False)
 class Vectorised:
     """A character as disk B-spline curves. lines: their centre lines, pixels. skeleton: (n, 2) points evenly
-    along them. width: of a stroke, pixels. angles: (BINS,), unit length or all 0."""
+    along them. width: of a stroke, pixels."""
 
-    splines: tuple[DiskSpline, ...]
     lines: tuple[Line, ...]
     skeleton: FloatArray
     width: float
-    angles: FloatArray
 
 
 @lru_cache(maxsize=64)
 def vectorised(cell: Cell) -> Vectorised:
-    """The strokes of a cell as disk B-spline curves, with what retrieval and ICP need of them."""
+    """The strokes of a cell as disk B-spline curves, with what ICP needs of them."""
     width = skeleton_of(cell).width
-    splines = tuple(fit_disk_spline(line, width=width) for line in lines_of(cell))
-    lines = tuple(spline.line() for spline in splines)
-    return Vectorised(splines, lines, _evenly(lines, VicpSettings().points), width, angular_relations(lines))
+    lines = tuple(fit_disk_spline(line, width=width).line() for line in lines_of(cell))
+    return Vectorised(lines, _evenly(lines, VicpSettings().points), width)
 
 
 def _evenly(lines: Sequence[Line], count: int) -> FloatArray:
@@ -86,46 +79,6 @@ def _evenly(lines: Sequence[Line], count: int) -> FloatArray:
         (np.arange(k) + 0.5) / k for line in lines for k in [max(2, round(count * line.length / total))]
     ]
     return np.concatenate([line.at(share) for line, share in zip(lines, shares, strict=True)])
-
-
-# --- retrieval: what may it be? -------------------------------------------------------------------------
-
-
-def angular_relations(lines: Sequence[Line]) -> FloatArray:
-    """(BINS,) float64: how the directions of the strokes differ, each pair weighing the product of lengths.
-
-    The longer stroke's direction less the shorter one's, modulo 180 degrees, so that turning the character
-    changes nothing. A difference between two bins is shared by them. Unit length; all 0 for a single stroke.
-    """
-    ordered = sorted(lines, key=lambda line: -line.length)
-    curves = curves_of(ordered)
-    i, j = np.triu_indices(len(ordered), k=1)
-    place = ((curves.direction[i] - curves.direction[j]) % 180.0) / (180.0 / BINS)
-    low = np.floor(place).astype(int)
-    weight = curves.length[i] * curves.length[j]
-    bins = np.bincount(low % BINS, weight * (1.0 - (place - low)), BINS)
-    bins += np.bincount((low + 1) % BINS, weight * (place - low), BINS)
-    return np.asarray(bins / max(float(np.linalg.norm(bins)), 1e-12))
-
-
-def retrieve(probe: Cell, angles: FloatArray, *, keep: int = KEEP) -> list[int]:
-    """Numbers of the `keep` most promising rows of (N, BINS) descriptors, best first, by the cosine."""
-    scores = angles @ vectorised(probe).angles
-    return [int(k) for k in np.argsort(-scores, kind="stable")[:keep]]
-
-
-def recognise(
-    probe: Cell, database: Sequence[Cell], *, angles: FloatArray | None = None, keep: int = KEEP
-) -> tuple[int, Raw]:
-    """Which character of the data base a copy is, and its grade against that one.
-
-    Candidates by angular relations, then the least residual of ICP. angles: (N, BINS) descriptors of the
-    data base where they are at hand.
-    """
-    known = np.array([vectorised(cell).angles for cell in database]) if angles is None else angles
-    candidates = retrieve(probe, known, keep=keep)
-    best = min(candidates, key=lambda k: laid_on(probe, database[k]).residual)
-    return best, raw(probe, database[best])
 
 
 # --- grading --------------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """How large each fault is at each severity: declared before anything was measured with it.
 
-Severity runs from 0 (none) to 5 (gross). Nothing here is a mark that a person gave: EXPECTED_SCORES is a
-convention, fit for asking whether a mark falls when a fault grows, and for nothing else.
+Severity runs from 0 (none) to 5 (gross). It is no mark that a person gave: it is fit for asking whether a
+mark falls when a fault grows, and for nothing else.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import Literal
 
 GREATEST = 5.0
-EXPECTED_SCORES = (100.0, 92.0, 82.0, 70.0, 55.0, 40.0)  # at severity 0, 1, ... 5
 
 FaultUnit = Literal["px", "deg", "%", "strokes"]
 
