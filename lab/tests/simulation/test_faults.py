@@ -10,7 +10,7 @@ from PIL import Image
 
 from rumu.errors import SurfaceError
 from rumu.gallery.works import find_work
-from rumu_lab.simulation.faults import FAULTS, Faulted, apply
+from rumu_lab.simulation.faults import FAULTS, FaultyGlyph, apply
 from rumu_lab.simulation.glyph import Glyph
 from rumu_lab.simulation.severity import KINDS, size_of
 
@@ -25,7 +25,7 @@ def glyph(work: str = "clerical-tian") -> np.ndarray:
 
 
 @functools.cache
-def faulted(fault: str, severity: float, work: str = "clerical-tian", seed: int = 1) -> Faulted:
+def faulted(fault: str, severity: float, work: str = "clerical-tian", seed: int = 1) -> FaultyGlyph:
     return apply(glyph(work), fault, severity=severity, seed=seed)
 
 

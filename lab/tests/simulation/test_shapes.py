@@ -7,7 +7,7 @@ import pytest
 
 from rumu.errors import SurfaceError
 from rumu_lab.simulation.lamps import normals_of
-from rumu_lab.simulation.shapes import Shape, bump, plane, ridges, sphere
+from rumu_lab.simulation.shapes import KnownSurface, bump, plane, ridges, sphere
 
 
 @pytest.mark.parametrize(
@@ -20,7 +20,7 @@ from rumu_lab.simulation.shapes import Shape, bump, plane, ridges, sphere
     ],
     ids=["bump", "plane", "ridges", "sphere"],
 )
-def test_exact_normals_agree_with_differences_where_the_surface_is_gentle(shape: Shape) -> None:
+def test_exact_normals_agree_with_differences_where_the_surface_is_gentle(shape: KnownSurface) -> None:
     numeric = normals_of(shape.height)
     np.testing.assert_allclose(np.linalg.norm(shape.normals, axis=-1), 1.0, atol=1e-12)
     gentle = shape.normals[..., 2] > 0.6

@@ -21,7 +21,7 @@ import numpy as np
 from rumu.errors import CalibrationError, RumuError, SurfaceError
 from rumu.processes import in_order
 from rumu.values import BoolArray, Remark
-from rumu_lab.simulation.faults import Faulted, apply
+from rumu_lab.simulation.faults import FaultyGlyph, apply
 from rumu_lab.simulation.glyph import Glyph
 
 Progress = Callable[[int, int], None]
@@ -191,7 +191,7 @@ def _told_of_master(master: Master, severities: tuple[float, ...]) -> list[Told]
     return [*told, *_clean(master, glyph)]
 
 
-def _told(master: Master, glyph: Glyph, copy: Faulted) -> Told:
+def _told(master: Master, glyph: Glyph, copy: FaultyGlyph) -> Told:
     try:
         found = _remarks(_picture(copy.ink), _picture(glyph.mask))
     except RumuError as error:
@@ -202,7 +202,7 @@ def _told(master: Master, glyph: Glyph, copy: Faulted) -> Told:
     return Told(master.name, master.seen, copy.fault, copy.severity, place, kinds)
 
 
-def speaks_of(remark: Remark, copy: Faulted, glyph: Glyph) -> bool:
+def speaks_of(remark: Remark, copy: FaultyGlyph, glyph: Glyph) -> bool:
     """Whether a remark speaks of strokes that the fault struck, or of the place where it is."""
     if not copy.strokes:
         return remark.region is None or copy.fault not in ("extra", "blot") or _meet(remark, copy)
@@ -217,7 +217,7 @@ def speaks_of(remark: Remark, copy: Faulted, glyph: Glyph) -> bool:
     return float((away < NEAR).mean()) >= 0.6
 
 
-def _meet(remark: Remark, copy: Faulted) -> bool:
+def _meet(remark: Remark, copy: FaultyGlyph) -> bool:
     a, b = remark.region or copy.region, copy.region
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
-
-import numpy as np
-import numpy.typing as npt
+from typing import Literal, get_args
 
 from rumu.errors import SurfaceError
-from rumu_lab.simulation.faults import Faulted, apply
+from rumu.values import BoolArray, FloatArray
+from rumu_lab.simulation.faults import FaultyGlyph, apply
 from rumu_lab.simulation.glyph import Glyph
 from rumu_lab.simulation.severity import GREATEST
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
 Degree = Literal["excellent", "good", "medium", "bad"]
 DEGREES: tuple[Degree, ...] = get_args(Degree)
 
@@ -65,7 +61,7 @@ class SimulatedCopy:
     mask: BoolArray
     ink: FloatArray
     degree: Degree
-    faults: tuple[Faulted, ...]
+    faults: tuple[FaultyGlyph, ...]
 
 
 def copy_at(mask: BoolArray, degree: Degree, *, seed: int = 0) -> SimulatedCopy:
@@ -76,7 +72,7 @@ def copy_at(mask: BoolArray, degree: Degree, *, seed: int = 0) -> SimulatedCopy:
     """
     if degree not in RECIPES:
         raise SurfaceError(f"expected a degree among {', '.join(DEGREES)}, got {degree!r}")
-    faults: list[Faulted] = []
+    faults: list[FaultyGlyph] = []
     for number, (fault, severity) in enumerate(RECIPES[degree]):
         if fault == "missing" and len(Glyph(mask).strokes) == 1:
             fault, severity = "short", GREATEST  # noqa: PLW2901

@@ -11,50 +11,46 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.errors import SurfaceError
-from rumu_lab.simulation import faults_of_ink, faults_of_strokes, faults_of_structure
-from rumu_lab.simulation.change import Change
-from rumu_lab.simulation.glyph import Glyph, Region, region_of
+from rumu.values import BoolArray, FloatArray
+from rumu_lab.simulation import ink_faults, stroke_faults, structure_faults
+from rumu_lab.simulation.glyph import ChangedGlyph, Glyph, Region, region_of
 from rumu_lab.simulation.ink import coverage
 from rumu_lab.simulation.severity import GREATEST, KINDS, size_of
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
-Maker = Callable[[Glyph, float, np.random.Generator], Change]
+Maker = Callable[[Glyph, float, np.random.Generator], ChangedGlyph]
 
 _MAKERS: Mapping[str, Maker] = {
-    "shift": faults_of_strokes.shift,
-    "angle": faults_of_strokes.angle,
-    "short": faults_of_strokes.short,
-    "stroke_thin": faults_of_strokes.thin,
-    "stroke_thick": faults_of_strokes.thick,
-    "missing": faults_of_strokes.missing,
-    "extra": faults_of_strokes.extra,
-    "thin": faults_of_structure.thin,
-    "thick": faults_of_structure.thick,
-    "lean": faults_of_structure.lean,
-    "off_centre": faults_of_structure.off_centre,
-    "small": faults_of_structure.small,
-    "squeeze": faults_of_structure.squeeze,
-    "uneven": faults_of_structure.uneven,
-    "wobble": faults_of_ink.wobble,
-    "blunt": faults_of_ink.blunt,
-    "blot": faults_of_ink.blot,
-    "pale": faults_of_ink.pale,
-    "dry": faults_of_ink.dry,
-    "horizontal": faults_of_strokes.horizontal,
-    "entry": faults_of_ink.entry,
+    "shift": stroke_faults.shift,
+    "angle": stroke_faults.angle,
+    "short": stroke_faults.short,
+    "stroke_thin": stroke_faults.thin,
+    "stroke_thick": stroke_faults.thick,
+    "missing": stroke_faults.missing,
+    "extra": stroke_faults.extra,
+    "thin": structure_faults.thin,
+    "thick": structure_faults.thick,
+    "lean": structure_faults.lean,
+    "off_centre": structure_faults.off_centre,
+    "small": structure_faults.small,
+    "squeeze": structure_faults.squeeze,
+    "uneven": structure_faults.uneven,
+    "wobble": ink_faults.wobble,
+    "blunt": ink_faults.blunt,
+    "blot": ink_faults.blot,
+    "pale": ink_faults.pale,
+    "dry": ink_faults.dry,
+    "horizontal": stroke_faults.horizontal,
+    "entry": ink_faults.entry,
 }
 FAULTS: tuple[str, ...] = tuple(KINDS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Faulted:
+class FaultyGlyph:
     """A glyph with one fault that is known.
 
     mask: (H, W) bool. ink: (H, W) float32 in [0, 1], the darkness, with soft edges.
@@ -77,7 +73,7 @@ class Faulted:
     description_zh: str
 
 
-def apply(mask: BoolArray, fault: str, *, severity: float, seed: int = 0) -> Faulted:
+def apply(mask: BoolArray, fault: str, *, severity: float, seed: int = 0) -> FaultyGlyph:
     """Put one fault into an ink mask (H, W) bool; the same seed puts the same fault into the same glyph.
 
     severity: 0 (the mask comes back as it is) to 5. The seed chooses the stroke, the side and the noise,
@@ -90,16 +86,16 @@ def apply(mask: BoolArray, fault: str, *, severity: float, seed: int = 0) -> Fau
         raise SurfaceError(f"expected a severity from 0 to {GREATEST:g}, got {severity}")
     glyph = Glyph(np.asarray(mask))
     if severity == 0.0:
-        change = Change(glyph.depth, 0.0, (), region_of(glyph.mask), en="nothing", zh="無")
-        return _faulted(change, glyph.mask.copy(), fault, severity)
+        change = ChangedGlyph(glyph.depth, 0.0, (), region_of(glyph.mask), en="nothing", zh="無")
+        return _with_ink(change, glyph.mask.copy(), fault, severity)
     size = size_of(fault, severity=severity)
     change = _MAKERS[fault](glyph, size, np.random.default_rng([seed, FAULTS.index(fault)]))
-    return _faulted(change, np.asarray(change.depth > 0), fault, severity)
+    return _with_ink(change, np.asarray(change.depth > 0), fault, severity)
 
 
-def _faulted(change: Change, mask: BoolArray, fault: str, severity: float) -> Faulted:
+def _with_ink(change: ChangedGlyph, mask: BoolArray, fault: str, severity: float) -> FaultyGlyph:
     ink = coverage(change.depth) * np.float32(1.0 if change.density is None else change.density)
-    return Faulted(
+    return FaultyGlyph(
         mask=mask,
         ink=ink,
         fault=fault,

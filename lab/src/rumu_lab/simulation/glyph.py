@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.errors import SurfaceError
+from rumu.values import BoolArray, FloatArray
 from rumu_lab.simulation.ink import brush_depth, depth_of
-from rumu_lab.simulation.strokes import Stroke, separate
+from rumu_lab.simulation.strokes import BrushStroke, separate
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
 Region = tuple[float, float, float, float]
 
 _REAL_STROKE = 0.025  # of all ink; what is less is a speck that a fault could not be seen in
@@ -47,26 +44,26 @@ class Glyph:
         return depth_of(self.mask)
 
     @cached_property
-    def strokes(self) -> tuple[Stroke, ...]:
+    def strokes(self) -> tuple[BrushStroke, ...]:
         """Strokes large enough to be seen, longest first; a speck belongs to the stroke that it touches."""
         ink = int(self.mask.sum())
-        real = [s for s in self._separated if s.ink.sum() >= _REAL_STROKE * ink] or [self._separated[0]]
+        real = [s for s in self._all_strokes if s.ink.sum() >= _REAL_STROKE * ink] or [self._all_strokes[0]]
         own = [s.ink.copy() for s in real]
-        for speck in (s for s in self._separated if s not in real):
-            reach = _grown(speck.ink)
+        for speck in (s for s in self._all_strokes if s not in real):
+            reach = _grow(speck.ink)
             touching = [int((reach & s.ink).sum()) for s in real]
             if max(touching) > 0:
                 own[int(np.argmax(touching))] |= speck.ink
         return tuple(replace(stroke, ink=mask) for stroke, mask in zip(real, own, strict=True))
 
     @cached_property
-    def _separated(self) -> tuple[Stroke, ...]:
+    def _all_strokes(self) -> tuple[BrushStroke, ...]:
         return separate(self.mask)
 
     @cached_property
     def core(self) -> FloatArray:
         """Depth of a thin line along every stroke: what no thinning may take away."""
-        thin = [brush_depth(self.mask.shape, s.path, 0.35 * s.radius) for s in self._separated]
+        thin = [brush_depth(self.mask.shape, s.path, 0.35 * s.radius) for s in self._all_strokes]
         return np.asarray(np.max(thin, axis=0), dtype=np.float32)
 
     def without(self, *strokes: int) -> BoolArray:
@@ -83,7 +80,7 @@ class Glyph:
         place_zh, place_en = self._place(s)
         return f"{place_zh}的{zh}", f"the {en} at the {place_en}"
 
-    def _place(self, stroke: Stroke) -> tuple[str, str]:
+    def _place(self, stroke: BrushStroke) -> tuple[str, str]:
         x0, y0, x1, y1 = region_of(self.mask)
         height, width = self.mask.shape
         row, column = stroke.path.mean(axis=0) / (height, width)
@@ -94,6 +91,25 @@ class Glyph:
         zh = (_COLUMNS[across][0] if across != 1 else "") + (_ROWS[down][0] if down != 1 else "")
         en = " ".join(w for w in (_ROWS[down][1] * (down != 1), _COLUMNS[across][1] * (across != 1)) if w)
         return zh + ("方" if len(zh) == 1 else ""), {"upper": "top", "lower": "bottom"}.get(en, en)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChangedGlyph:
+    """What a fault did to a glyph.
+
+    depth: (H, W) float32, the ink after the fault. size: of the fault, in the unit of its kind.
+
+    strokes: numbers of those that were struck. region: where. en, zh: what was done.
+    density: darkness of the ink, one number for all of it; None is 1.
+    """
+
+    depth: FloatArray
+    size: float
+    strokes: tuple[int, ...]
+    region: Region
+    en: str
+    zh: str
+    density: float | None = None
 
 
 def region_of(mask: BoolArray) -> Region:
@@ -110,19 +126,19 @@ def region_of(mask: BoolArray) -> Region:
     )
 
 
-def _grown(mask: BoolArray) -> BoolArray:
+def _grow(mask: BoolArray) -> BoolArray:
     from scipy.ndimage import binary_dilation
 
     return np.asarray(binary_dilation(mask, iterations=2))
 
 
-def written_forward(stroke: Stroke) -> bool:
+def written_forward(stroke: BrushStroke) -> bool:
     """Whether the path runs as a brush would: downward, or to the right when it lies flat."""
     row, column = stroke.path[-1] - stroke.path[0]
     return bool(row + 0.6 * column >= 0)
 
 
-def _direction(stroke: Stroke) -> tuple[str, str]:
+def _direction(stroke: BrushStroke) -> tuple[str, str]:
     chord = stroke.path[-1] - stroke.path[0]
     straight = float(np.linalg.norm(chord))
     if stroke.length < _DOT * float(np.median(stroke.radius)):

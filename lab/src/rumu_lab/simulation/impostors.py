@@ -14,11 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import SurfaceError
+from rumu.values import BoolArray
 from rumu_lab.simulation.glyph import Glyph
 from rumu_lab.simulation.ink import brush_depth, coverage, depth_of
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
 Picture = npt.NDArray[np.uint8]
 
 PAPER, INK = 245, 20

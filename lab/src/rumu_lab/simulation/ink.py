@@ -5,13 +5,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
+from rumu.values import BoolArray, FloatArray
 
 NO_INK = np.float32(-1e4)
 
@@ -49,7 +45,7 @@ def brush_depth(shape: tuple[int, ...], path: FloatArray, radius: FloatArray) ->
     return np.asarray(wide[r, c] - distance, dtype=np.float32)
 
 
-def moved(depth: FloatArray, *, matrix: FloatArray, centre: FloatArray, shift: FloatArray) -> FloatArray:
+def move(depth: FloatArray, *, matrix: FloatArray, centre: FloatArray, shift: FloatArray) -> FloatArray:
     """The ink under x -> centre + matrix (x - centre) + shift, all in (row, column)."""
     from scipy.ndimage import affine_transform
 
@@ -60,7 +56,7 @@ def moved(depth: FloatArray, *, matrix: FloatArray, centre: FloatArray, shift: F
     return np.asarray(warped * scale, dtype=np.float32)
 
 
-def trembled(depth: FloatArray, *, pixels: float, grain: float, seed: int) -> FloatArray:
+def tremble(depth: FloatArray, *, pixels: float, grain: float, seed: int) -> FloatArray:
     """The ink drawn by a trembling hand: every place leaves its own by about `pixels`, smoothly."""
     from scipy.ndimage import map_coordinates
 
@@ -70,7 +66,7 @@ def trembled(depth: FloatArray, *, pixels: float, grain: float, seed: int) -> Fl
     return np.asarray(map_coordinates(depth, at, order=1, mode="nearest"), dtype=np.float32)
 
 
-def joined(depth: FloatArray, *, gap: float, near: BoolArray) -> FloatArray:
+def close_clefts(depth: FloatArray, *, gap: float, near: BoolArray) -> FloatArray:
     """The ink with clefts narrower than `gap` pixels filled, inside `near` (H, W) bool only."""
     from scipy.ndimage import distance_transform_edt
 

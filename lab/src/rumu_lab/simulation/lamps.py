@@ -13,15 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.errors import CaptureError, SurfaceError
-
-FloatArray = npt.NDArray[np.floating[Any]]
-BoolArray = npt.NDArray[np.bool_]
+from rumu.values import BoolArray, FloatArray
 
 _SHADOW_BIAS = 1e-3  # pixels; a ray must be under the surface by more than its interpolation error
 
@@ -121,7 +118,7 @@ def render(
     ambient: light from all sides, reflected by the albedo. veil: stray light that ink does not absorb.
     Raises SurfaceError or CaptureError when the arrays or the lamp make no sense.
     """
-    height, albedo = _checked(height, albedo, spacing)
+    height, albedo = _check(height, albedo, spacing)
     n = normals_of(height, spacing=spacing) if normals is None else np.asarray(normals, dtype=np.float64)
     if n.shape != (*height.shape, 3):
         raise SurfaceError(f"expected normals of shape {(*height.shape, 3)}, got {n.shape}")
@@ -131,10 +128,10 @@ def render(
     if cast_shadows:
         lit &= ~cast_shadow(height, lamp=lamp, spacing=spacing)
     direct = np.where(lit, irradiance * np.maximum(cosine, 0.0), 0.0)
-    glint = np.where(lit, irradiance * _glossy(n, toward, gloss), 0.0)
+    glint = np.where(lit, irradiance * _gloss_lobe(n, toward, gloss), 0.0)
     if albedo.ndim == 3:
         direct, glint = direct[..., None], glint[..., None]
-    return _sensed(albedo * (direct + ambient) + glint + veil, sensor)
+    return _record(albedo * (direct + ambient) + glint + veil, sensor)
 
 
 def photographs(
@@ -265,7 +262,7 @@ def _light_at(z: FloatArray, lamp: Lamp, spacing: float) -> tuple[FloatArray, Fl
     return offset / np.sqrt(squared)[..., None], lamp.strength * reference / squared
 
 
-def _glossy(n: FloatArray, toward: FloatArray, gloss: Gloss | None) -> FloatArray:
+def _gloss_lobe(n: FloatArray, toward: FloatArray, gloss: Gloss | None) -> FloatArray:
     if gloss is None:
         return np.zeros(n.shape[:2])
     half = toward + np.array([0.0, 0.0, 1.0])
@@ -274,7 +271,7 @@ def _glossy(n: FloatArray, toward: FloatArray, gloss: Gloss | None) -> FloatArra
     return gloss.strength * np.asarray(lobe**gloss.exponent)
 
 
-def _sensed(light: FloatArray, sensor: Sensor) -> FloatArray:
+def _record(light: FloatArray, sensor: Sensor) -> FloatArray:
     if sensor.noise > 0:
         light = light + np.random.default_rng(sensor.seed).normal(0.0, sensor.noise, light.shape)
     if sensor.clip:
@@ -286,7 +283,7 @@ def _sensed(light: FloatArray, sensor: Sensor) -> FloatArray:
     return light.astype(np.float32)
 
 
-def _checked(height: FloatArray, albedo: FloatArray | float, spacing: float) -> tuple[FloatArray, FloatArray]:
+def _check(height: FloatArray, albedo: FloatArray | float, spacing: float) -> tuple[FloatArray, FloatArray]:
     z, rho = np.asarray(height, dtype=np.float64), np.asarray(albedo, dtype=np.float64)
     if z.ndim != 2 or min(z.shape) < 2:
         raise SurfaceError(f"expected a height map of at least 2 x 2, got shape {z.shape}")

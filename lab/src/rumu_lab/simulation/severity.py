@@ -17,7 +17,7 @@ FaultUnit = Literal["px", "deg", "%", "strokes"]
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class FaultKind:
     """One family of faults.
 
     step: size of the fault for each unit of severity. unit: of that size; 'px' are pixels of a picture
@@ -30,33 +30,33 @@ class Kind:
     en: str
 
 
-KINDS: Mapping[str, Kind] = MappingProxyType(
+KINDS: Mapping[str, FaultKind] = MappingProxyType(
     {
         # one stroke
-        "shift": Kind(5.0, "px", "筆畫偏移", "a stroke pushed aside"),
-        "angle": Kind(3.5, "deg", "筆畫斜了", "a stroke at a wrong angle"),
-        "short": Kind(8.0, "%", "筆畫太短", "a stroke too short"),
-        "stroke_thin": Kind(1.6, "px", "一筆太細", "one stroke too thin"),
-        "stroke_thick": Kind(2.0, "px", "一筆太粗", "one stroke too thick"),
-        "missing": Kind(12.0, "%", "漏筆", "strokes left out"),
-        "extra": Kind(1.0, "strokes", "多筆", "strokes too many"),
+        "shift": FaultKind(5.0, "px", "筆畫偏移", "a stroke pushed aside"),
+        "angle": FaultKind(3.5, "deg", "筆畫斜了", "a stroke at a wrong angle"),
+        "short": FaultKind(8.0, "%", "筆畫太短", "a stroke too short"),
+        "stroke_thin": FaultKind(1.6, "px", "一筆太細", "one stroke too thin"),
+        "stroke_thick": FaultKind(2.0, "px", "一筆太粗", "one stroke too thick"),
+        "missing": FaultKind(12.0, "%", "漏筆", "strokes left out"),
+        "extra": FaultKind(1.0, "strokes", "多筆", "strokes too many"),
         # the whole character
-        "thin": Kind(1.6, "px", "通篇太細", "all strokes too thin"),
-        "thick": Kind(2.0, "px", "通篇太粗", "all strokes too thick"),
-        "lean": Kind(4.0, "deg", "字形歪斜", "the character leans"),
-        "off_centre": Kind(11.0, "px", "位置偏離", "off the centre of the cell"),
-        "small": Kind(8.0, "%", "字太小", "too small"),
-        "squeeze": Kind(5.0, "%", "左寬右窄", "the left part too wide, the right squeezed"),
-        "uneven": Kind(3.0, "px", "間距不勻", "uneven spaces between the strokes"),
+        "thin": FaultKind(1.6, "px", "通篇太細", "all strokes too thin"),
+        "thick": FaultKind(2.0, "px", "通篇太粗", "all strokes too thick"),
+        "lean": FaultKind(4.0, "deg", "字形歪斜", "the character leans"),
+        "off_centre": FaultKind(11.0, "px", "位置偏離", "off the centre of the cell"),
+        "small": FaultKind(8.0, "%", "字太小", "too small"),
+        "squeeze": FaultKind(5.0, "%", "左寬右窄", "the left part too wide, the right squeezed"),
+        "uneven": FaultKind(3.0, "px", "間距不勻", "uneven spaces between the strokes"),
         # brush and ink
-        "wobble": Kind(1.0, "px", "筆畫抖動", "trembling edges"),
-        "blunt": Kind(20.0, "%", "收筆禿鈍", "blunt ends of strokes"),
-        "blot": Kind(3.0, "%", "墨漬", "blots"),
-        "pale": Kind(12.0, "%", "墨色太淡", "pale ink"),
-        "dry": Kind(7.0, "%", "枯筆過多", "dry streaks"),
+        "wobble": FaultKind(1.0, "px", "筆畫抖動", "trembling edges"),
+        "blunt": FaultKind(20.0, "%", "收筆禿鈍", "blunt ends of strokes"),
+        "blot": FaultKind(3.0, "%", "墨漬", "blots"),
+        "pale": FaultKind(12.0, "%", "墨色太淡", "pale ink"),
+        "dry": FaultKind(7.0, "%", "枯筆過多", "dry streaks"),
         # later ones stand last, so that the seeds of the others stay what they were
-        "horizontal": Kind(2.0, "deg", "一橫斜了", "one horizontal stroke that leans"),
-        "entry": Kind(15.0, "%", "起筆太重", "an entry too heavy"),
+        "horizontal": FaultKind(2.0, "deg", "一橫斜了", "one horizontal stroke that leans"),
+        "entry": FaultKind(15.0, "%", "起筆太重", "an entry too heavy"),
     }
 )
 OFF_CENTRE_DOWN = 8.0 / 11.0  # pushed so much up or down for each pixel to the side

@@ -12,23 +12,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations, pairwise
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.errors import SurfaceError
+from rumu.values import BoolArray, FloatArray, IntArray
 from rumu_lab.simulation.ink import brush_depth
-
-FloatArray = npt.NDArray[np.floating[Any]]
-IntArray = npt.NDArray[np.integer[Any]]
-BoolArray = npt.NDArray[np.bool_]
 
 _EIGHT = np.ones((3, 3), dtype=bool)
 
 
 @dataclass(frozen=True, slots=True)
-class StrokeSettings:
+class SeparationSettings:
     """How the skeleton becomes strokes; lengths in brush radii at the place itself.
 
     spur: a twig shorter than this beyond its fork is no stroke.
@@ -43,7 +38,7 @@ class StrokeSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stroke:
+class BrushStroke:
     """One brush stroke.
 
     path: (N, 2) float64, (row, column) along its middle, about one pixel apart.
@@ -63,7 +58,7 @@ class Stroke:
         return float(np.linalg.norm(np.diff(self.path, axis=0), axis=1).sum())
 
 
-def separate(mask: BoolArray, *, settings: StrokeSettings | None = None) -> tuple[Stroke, ...]:
+def separate(mask: BoolArray, *, settings: SeparationSettings | None = None) -> tuple[BrushStroke, ...]:
     """The brush strokes of an ink mask (H, W) bool, longest first; every ink pixel belongs to one or more.
 
     Raises SurfaceError when the mask holds no ink.
@@ -73,11 +68,11 @@ def separate(mask: BoolArray, *, settings: StrokeSettings | None = None) -> tupl
     mask = np.asarray(mask, dtype=bool)
     if mask.ndim != 2 or not mask.any():
         raise SurfaceError(f"expected an (H, W) mask that holds ink, got {mask.shape} with {int(mask.sum())}")
-    settings = settings or StrokeSettings()
+    settings = settings or SeparationSettings()
     # A border of paper, so that ink at the edge of the picture has a middle as well.
     reach = np.asarray(distance_transform_edt(np.pad(mask, 1)))[1:-1, 1:-1]
-    paths = _paths(_pruned_graph(mask, reach, settings), reach, settings)
-    return _inked(paths, mask)
+    paths = _centre_lines(_prune(mask, reach, settings), reach, settings)
+    return _share_ink(paths, mask)
 
 
 # The graph: what lies between forks, and the forks.
@@ -95,12 +90,12 @@ class _Graph:
     nodes: FloatArray
 
 
-def _pruned_graph(mask: BoolArray, reach: FloatArray, settings: StrokeSettings) -> _Graph:
+def _prune(mask: BoolArray, reach: FloatArray, settings: SeparationSettings) -> _Graph:
     from skimage.morphology import skeletonize
 
     skeleton = np.asarray(skeletonize(mask))
     for _ in range(6):
-        graph = _graph(skeleton)
+        graph = _build_graph(skeleton)
         spurs = [
             b
             for b, e in zip(graph.branches, graph.ends, strict=True)
@@ -116,17 +111,17 @@ def _pruned_graph(mask: BoolArray, reach: FloatArray, settings: StrokeSettings) 
 
 
 def _is_spur(
-    branch: IntArray, ends: tuple[int, int], graph: _Graph, reach: FloatArray, settings: StrokeSettings
+    branch: IntArray, ends: tuple[int, int], graph: _Graph, reach: FloatArray, settings: SeparationSettings
 ) -> bool:
     if (ends[0] < 0) == (ends[1] < 0):
         return False
     fork = graph.nodes[max(ends)]
-    radius = _at(reach, fork)
+    radius = _largest_near(reach, fork)
     tip = branch[0] if ends[0] < 0 else branch[-1]
     return float(np.linalg.norm(tip - fork)) < settings.spur * radius
 
 
-def _graph(skeleton: BoolArray) -> _Graph:
+def _build_graph(skeleton: BoolArray) -> _Graph:
     from scipy.ndimage import convolve, label
 
     crowd = convolve(skeleton.astype(np.int8), _EIGHT.astype(np.int8), mode="constant") - 1
@@ -135,21 +130,21 @@ def _graph(skeleton: BoolArray) -> _Graph:
     pieces, number = label(skeleton & (forks == 0), _EIGHT)
     branches, ends = [], []
     for piece in range(1, number + 1):
-        branch = _ordered(np.argwhere(pieces == piece))
+        branch = _in_order(np.argwhere(pieces == piece))
         branches.append(branch)
         ends.append(_nodes_at(branch, forks))
     return _Graph(branches, ends, nodes)
 
 
-def _ordered(pixels: IntArray) -> IntArray:
+def _in_order(pixels: IntArray) -> IntArray:
     """The pixels of a thin curve from one end to the other (or around, when it is closed)."""
     left = {(int(r), int(c)) for r, c in pixels}
-    degree = {p: sum(q in left for q in _around(p)) for p in left}
+    degree = {p: sum(q in left for q in _neighbours(p)) for p in left}
     here = min(left, key=lambda p: (degree[p], p))
     order = [here]
     left.discard(here)
     while left:
-        near = [q for q in _around(here) if q in left]
+        near = [q for q in _neighbours(here) if q in left]
         if not near:
             break
         # A straight neighbour before a diagonal one, or the corner pixel of a staircase is left behind.
@@ -159,7 +154,7 @@ def _ordered(pixels: IntArray) -> IntArray:
     return np.array(order)
 
 
-def _around(p: tuple[int, int]) -> list[tuple[int, int]]:
+def _neighbours(p: tuple[int, int]) -> list[tuple[int, int]]:
     return [(p[0] + i, p[1] + j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
 
 
@@ -180,13 +175,13 @@ def _nodes_at(branch: IntArray, forks: IntArray) -> tuple[int, int]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Path:
+class _CentreLine:
     points: FloatArray
     radius: FloatArray
     free: tuple[bool, bool]
 
 
-def _paths(graph: _Graph, reach: FloatArray, settings: StrokeSettings) -> list[_Path]:
+def _centre_lines(graph: _Graph, reach: FloatArray, settings: SeparationSettings) -> list[_CentreLine]:
     crossing, inner = _crossings(graph, reach, settings)
     arms = [  # (crossing, branch, which end of it)
         (crossing[node], b, side)
@@ -199,25 +194,29 @@ def _paths(graph: _Graph, reach: FloatArray, settings: StrokeSettings) -> list[_
         k: graph.nodes[[n for n, c in crossing.items() if c == k]].mean(axis=0)
         for k in set(crossing.values())
     }
-    wide = {k: max(_at(reach, graph.nodes[n]) for n, c in crossing.items() if c == k) for k in centres}
+    wide = {
+        k: max(_largest_near(reach, graph.nodes[n]) for n, c in crossing.items() if c == k) for k in centres
+    }
     partner: dict[tuple[int, int], tuple[int, int]] = {}
     for k, centre in centres.items():
         here = [(b, side) for node, b, side in arms if node == k]
-        partner |= _continued(here, graph, centre, wide[k], settings)
+        partner |= _pair_arms(here, graph, centre, wide[k], settings)
     chains = _chains([b for b in range(len(graph.branches)) if b not in inner], partner)
     joints = {(b, side): (centres[k], wide[k]) for k, b, side in arms}
-    whole = [_joined(chain, graph, reach, joints) for chain in chains]
+    whole = [_join(chain, graph, reach, joints) for chain in chains]
     return [piece for path in whole for piece in _cut_at_corners(path, settings)]
 
 
-def _crossings(graph: _Graph, reach: FloatArray, settings: StrokeSettings) -> tuple[dict[int, int], set[int]]:
+def _crossings(
+    graph: _Graph, reach: FloatArray, settings: SeparationSettings
+) -> tuple[dict[int, int], set[int]]:
     """For each fork the crossing that it belongs to, and the branches that lie inside one."""
     crossing = {n: n for n in range(len(graph.nodes))}
     inner = set()
     for b, (first, last) in enumerate(graph.ends):
         if first < 0 or last < 0 or first == last:
             continue
-        radius = (_at(reach, graph.nodes[first]) + _at(reach, graph.nodes[last])) / 2
+        radius = (_largest_near(reach, graph.nodes[first]) + _largest_near(reach, graph.nodes[last])) / 2
         if len(graph.branches[b]) < settings.crossing * radius:
             inner.add(b)
             old, new = crossing[last], crossing[first]
@@ -225,8 +224,12 @@ def _crossings(graph: _Graph, reach: FloatArray, settings: StrokeSettings) -> tu
     return crossing, inner
 
 
-def _continued(
-    arms: list[tuple[int, int]], graph: _Graph, centre: FloatArray, radius: float, settings: StrokeSettings
+def _pair_arms(
+    arms: list[tuple[int, int]],
+    graph: _Graph,
+    centre: FloatArray,
+    radius: float,
+    settings: SeparationSettings,
 ) -> dict[tuple[int, int], tuple[int, int]]:
     """The arms of one crossing in pairs, straightest first; what bends too far stays alone."""
     heading = {arm: _heading(arm, graph, centre, radius) for arm in arms}
@@ -272,12 +275,12 @@ def _chains(
     return chains
 
 
-def _joined(
+def _join(
     chain: list[tuple[int, int]],
     graph: _Graph,
     reach: FloatArray,
     joints: dict[tuple[int, int], tuple[FloatArray, float]],
-) -> _Path:
+) -> _CentreLine:
     """One path through its crossings, straight and evenly wide where another stroke hides it."""
     points, radii = [], []
     for b, side in chain:
@@ -297,18 +300,18 @@ def _joined(
             points[at] = np.concatenate([tip, points[at]] if at == 0 else [points[at], tip])
             radii[at] = np.concatenate([radii[at][:1], radii[at]] if at == 0 else [radii[at], radii[at][-1:]])
     free = (first not in joints, last not in joints)
-    return _evenly(_Path(np.concatenate(points), np.concatenate(radii), free))
+    return _resample(_CentreLine(np.concatenate(points), np.concatenate(radii), free))
 
 
-def _evenly(path: _Path) -> _Path:
+def _resample(path: _CentreLine) -> _CentreLine:
     """The same path with points about one pixel apart."""
     along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(path.points, axis=0), axis=1))]
     t = np.linspace(0.0, along[-1], max(int(along[-1]) + 1, 2))
     columns = [np.interp(t, along, values) for values in (*path.points.T, path.radius)]
-    return _Path(np.stack(columns[:2], axis=1), columns[2], path.free)
+    return _CentreLine(np.stack(columns[:2], axis=1), columns[2], path.free)
 
 
-def _cut_at_corners(path: _Path, settings: StrokeSettings) -> list[_Path]:
+def _cut_at_corners(path: _CentreLine, settings: SeparationSettings) -> list[_CentreLine]:
     """A turning of the brush, 折, ends a stroke when there is a real stroke on both sides of it."""
     n, arm = len(path.points), int(2.0 * np.median(path.radius)) + 2
     turning = np.zeros(n)
@@ -327,7 +330,7 @@ def _cut_at_corners(path: _Path, settings: StrokeSettings) -> list[_Path]:
         cuts.append(best)
     marks = [0, *sorted(cuts), n - 1]
     return [
-        _Path(
+        _CentreLine(
             path.points[a : b + 1],
             path.radius[a : b + 1],
             (path.free[0] and a == 0, path.free[1] and b == n - 1),
@@ -336,18 +339,18 @@ def _cut_at_corners(path: _Path, settings: StrokeSettings) -> list[_Path]:
     ]
 
 
-def _inked(paths: list[_Path], mask: BoolArray) -> tuple[Stroke, ...]:
+def _share_ink(paths: list[_CentreLine], mask: BoolArray) -> tuple[BrushStroke, ...]:
     """Share the ink out: to the stroke whose brush covers a pixel deepest, and to all that cover it."""
     depth = np.stack([brush_depth(mask.shape, path.points, path.radius) for path in paths])
     owner = depth.argmax(axis=0)
     strokes = [
-        Stroke(path.points, path.radius, path.free, mask & ((owner == k) | (depth[k] > -0.5)))
+        BrushStroke(path.points, path.radius, path.free, mask & ((owner == k) | (depth[k] > -0.5)))
         for k, path in enumerate(paths)
     ]
     return tuple(sorted(strokes, key=lambda stroke: (-stroke.length, *stroke.path[0])))
 
 
-def _at(field: FloatArray, place: FloatArray) -> float:
+def _largest_near(field: FloatArray, place: FloatArray) -> float:
     """The largest value within a pixel of a place: the middle of a fork need not lie on the skeleton."""
     row, column = (int(v) for v in np.round(place))
     return float(field[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2].max())

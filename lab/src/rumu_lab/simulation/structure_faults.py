@@ -1,27 +1,23 @@
 """Faults of the whole character: weight, lean, place, size, proportion, spacing.
 
-Each function takes a glyph, the size of the fault in its unit (pixels: of a picture 512 wide), and the
-chance that chooses the side.
+Each function takes a glyph, the size of the fault in its unit (pixels: of a picture 512 wide), and the random
+generator that chooses the side.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
-from rumu_lab.simulation.change import Change
-from rumu_lab.simulation.faults_of_strokes import clockwise
-from rumu_lab.simulation.glyph import Glyph, region_of
-from rumu_lab.simulation.ink import depth_of, joined, moved
+from rumu.values import FloatArray
+from rumu_lab.simulation.glyph import ChangedGlyph, Glyph, region_of
+from rumu_lab.simulation.ink import close_clefts, depth_of, move
 from rumu_lab.simulation.severity import OFF_CENTRE_DOWN
+from rumu_lab.simulation.stroke_faults import clockwise
 
-FloatArray = npt.NDArray[np.floating[Any]]
-Chance = np.random.Generator
+Random = np.random.Generator
 
 
-def thin(glyph: Glyph, size: float, _: Chance) -> Change:
+def thin(glyph: Glyph, size: float, _: Random) -> ChangedGlyph:
     """Every stroke loses `size` pixels (of 512) at each edge; a third of its width always stays."""
     depth = np.maximum(glyph.depth - size * glyph.scale, glyph.core)
     return _whole(
@@ -32,7 +28,7 @@ def thin(glyph: Glyph, size: float, _: Chance) -> Change:
     )
 
 
-def thick(glyph: Glyph, size: float, _: Chance) -> Change:
+def thick(glyph: Glyph, size: float, _: Random) -> ChangedGlyph:
     """Every stroke gains `size` pixels (of 512) at each edge."""
     return _whole(
         glyph.depth + size * glyph.scale,
@@ -42,10 +38,10 @@ def thick(glyph: Glyph, size: float, _: Chance) -> Change:
     )
 
 
-def lean(glyph: Glyph, size: float, chance: Chance) -> Change:
+def lean(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
     """The character turned `size` degrees about the centroid of its ink; positive is clockwise."""
-    degrees = size * chance.choice((-1.0, 1.0))
-    depth = moved(glyph.depth, matrix=clockwise(degrees), centre=_centroid(glyph), shift=np.zeros(2))
+    degrees = size * rng.choice((-1.0, 1.0))
+    depth = move(glyph.depth, matrix=clockwise(degrees), centre=_centroid(glyph), shift=np.zeros(2))
     way = ("clockwise", "右") if degrees > 0 else ("counter-clockwise", "左")
     return _whole(
         depth,
@@ -55,10 +51,10 @@ def lean(glyph: Glyph, size: float, chance: Chance) -> Change:
     )
 
 
-def off_centre(glyph: Glyph, size: float, chance: Chance) -> Change:
+def off_centre(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
     """The character pushed `size` pixels (of 512) to a side and 8/11 of that up or down."""
-    right, down = size * chance.choice((-1.0, 1.0), 2) * (1.0, OFF_CENTRE_DOWN)
-    depth = moved(
+    right, down = size * rng.choice((-1.0, 1.0), 2) * (1.0, OFF_CENTRE_DOWN)
+    depth = move(
         glyph.depth, matrix=np.eye(2), centre=np.zeros(2), shift=np.array([down, right]) * glyph.scale
     )
     return _whole(
@@ -71,15 +67,15 @@ def off_centre(glyph: Glyph, size: float, chance: Chance) -> Change:
     )
 
 
-def small(glyph: Glyph, size: float, _: Chance) -> Change:
+def small(glyph: Glyph, size: float, _: Random) -> ChangedGlyph:
     """The character `size` per cent smaller about the centroid of its ink, its strokes with it."""
-    depth = moved(
+    depth = move(
         glyph.depth, matrix=np.eye(2) * (1.0 - size / 100.0), centre=_centroid(glyph), shift=np.zeros(2)
     )
     return _whole(depth, size, en=f"the character is {size:.0f} % too small", zh=f"整個字小了 {size:.0f}%")
 
 
-def squeeze(glyph: Glyph, size: float, _: Chance) -> Change:
+def squeeze(glyph: Glyph, size: float, _: Random) -> ChangedGlyph:
     """The left part widened by `size` per cent of the character's width, the right narrowed by as much.
 
     They part at the column with the least ink in the middle two fifths of the character.
@@ -107,20 +103,20 @@ def squeeze(glyph: Glyph, size: float, _: Chance) -> Change:
     )
 
 
-def uneven(glyph: Glyph, size: float, chance: Chance) -> Change:
+def uneven(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
     """Every stroke pushed its own way by about `size` pixels (of 512): the spaces come out uneven."""
     pixels = size * glyph.scale
-    turns = chance.uniform(0.0, 2.0 * np.pi, len(glyph.strokes))
-    lengths = pixels * chance.uniform(0.5, 1.5, len(glyph.strokes))
+    turns = rng.uniform(0.0, 2.0 * np.pi, len(glyph.strokes))
+    lengths = pixels * rng.uniform(0.5, 1.5, len(glyph.strokes))
     depth = depth_of(glyph.without(*range(len(glyph.strokes))))
     for stroke, turn, length in zip(glyph.strokes, turns, lengths, strict=True):
         step = length * np.array([np.sin(turn), np.cos(turn)])
-        own = moved(depth_of(stroke.ink), matrix=np.eye(2), centre=np.zeros(2), shift=step)
+        own = move(depth_of(stroke.ink), matrix=np.eye(2), centre=np.zeros(2), shift=step)
         depth = np.maximum(depth, own)
     # Strokes that touched go on touching, unless they were pushed far apart.
     met = np.sum([stroke.ink for stroke in glyph.strokes], axis=0) > 1
     brush = min(float(np.median(stroke.radius)) for stroke in glyph.strokes)
-    depth = joined(depth, gap=min(1.5 * pixels, 0.7 * brush), near=depth_of(met) > -pixels)
+    depth = close_clefts(depth, gap=min(1.5 * pixels, 0.7 * brush), near=depth_of(met) > -pixels)
     return _whole(
         depth,
         size,
@@ -129,8 +125,8 @@ def uneven(glyph: Glyph, size: float, chance: Chance) -> Change:
     )
 
 
-def _whole(depth: FloatArray, size: float, *, en: str, zh: str) -> Change:
-    return Change(depth, size, (), region_of(depth > 0), en=en, zh=zh)
+def _whole(depth: FloatArray, size: float, *, en: str, zh: str) -> ChangedGlyph:
+    return ChangedGlyph(depth, size, (), region_of(depth > 0), en=en, zh=zh)
 
 
 def _centroid(glyph: Glyph) -> FloatArray:
