@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rumu.errors import SurfaceError
-from rumu.values import Surface
+from rumu.values import Polyline, Surface
 
 SHAPE = (9, 12)
 
@@ -75,3 +75,31 @@ def test_a_surface_is_frozen():
     for name in ("height", "normals"):
         with pytest.raises(FrozenInstanceError):
             setattr(surface(), name, np.ones(SHAPE, np.float32))
+
+
+LINE = Polyline(np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 6.0]]), np.array([1.0, 2.0, 3.0]))
+
+
+def test_a_polyline_knows_its_length_and_its_parts():
+    assert LINE.length == 7.0
+    assert LINE.along.tolist() == [0.0, 5.0, 7.0]
+    assert LINE.chord.tolist() == [3.0, 6.0]
+    back = LINE.reversed()
+    assert back.length == LINE.length
+    assert back.radius.tolist() == [3.0, 2.0, 1.0] and back.points[0].tolist() == [3.0, 6.0]
+    assert LINE.part(1, 2).points.tolist() == [[3.0, 4.0], [3.0, 6.0]]
+    assert Polyline(np.zeros((1, 2)), np.ones(1)).length == 0.0
+
+
+@pytest.mark.parametrize(
+    ("points", "radius", "words"),
+    [
+        (np.zeros((0, 2)), np.zeros(0), r"expected \(n >= 1, 2\) points, got \(0, 2\)"),
+        (np.zeros((3, 3)), np.zeros(3), r"expected \(n >= 1, 2\) points, got \(3, 3\)"),
+        (np.zeros((3, 2)), np.zeros(2), r"expected half-widths of \(3,\), got \(2,\)"),
+        (np.full((3, 2), np.nan), np.zeros(3), "expected points to be finite"),
+    ],
+)
+def test_a_polyline_is_checked(points, radius, words):
+    with pytest.raises(SurfaceError, match=words):
+        Polyline(points, radius)

@@ -7,8 +7,8 @@ dz/drow = -q where q = dz/dy. Values are frozen: nothing is changed after it is 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -189,6 +189,50 @@ class Surface:
         _require(self.unit in UNITS, SurfaceError, f"a unit among {UNITS}", self.unit)
         _require(self.source in SOURCES, SurfaceError, f"a source among {SOURCES}", self.source)
         _require(np.isfinite(self.spacing) and self.spacing > 0, SurfaceError, "spacing > 0", self.spacing)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Polyline:
+    """A line through points, with its half-width at each of them.
+
+    points: (n >= 1, 2) float64, along the line; whoever makes it names the frame and the unit.
+    radius: (n,) float64, half-width there, in the unit of the points.
+    """
+
+    points: FloatArray
+    radius: FloatArray
+
+    def __post_init__(self) -> None:
+        n = len(self.points)
+        _require(
+            self.points.shape == (n, 2) and n >= 1, SurfaceError, "(n >= 1, 2) points", self.points.shape
+        )
+        _require(self.radius.shape == (n,), SurfaceError, f"half-widths of ({n},)", self.radius.shape)
+        _require_finite(self.points, SurfaceError, "points")
+        _require_finite(self.radius, SurfaceError, "half-widths")
+
+    @property
+    def along(self) -> FloatArray:
+        """(n,) float64, length of the line up to each point."""
+        return np.asarray(np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))]))
+
+    @property
+    def length(self) -> float:
+        """Length of the whole line; 0 for a single point."""
+        return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+
+    @property
+    def chord(self) -> FloatArray:
+        """(2,) float64, from the first point to the last."""
+        return np.asarray(self.points[-1] - self.points[0])
+
+    def reversed(self) -> Self:
+        """The same line from its other end."""
+        return replace(self, points=self.points[::-1], radius=self.radius[::-1])
+
+    def part(self, first: int, last: int) -> Self:
+        """The line from the point numbered `first` to the one numbered `last`, both included."""
+        return replace(self, points=self.points[first : last + 1], radius=self.radius[first : last + 1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
