@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rumu.errors import RumuError
 from rumu_lab.baselines.aest import INDEXES, AestSettings, raw, relations_apart
 from rumu_lab.baselines.cell import SIDE, cell_from
-from rumu_lab.baselines.lines import Line
+from rumu_lab.baselines.lines import StrokeLine
 from rumu_lab.baselines.stroke_pairs import curves_of
 
 
@@ -73,7 +73,7 @@ def three(turn: float = 0.0, scale: float = 1.0, width: float = 1.0, long: float
     lines = []
     for k, (a, length) in enumerate(zip(angles, lengths, strict=True)):
         points = np.linspace((0, 0), (length * np.cos(a), length * np.sin(a)), 30) + k
-        lines.append(Line(points, np.full(30, scale * 0.05 * (width if k == 0 else 1.0))))
+        lines.append(StrokeLine(points, np.full(30, scale * 0.05 * (width if k == 0 else 1.0))))
     return curves_of(lines)
 
 

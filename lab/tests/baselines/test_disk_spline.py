@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from rumu_lab.baselines.cell import SIDE
-from rumu_lab.baselines.disk_spline import SplineSettings, fit_disk_spline, swept
-from rumu_lab.baselines.lines import Line, lines_of, skeleton_of
+from rumu_lab.baselines.disk_spline import SplineSettings, fit_disk_spline, sweep
+from rumu_lab.baselines.lines import StrokeLine, lines_of, skeleton_of
 
 
-def wave(n: int = 160) -> Line:
+def wave(n: int = 160) -> StrokeLine:
     x = np.linspace(20, 180, n)
-    return Line(np.column_stack([x, 100 + 25 * np.sin(x / 18)]), 6 + 2 * np.sin(x / 40))
+    return StrokeLine(np.column_stack([x, 100 + 25 * np.sin(x / 18)]), 6 + 2 * np.sin(x / 40))
 
 
 def test_centre_and_half_width_are_followed():
@@ -44,7 +44,7 @@ def test_knots_are_clamped_and_rise():
 @pytest.mark.parametrize("n", [2, 3, 5])
 def test_the_shortest_lines_can_be_fitted(n):
     points = np.linspace((10.0, 10.0), (13.0, 12.0), n)
-    spline = fit_disk_spline(Line(points, np.full(n, 2.0)), width=8.0)
+    spline = fit_disk_spline(StrokeLine(points, np.full(n, 2.0)), width=8.0)
     assert spline.rms < 0.1 and np.isfinite(spline.control).all()
 
 
@@ -52,12 +52,12 @@ def test_the_shortest_lines_can_be_fitted(n):
 def test_the_swept_disks_are_the_ink_again(cell, work):
     master = cell(work)
     width = skeleton_of(master).width
-    area = swept([fit_disk_spline(line, width=width).line() for line in lines_of(master)], side=SIDE)
+    area = sweep([fit_disk_spline(line, width=width).line() for line in lines_of(master)], side=SIDE)
     assert np.count_nonzero(area & master.ink) > 0.8 * np.count_nonzero(area | master.ink)
 
 
 def test_a_disk_is_a_disk():
-    area = swept([Line(np.array([[100.0, 50.0], [100.0, 50.0]]), np.full(2, 10.0))], side=128)
+    area = sweep([StrokeLine(np.array([[100.0, 50.0], [100.0, 50.0]]), np.full(2, 10.0))], side=128)
     rows, columns = np.nonzero(area)
     assert rows.mean() == pytest.approx(50.0, abs=0.1) and columns.mean() == pytest.approx(100.0, abs=0.1)
     assert len(rows) == pytest.approx(np.pi * 100, rel=0.1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rumu_lab.baselines.cell import SIDE
-from rumu_lab.baselines.hausdorff import directed, outline, raw
+from rumu_lab.baselines.hausdorff import directed_distance, outline, raw
 
 
 def square(left: int) -> np.ndarray:
@@ -21,13 +21,13 @@ def test_an_outline_is_one_pixel_wide_and_closed_at_the_border() -> None:
 
 
 def test_a_moved_square_is_as_far_as_it_was_moved() -> None:
-    assert directed(square(60), square(72)) == pytest.approx(12.0)
+    assert directed_distance(square(60), square(72)) == pytest.approx(12.0)
 
 
 def test_one_stray_pixel_does_not_count() -> None:
     stray = square(60)
     stray[10, 10] = True
-    assert directed(stray, square(60)) == 0.0
+    assert directed_distance(stray, square(60)) == 0.0
 
 
 def test_missing_ink_shows_backward_and_strange_ink_forward(cell) -> None:

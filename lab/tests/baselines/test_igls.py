@@ -15,7 +15,7 @@ from rumu_lab.baselines.igls import (
     MEDIUM,
     IglsSettings,
     measure,
-    quantised,
+    quantise,
     raw,
     rules,
 )
@@ -76,9 +76,9 @@ def test_there_are_27_rules_and_low_projections_are_never_above_medium() -> None
 
 
 def test_features_are_quantised_to_what_is_said() -> None:
-    assert quantised(0.33, steps=5) == pytest.approx(0.4)
-    assert quantised(0.33, steps=20) == pytest.approx(0.35)
-    assert quantised(0.33, steps=0) == 0.33
+    assert quantise(0.33, steps=5) == pytest.approx(0.4)
+    assert quantise(0.33, steps=20) == pytest.approx(0.35)
+    assert quantise(0.33, steps=0) == 0.33
 
 
 @pytest.mark.parametrize("fault", ["off_centre", "small", "squeeze"])

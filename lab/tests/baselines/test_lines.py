@@ -6,22 +6,22 @@ import numpy as np
 import pytest
 
 from rumu_lab.baselines.cell import SIDE, cell_from
-from rumu_lab.baselines.lines import Line, angles_between, as_line, corners, lines_of, polygon, turnings
+from rumu_lab.baselines.lines import StrokeLine, angles_between, as_line, corners, lines_of, polygon, turnings
 
 
-def line(*places: tuple[float, float]) -> Line:
+def line(*places: tuple[float, float]) -> StrokeLine:
     """A polygon with a point at every unit of length."""
     parts = [
         np.linspace(a, b, max(2, round(np.hypot(b[0] - a[0], b[1] - a[1]))), endpoint=False)
         for a, b in zip(np.array(places[:-1], float), np.array(places[1:], float), strict=True)
     ]
     points = np.concatenate([*parts, [places[-1]]])
-    return Line(points, np.full(len(points), 3.0))
+    return StrokeLine(points, np.full(len(points), 3.0))
 
 
-def arc(degrees: float, radius: float) -> Line:
+def arc(degrees: float, radius: float) -> StrokeLine:
     t = np.radians(np.linspace(0, degrees, 90))
-    return Line(radius * np.column_stack([np.sin(t), 1 - np.cos(t)]), np.full(90, 3.0))
+    return StrokeLine(radius * np.column_stack([np.sin(t), 1 - np.cos(t)]), np.full(90, 3.0))
 
 
 def test_a_polygon_leaves_no_point_farther_than_its_deviation():
@@ -81,5 +81,5 @@ def test_a_round_dot_is_a_short_line():
 def test_parts_and_turning_keep_the_line():
     whole = line((0, 0), (60, 0), (60, 60))
     assert whole.part(0, 30).length + whole.part(30, 120).length == pytest.approx(whole.length)
-    assert whole.turned().at(np.array([0.25])) == pytest.approx(whole.at(np.array([0.75])))
+    assert whole.reverse().at(np.array([0.25])) == pytest.approx(whole.at(np.array([0.75])))
     assert whole.middle == pytest.approx((60, 0), abs=0.6)

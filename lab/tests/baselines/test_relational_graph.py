@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rumu_lab.baselines.lines import Line
+from rumu_lab.baselines.lines import StrokeLine
 from rumu_lab.baselines.relational_graph import (
     RELATIONS,
     differences,
@@ -13,16 +13,16 @@ from rumu_lab.baselines.relational_graph import (
     graph_of,
     relations,
     traits_of,
-    wrapped,
+    wrap_degrees,
 )
 
 
-def straight(x0: float, y0: float, x1: float, y1: float) -> Line:
+def straight(x0: float, y0: float, x1: float, y1: float) -> StrokeLine:
     points = np.linspace((x0, y0), (x1, y1), 20)
-    return Line(points, np.full(20, 0.02))
+    return StrokeLine(points, np.full(20, 0.02))
 
 
-def relation(a: Line, b: Line) -> str:
+def relation(a: StrokeLine, b: StrokeLine) -> str:
     codes = relations(traits_of([a, b]), width=0.05)
     assert codes[0, 1] == codes[1, 0] and codes[0, 0] == codes[1, 1] == 0
     return RELATIONS[codes[0, 1]]
@@ -78,16 +78,18 @@ def test_arcs_run_from_middle_to_middle():
 
 
 def test_angles_wrap():
-    assert wrapped(np.array([190.0, -190.0, 180.0, -180.0, 0.0])) == pytest.approx([-170, 170, 180, 180, 0])
+    assert wrap_degrees(np.array([190.0, -190.0, 180.0, -180.0, 0.0])) == pytest.approx(
+        [-170, 170, 180, 180, 0]
+    )
 
 
 def test_the_box_forgets_place_and_size():
     lines = [straight(10, 10, 110, 12), straight(50, 0, 52, 60)]
-    moved = [Line(3 * one.points + 40, 3 * one.radius) for one in lines]
+    moved = [StrokeLine(3 * one.points + 40, 3 * one.radius) for one in lines]
     a, b = frame_of(lines), frame_of(moved)
     for one, other in zip(lines, moved, strict=True):
-        assert a.boxed(one).points == pytest.approx(b.boxed(other).points)
-    assert np.abs(a.boxed(lines[0]).points).max() == pytest.approx(0.5)
+        assert a.to_box(one).points == pytest.approx(b.to_box(other).points)
+    assert np.abs(a.to_box(lines[0]).points).max() == pytest.approx(0.5)
 
 
 def test_a_speck_far_out_does_not_stretch_the_box():

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rumu_lab.baselines.lines import Line
-from rumu_lab.baselines.stroke_pairs import curves_of, cut_alike, middles_apart, oriented, paired
+from rumu_lab.baselines.lines import StrokeLine
+from rumu_lab.baselines.stroke_pairs import curves_of, cut_alike, middles_apart, orient, pair_lines
 
 
-def straight(x0: float, y0: float, x1: float, y1: float, radius: float = 4.0) -> Line:
+def straight(x0: float, y0: float, x1: float, y1: float, radius: float = 4.0) -> StrokeLine:
     n = max(2, round(np.hypot(x1 - x0, y1 - y0)))
-    return Line(np.linspace((x0, y0), (x1, y1), n), np.linspace(radius, 2 * radius, n))
+    return StrokeLine(np.linspace((x0, y0), (x1, y1), n), np.linspace(radius, 2 * radius, n))
 
 
 def lengths(lines) -> list[int]:
@@ -40,7 +40,7 @@ def test_no_short_piece_is_cut_off():
 
 def test_the_copy_is_turned_to_run_beside():
     reference, copy = curves_of([straight(0, 0, 90, 0)]), curves_of([straight(90, 5, 0, 5)])
-    points, radius = oriented(copy, reference)
+    points, radius = orient(copy, reference)
     assert points[0, 0, :, 0] == pytest.approx(reference.points[0, :, 0])
     assert radius[0, 0, 0] > radius[0, 0, -1]
 
@@ -49,7 +49,7 @@ def test_pairs_are_one_to_one_and_near_ones_only():
     model = [straight(0, y, 90, y) for y in (0, 30, 60)]
     copy = [straight(0, y + 4, 90, y + 4) for y in (60, 0)] + [straight(0, 0, 0, 90)]
     reference, own = (
-        curves_of([Line(x.points / 100, x.radius / 100) for x in some]) for some in (model, copy)
+        curves_of([StrokeLine(x.points / 100, x.radius / 100) for x in some]) for some in (model, copy)
     )
     worth = np.exp(-middles_apart(reference, own) / 0.1)
-    assert paired(worth, reference, own) == [(0, 1), (2, 0)]
+    assert pair_lines(worth, reference, own) == [(0, 1), (2, 0)]

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from rumu_lab.baselines.stroke_pieces import chosen, joined, piece_of, pieces_of
+from rumu_lab.baselines.stroke_pieces import choose_pieces, join_pieces, piece_of, pieces_of
 
 
 def block(rows: slice, columns: slice) -> np.ndarray:
@@ -42,7 +42,7 @@ def test_short_parts_are_no_pieces() -> None:
 
 
 def uncovered(taken: list, ink: np.ndarray) -> float:
-    """The sum as written in `chosen`."""
+    """The sum as written in `choose_pieces`."""
     single = sum(int((p.pixels & ink).sum()) for p in taken)
     double = sum(int((p.pixels & q.pixels & ink).sum()) for i, p in enumerate(taken) for q in taken[i + 1 :])
     return int(ink.sum()) - single + double + sum(int((p.pixels & ~ink).sum()) for p in taken)
@@ -53,7 +53,7 @@ def test_what_is_told_twice_is_left_out_and_a_crossing_is_not() -> None:
     ink = ROW | down
     again, spill = block(slice(41, 47), slice(12, 60)), block(slice(0, 8), slice(60, 90))
     pieces = [piece_of(p, claim=k) for k, p in enumerate((again, ROW, spill, down))]
-    assert sorted(p.claim for p in chosen(pieces, ink)) == [1, 3]
+    assert sorted(p.claim for p in choose_pieces(pieces, ink)) == [1, 3]
 
 
 def test_no_flip_of_one_piece_is_better_and_the_best_of_all_is_near() -> None:
@@ -63,7 +63,7 @@ def test_no_flip_of_one_piece_is_better_and_the_best_of_all_is_near() -> None:
     for k in range(9):
         top, left = rng.integers(0, 60, 2)
         pieces.append(piece_of(block(slice(top, top + 30), slice(left, left + 30)) & ink, claim=k))
-    mine = chosen(pieces, ink)
+    mine = choose_pieces(pieces, ink)
     least = uncovered(mine, ink)
     for piece in pieces:
         flipped = [p for p in mine if p is not piece] if piece in mine else [*mine, piece]
@@ -81,11 +81,11 @@ def test_pieces_in_line_are_joined_and_neighbours_are_not() -> None:
         block(slice(40, 48), slice(44, 80)),
         block(slice(56, 64), slice(10, 80)),
     )
-    found = joined([piece_of(p, claim=0) for p in (left, right, below)], width=8.0)
+    found = join_pieces([piece_of(p, claim=0) for p in (left, right, below)], width=8.0)
     assert [p.length for p in found] == pytest.approx([70.0, 72.0], abs=1.0)  # a gap parts the two halves
-    apart = joined([piece_of(left, claim=0), piece_of(right, claim=1)], width=8.0)
+    apart = join_pieces([piece_of(left, claim=0), piece_of(right, claim=1)], width=8.0)
     assert len(apart) == 2
 
 
 def test_no_pieces_are_chosen_from_none() -> None:
-    assert chosen([], ROW) == []
+    assert choose_pieces([], ROW) == []

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rumu_lab.baselines.lines import Line
+from rumu_lab.baselines.lines import StrokeLine
 from rumu_lab.baselines.white_gaps import elastic_shares, mesh_of, white_gaps
 
 
-def bars(*rows: int, left: int = 10, right: int = 90) -> tuple[np.ndarray, list[Line]]:
+def bars(*rows: int, left: int = 10, right: int = 90) -> tuple[np.ndarray, list[StrokeLine]]:
     """Bars six pixels thick in a picture of 100, and their centre lines."""
     ink = np.zeros((100, 100), bool)
     lines = []
     for row in rows:
         ink[row : row + 6, left:right] = True
         x = np.arange(left, right, dtype=float)
-        lines.append(Line(np.column_stack([x, np.full(len(x), row + 2.5)]), np.full(len(x), 3.0)))
+        lines.append(StrokeLine(np.column_stack([x, np.full(len(x), row + 2.5)]), np.full(len(x), 3.0)))
     return ink, lines
 
 
@@ -29,7 +29,7 @@ def test_gaps_are_the_white_between_neighbours_only():
 
 def test_gaps_are_found_across_columns_as_well():
     ink, lines = bars(10, 40)
-    turned = [Line(line.points[:, ::-1], line.radius) for line in lines]
+    turned = [StrokeLine(line.points[:, ::-1], line.radius) for line in lines]
     assert white_gaps(ink.T, turned, least=6) == pytest.approx({(0, 1): 0.24})
 
 

@@ -27,14 +27,14 @@ import numpy as np
 
 from rumu.values import FloatArray
 from rumu_lab.baselines.cell import SIDE, Cell, Raw
-from rumu_lab.baselines.lines import Line, lines_of, skeleton_of
+from rumu_lab.baselines.lines import StrokeLine, lines_of, skeleton_of
 from rumu_lab.baselines.stroke_pairs import (
     Curves,
     curves_of,
     cut_alike,
     directions_apart,
     middles_apart,
-    paired,
+    pair_lines,
 )
 from rumu_lab.baselines.white_gaps import elastic_shares, mesh_of, white_gaps
 
@@ -61,10 +61,13 @@ class AestSettings:
 
 
 def raw(probe: Cell, reference: Cell) -> Raw:
-    """The weighted sum. Features: the three INDEXES, each in [0, 1]; paired, the share of the strokes'
-    length that has a partner; ink, the share of the mesh that agrees; white, of the gaps."""
+    """The weighted sum of the three indexes.
+
+    features: the three INDEXES, each in [0, 1]; paired, the share of the strokes'
+    length that has a partner; ink, the share of the mesh that agrees; white, of the gaps.
+    """
     settings = AestSettings()
-    lines = _paired_lines(probe, reference, settings)
+    lines = _pair_lines(probe, reference, settings)
     coordination = lines.coordination(settings)
     ink = 1.0 - 0.5 * float(np.abs(_shares(probe) - _shares(reference)).sum())
     white = _white(probe, reference, lines, settings)
@@ -78,22 +81,25 @@ def raw(probe: Cell, reference: Cell) -> Raw:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _PairedLines:
-    """Lines of both, cut alike, in pixels of their cells; pairs: numbers (reference, copy). scale: what makes
-    the copy as large as the reference."""
+class _LinePairs:
+    """Lines of both, cut alike, in pixels of their cells.
 
-    reference: tuple[Line, ...]
-    copy: tuple[Line, ...]
+    pairs: numbers (reference, copy). scale: what makes
+    the copy as large as the reference.
+    """
+
+    reference: tuple[StrokeLine, ...]
+    copy: tuple[StrokeLine, ...]
     pairs: tuple[tuple[int, int], ...]
     scale: float
 
     @property
     def share(self) -> float:
         """Of the length of all lines, those paired counted once, in [0, 1]."""
-        paired, lone = (sum(line.length for line in lines) for lines in self._parted())
-        return paired / (paired + lone)
+        with_partner, lone = (sum(line.length for line in lines) for lines in self._split())
+        return with_partner / (with_partner + lone)
 
-    def _parted(self) -> tuple[list[Line], list[Line]]:
+    def _split(self) -> tuple[list[StrokeLine], list[StrokeLine]]:
         """Lines of the reference that have a partner; lines of both that have none."""
         i, j = ({pair[k] for pair in self.pairs} for k in (0, 1))
         alone = [line for k, line in enumerate(self.reference) if k not in i]
@@ -126,7 +132,7 @@ def relations_apart(one: Curves, two: Curves, *, settings: AestSettings) -> Floa
     return np.asarray(of_length + bend / settings.angle + of_width)
 
 
-def _paired_lines(probe: Cell, reference: Cell, settings: AestSettings) -> _PairedLines:
+def _pair_lines(probe: Cell, reference: Cell, settings: AestSettings) -> _LinePairs:
     """The lines of both paired where the copy is brought to the reference's centre and size."""
     own, model = lines_of(probe), lines_of(reference)
     (p, p_radius), (q, q_radius) = _frame(own), _frame(model)
@@ -134,7 +140,8 @@ def _paired_lines(probe: Cell, reference: Cell, settings: AestSettings) -> _Pair
     moved = [replace(line, points=(line.points - p) * scale + q, radius=line.radius * scale) for line in own]
     copy, lines = cut_alike(moved, model, width=skeleton_of(reference).width)
     one, two = (
-        curves_of([Line(line.points / SIDE, line.radius / SIDE) for line in some]) for some in (lines, copy)
+        curves_of([StrokeLine(line.points / SIDE, line.radius / SIDE) for line in some])
+        for some in (lines, copy)
     )
     lengths = one.length[:, None], two.length[None]
     worth = (
@@ -145,10 +152,10 @@ def _paired_lines(probe: Cell, reference: Cell, settings: AestSettings) -> _Pair
     back = tuple(
         replace(line, points=(line.points - q) / scale + p, radius=line.radius / scale) for line in copy
     )
-    return _PairedLines(tuple(lines), back, tuple(paired(worth, one, two)), scale)
+    return _LinePairs(tuple(lines), back, tuple(pair_lines(worth, one, two)), scale)
 
 
-def _frame(lines: Sequence[Line]) -> tuple[FloatArray, float]:
+def _frame(lines: Sequence[StrokeLine]) -> tuple[FloatArray, float]:
     """Centroid and rms radius of all lines, each point weighing the length it stands for."""
     points = np.concatenate([line.points for line in lines])
     weight = np.concatenate([np.gradient(line.along) for line in lines])
@@ -198,7 +205,7 @@ def _shares(cell: Cell) -> FloatArray:
     return elastic_shares(mass, mesh_of(mass))
 
 
-def _white(probe: Cell, reference: Cell, lines: _PairedLines, settings: AestSettings) -> float:
+def _white(probe: Cell, reference: Cell, lines: _LinePairs, settings: AestSettings) -> float:
     """exp(-mean difference of the gaps between neighbours of the reference that were both found)."""
     width = skeleton_of(reference).width
     model = white_gaps(reference.ink, lines.reference, least=width)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rumu.values import BoolArray, FloatArray
-from rumu_lab.baselines.lines import Line
+from rumu_lab.baselines.lines import StrokeLine
 
 ORDER = 3
 """Degree of the spline: cubic."""
@@ -23,8 +23,11 @@ ORDER = 3
 
 @dataclass(frozen=True, slots=True)
 class SplineSettings:
-    """spacing: length of curve for each control point, in stroke widths. accepted: rms distance of the
-    centre line, in pixels, above which control points are added. most: control points at the most."""
+    """How many control points a spline gets.
+
+    spacing: length of curve for each control point, in stroke widths. accepted: rms distance of the
+    centre line, in pixels, above which control points are added. most: control points at the most.
+    """
 
     spacing: float = 2.0
     accepted: float = 0.5
@@ -33,8 +36,11 @@ class SplineSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DiskSpline:
-    """knots: (m + 4,), clamped to [0, 1]. control: (m, 3) float64, x, y and half-width. rms: distance of the
-    fitted centre line from the skeleton, in pixels. length: of that skeleton."""
+    """A fitted disk B-spline curve.
+
+    knots: (m + 4,), clamped to [0, 1]. control: (m, 3) float64, x, y and half-width. rms: distance of the
+    fitted centre line from the skeleton, in pixels. length: of that skeleton.
+    """
 
     knots: FloatArray
     control: FloatArray
@@ -49,13 +55,13 @@ class DiskSpline:
         disks[:, 2] = np.maximum(disks[:, 2], 0.0)
         return disks
 
-    def line(self, *, step: float = 1.0) -> Line:
+    def line(self, *, step: float = 1.0) -> StrokeLine:
         """Its centre line with a point about every `step` pixels, two at the least, and the half-widths."""
         disks = self.at(np.linspace(0.0, 1.0, max(2, ceil(self.length / step) + 1)))
-        return Line(disks[:, :2], disks[:, 2])
+        return StrokeLine(disks[:, :2], disks[:, 2])
 
 
-def fit_disk_spline(line: Line, *, width: float, settings: SplineSettings | None = None) -> DiskSpline:
+def fit_disk_spline(line: StrokeLine, *, width: float, settings: SplineSettings | None = None) -> DiskSpline:
     """The disk B-spline through a line in pixels; width: of a stroke.
 
     Starts with a control point for every two stroke widths, four at the least, and adds half as many again
@@ -66,13 +72,13 @@ def fit_disk_spline(line: Line, *, width: float, settings: SplineSettings | None
     most = min(settings.most, max(4, len(samples) // 2))
     count = min(max(4, ceil(line.length / (settings.spacing * width))), most)
     while True:
-        fitted = _fitted(samples, chord, root, count, line.length)
+        fitted = _fit(samples, chord, root, count, line.length)
         if fitted.rms < settings.accepted or count >= most:
             return fitted
         count = min(most, count + max(1, count // 2))
 
 
-def _samples(line: Line) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _samples(line: StrokeLine) -> tuple[FloatArray, FloatArray, FloatArray]:
     """(k, 3) x, y, half-width, with the chord-length and the centripetal parameters, both 0 to 1."""
     shares = np.linspace(0.0, 1.0, max(12, ceil(line.length)))
     points, radius = line.at(shares), line.radius_at(shares)
@@ -81,9 +87,7 @@ def _samples(line: Line) -> tuple[FloatArray, FloatArray, FloatArray]:
     return np.column_stack([points, radius]), chord / chord[-1], root / root[-1]
 
 
-def _fitted(
-    samples: FloatArray, chord: FloatArray, root: FloatArray, count: int, length: float
-) -> DiskSpline:
+def _fit(samples: FloatArray, chord: FloatArray, root: FloatArray, count: int, length: float) -> DiskSpline:
     from scipy.interpolate import make_lsq_spline
 
     inner = np.interp(np.arange(1, count - ORDER) / (count - ORDER), root, chord)
@@ -94,7 +98,7 @@ def _fitted(
     return DiskSpline(knots, np.asarray(spline.c, dtype=float), rms, length)
 
 
-def swept(lines: Iterable[Line], *, side: int) -> BoolArray:
+def sweep(lines: Iterable[StrokeLine], *, side: int) -> BoolArray:
     """(side, side) bool: the area that the disks of these lines sweep, pixels, y downward."""
     import cv2
 

@@ -81,7 +81,7 @@ def reconstruct(
     posed: one direction with a threshold of 0 would cover all ink. So a direction claims a pixel only where
     it answers nearly as strongly as any other does; two strokes that cross still both do.
     """
-    near = _grown(ink, settings.margin * width)
+    near = _grow(ink, settings.margin * width)
     strength, inside = found[:, near], ink[near]
     rank = np.minimum((strength * settings.grid).astype(np.intp), settings.grid - 1)
     rank[strength < settings.rival * strength.max(axis=0)] = -1
@@ -124,7 +124,7 @@ def _isodata(strength: FloatArray, grid: int) -> int:
     return round(level * grid)
 
 
-def _grown(ink: BoolArray, reach: float) -> BoolArray:
+def _grow(ink: BoolArray, reach: float) -> BoolArray:
     import cv2
 
     k = max(1, round(reach))

@@ -21,8 +21,8 @@ import numpy as np
 from rumu.values import FloatArray
 from rumu_lab.baselines.cell import SIDE, Cell, Raw
 from rumu_lab.baselines.gabor import GaborSettings, reconstruct, responses
-from rumu_lab.baselines.placing import aligned, placed
-from rumu_lab.baselines.stroke_pieces import Piece, chosen, joined, pieces_of
+from rumu_lab.baselines.placing import align, placement
+from rumu_lab.baselines.stroke_pieces import Piece, choose_pieces, join_pieces, pieces_of
 
 SMALL = 128
 """Side of the picture that is filtered; a stroke is still some six pixels wide there."""
@@ -59,20 +59,20 @@ def raw(probe: Cell, reference: Cell) -> Raw:
     """Mean of the likeness of the directional features and of the stroke pieces.
 
     features: 'directions' and 'pieces', the two halves in [0, 1]; 'error', the probe's reconstruction error;
-    'count', the probe's pieces over the reference's; those of `placed`.
+    'count', the probe's pieces over the reference's; those of `placement`.
     """
     settings = GfseSettings()
     width = reference.width
-    here, there = extract(aligned(probe, reference), width, settings), extract(reference, width, settings)
+    here, there = extract(align(probe, reference), width, settings), extract(reference, width, settings)
     directions = alike_features(here.features, there.features)
     pieces = alike_pieces(here.pieces, there.pieces, settings=settings)
-    told = {
+    features = {
         "directions": directions,
         "pieces": pieces,
         "error": here.error,
         "count": len(here.pieces) / max(len(there.pieces), 1),
     }
-    return Raw(min(0.5 * directions + 0.5 * pieces, 1.0), told | placed(probe, reference))
+    return Raw(min(0.5 * directions + 0.5 * pieces, 1.0), features | placement(probe, reference))
 
 
 @lru_cache(maxsize=4)  # many copies of one master come in a row
@@ -85,7 +85,7 @@ def extract(cell: Cell, width: float, settings: GfseSettings) -> Extracted:
     own = max(width * SMALL / SIDE, 2.0)
     found = responses(small, width=own, settings=settings.gabor)
     claims, error = reconstruct(found, ink, width=own, settings=settings.gabor)
-    pieces = joined(chosen(pieces_of(claims, width=own), ink), width=own)
+    pieces = join_pieces(choose_pieces(pieces_of(claims, width=own), ink), width=own)
     blurred = np.array([cv2.GaussianBlur(f, (0, 0), settings.blur * SMALL) for f in found])
     return Extracted(blurred, tuple(pieces), error)
 

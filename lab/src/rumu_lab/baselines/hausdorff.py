@@ -11,7 +11,7 @@ import numpy as np
 
 from rumu.values import BoolArray, FloatArray
 from rumu_lab.baselines.cell import SIDE, Cell, Raw
-from rumu_lab.baselines.placing import aligned, placed
+from rumu_lab.baselines.placing import align, placement
 
 SHARE = 95.0
 REACH = 0.1
@@ -22,16 +22,19 @@ def raw(probe: Cell, reference: Cell) -> Raw:
     """exp(-d / REACH), d the greater of the two directed distances.
 
     features, in cells: 'distance' d; 'forward' from the probe's outline to the reference's, which is long
-    where ink strays; 'backward' the other way, long where ink is missing; those of `placed`.
+    where ink strays; 'backward' the other way, long where ink is missing; those of `placement`.
     """
-    ink = aligned(probe, reference).ink
-    forward, backward = directed(ink, reference.ink) / SIDE, directed(reference.ink, ink) / SIDE
+    ink = align(probe, reference).ink
+    forward, backward = (
+        directed_distance(ink, reference.ink) / SIDE,
+        directed_distance(reference.ink, ink) / SIDE,
+    )
     distance = max(forward, backward)
     features = {"distance": distance, "forward": forward, "backward": backward}
-    return Raw(math.exp(-distance / REACH), features | placed(probe, reference))
+    return Raw(math.exp(-distance / REACH), features | placement(probe, reference))
 
 
-def directed(a: BoolArray, b: BoolArray) -> float:
+def directed_distance(a: BoolArray, b: BoolArray) -> float:
     """95th percentile of the distances, in pixels, from the outline of a to that of b."""
     return float(np.percentile(_distance_to(outline(b))[outline(a)], SHARE))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from rumu.values import FloatArray
 from rumu_lab.baselines.cell import Cell, Raw
-from rumu_lab.baselines.placing import aligned, placed
+from rumu_lab.baselines.placing import align, placement
 
 SMALL = 64
 
@@ -20,11 +20,11 @@ SMALL = 64
 def raw(probe: Cell, reference: Cell) -> Raw:
     """Cosine of the two descriptors, which have no negative parts.
 
-    features: 'cosine', the grade itself; those of `placed`.
+    features: 'cosine', the grade itself; those of `placement`.
     """
-    a, b = describe(aligned(probe, reference)), describe(reference)
+    a, b = describe(align(probe, reference)), describe(reference)
     value = float(a @ b / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-12))
-    return Raw(min(value, 1.0), {"cosine": value} | placed(probe, reference))
+    return Raw(min(value, 1.0), {"cosine": value} | placement(probe, reference))
 
 
 @lru_cache(maxsize=4)  # many copies of one master come in a row

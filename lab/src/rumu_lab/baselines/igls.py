@@ -42,9 +42,12 @@ GRADES: tuple[Corners, ...] = (
 
 @dataclass(frozen=True, slots=True)
 class IglsSettings:
-    """off_centre: distance of the centroids, in cells, that scores 0. size: ratio of a side of the boxes that
+    """Differences that score 0, and how features are quantised.
+
+    off_centre: distance of the centroids, in cells, that scores 0. size: ratio of a side of the boxes that
     does. projection: mean earth mover's distance of the projections, in cells, that does. bins: of one.
-    steps: how many a feature is quantised to; 0 for none."""
+    steps: how many a feature is quantised to; 0 for none.
+    """
 
     off_centre: float = 0.15
     size: float = 1.6
@@ -61,7 +64,7 @@ def raw(probe: Cell, reference: Cell) -> Raw:
     """
     settings = IglsSettings()
     scores = measure(probe, reference, settings=settings)
-    grade = _system().infer(tuple(quantised(score, steps=settings.steps) for score in scores.values()))
+    grade = _system().infer(tuple(quantise(score, steps=settings.steps) for score in scores.values()))
     low, high = _system().infer((0.0, 0.0, 0.0)), _system().infer((1.0, 1.0, 1.0))
     return Raw(min(max((grade - low) / (high - low), 0.0), 1.0), scores | {"grade": grade})
 
@@ -80,7 +83,7 @@ def measure(probe: Cell, reference: Cell, *, settings: IglsSettings) -> dict[str
     }
 
 
-def quantised(score: float, *, steps: int) -> float:
+def quantise(score: float, *, steps: int) -> float:
     """The nearest of steps + 1 equidistant values in [0, 1]; the score itself for no steps."""
     return round(score * steps) / steps if steps else score
 
@@ -133,7 +136,7 @@ def _differences(probe: Cell, reference: Cell, *, bins: int) -> tuple[FloatArray
 
 
 def _places(ink: BoolArray) -> tuple[FloatArray, FloatArray]:
-    """x (right) and y (down) of every ink pixel from the centroid, in cells: (N,) each."""
+    """Positions x (right) and y (down) of every ink pixel from the centroid, in cells: (N,) each."""
     rows, columns = np.nonzero(ink)
     return (columns - columns.mean()) / SIDE, (rows - rows.mean()) / SIDE
 

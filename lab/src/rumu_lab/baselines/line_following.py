@@ -16,8 +16,8 @@ import numpy as np
 
 from rumu.surface.skeleton import Skeleton
 from rumu.values import FloatArray, IntArray
-from rumu_lab.baselines.lines import Line, angles_between, as_line, corners, polygon
-from rumu_lab.baselines.relational_graph import Frame, Graph, Traits, traits_of, wrapped
+from rumu_lab.baselines.lines import StrokeLine, angles_between, as_line, corners, polygon
+from rumu_lab.baselines.relational_graph import Frame, Graph, Traits, traits_of, wrap_degrees
 
 Way = tuple[int, ...]
 """Directed pieces in order: number p forward is p, backward is p + (number of pieces)."""
@@ -28,12 +28,15 @@ TOLERANCE = {"D": 60.0, "K": 45.0}
 
 @dataclass(frozen=True, slots=True)
 class FollowSettings:
-    """deviation: of the polygon whose vertices are feature points. reach: farthest start from the
+    """Which ways through the input are looked at.
+
+    deviation: of the polygon whose vertices are feature points. reach: farthest start from the
     reference's. turn: most degrees at a fork, or at a bend over chords of `arm` stroke widths, as strokes
     of the reference are cut; blind_turn: the same from or into a piece shorter than `blind` stroke widths,
     whose direction is a fork's or a tip's more than the stroke's. gap: widest break in the ink that is
     jumped. shortest, longest: length over the reference's. most: ways looked at for each stroke. keep:
-    candidates for each stroke."""
+    candidates for each stroke.
+    """
 
     deviation: float = 0.02
     reach: float = 0.25
@@ -51,12 +54,15 @@ class FollowSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segments:
-    """The input. pieces: m lines between feature points. ends: (2m, 2) feature point at which each directed
+    """The input as pieces of line between feature points.
+
+    pieces: m lines between feature points. ends: (2m, 2) feature point at which each directed
     piece starts and stops. heading: (2m, 2) unit direction in which it sets out. follows: of each directed
     piece the directed pieces that may come next. width: of a stroke. forks: numbers of feature points with
-    three ends or more. places: (k, 2) of the feature points."""
+    three ends or more. places: (k, 2) of the feature points.
+    """
 
-    pieces: tuple[Line, ...]
+    pieces: tuple[StrokeLine, ...]
     traits: Traits
     ends: IntArray
     heading: FloatArray
@@ -65,16 +71,18 @@ class Segments:
     forks: frozenset[int]
     places: FloatArray
 
-    def turned(self, way: Way) -> Way:
+    def reverse(self, way: Way) -> Way:
         """The same pieces from the other end."""
         m = len(self.pieces)
         return tuple((d + m) % (2 * m) for d in reversed(way))
 
-    def line(self, way: Way) -> Line:
+    def line(self, way: Way) -> StrokeLine:
         """The pieces of a way as one line."""
         m = len(self.pieces)
-        parts = [self.pieces[d] if d < m else self.pieces[d - m].turned() for d in way]
-        return Line(np.concatenate([p.points for p in parts]), np.concatenate([p.radius for p in parts]))
+        parts = [self.pieces[d] if d < m else self.pieces[d - m].reverse() for d in way]
+        return StrokeLine(
+            np.concatenate([p.points for p in parts]), np.concatenate([p.radius for p in parts])
+        )
 
 
 def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | None = None) -> Segments:
@@ -83,7 +91,7 @@ def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | 
     width = skeleton.width / frame.side
     pieces, ends, smooth = _pieces(skeleton, frame, settings)
     directed = np.array([*ends, *(end[::-1] for end in ends)], dtype=np.intp)
-    lines = [*pieces, *(piece.turned() for piece in pieces)]
+    lines = [*pieces, *(piece.reverse() for piece in pieces)]
     count = int(directed.max()) + 1
     places = np.zeros((count, 2))
     for line, end in zip(lines, directed, strict=True):
@@ -94,7 +102,7 @@ def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | 
     short = np.array([line.length < settings.blind * width for line in lines])
     limit = np.where(short[:, None] | short[None], settings.blind_turn, settings.turn)
     limit[np.isin(directed[:, 1], smooth)] = 180.0
-    follows = _follows(directed, heading, degree, places, tip=tip, limit=limit, gap=settings.gap)
+    follows = _find_successors(directed, heading, degree, places, tip=tip, limit=limit, gap=settings.gap)
     return Segments(
         tuple(pieces),
         traits_of(lines),
@@ -109,12 +117,12 @@ def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | 
 
 def _pieces(
     skeleton: Skeleton, frame: Frame, settings: FollowSettings
-) -> tuple[list[Line], list[tuple[int, int]], list[int]]:
+) -> tuple[list[StrokeLine], list[tuple[int, int]], list[int]]:
     """Pieces, the feature points they run between, and those of them where a line bends without a corner."""
     pieces, ends, smooth, fresh = [], [], [], len(skeleton.nodes)
     arm = settings.arm * skeleton.width / frame.side
     for segment in skeleton.segments:
-        line = frame.boxed(as_line(segment.points, segment.radius))
+        line = frame.to_box(as_line(segment.points, segment.radius))
         marks = polygon(line.points, deviation=settings.deviation)
         start, stop = segment.ends
         if len(segment.points) < 2:  # a dot is one feature point; as a line it has two
@@ -129,7 +137,7 @@ def _pieces(
     return pieces, ends, smooth
 
 
-def _heading(line: Line, width: float) -> FloatArray:
+def _heading(line: StrokeLine, width: float) -> FloatArray:
     """(2,) unit direction in which a line sets out, seen beyond what a fork distorts."""
     far = np.hypot(*(line.points - line.points[0]).T)
     near = int(np.argmax(far >= min(float(line.radius[0]), 0.4 * float(far.max()))))
@@ -139,7 +147,7 @@ def _heading(line: Line, width: float) -> FloatArray:
     return np.asarray(way / max(float(np.hypot(*way)), 1e-12))
 
 
-def _follows(
+def _find_successors(
     ends: IntArray,
     heading: FloatArray,
     degree: IntArray,
@@ -172,8 +180,11 @@ def _follows(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates:
-    """ways: the u directed ways that are candidate of any stroke. traits: theirs. choice: for each reference
-    stroke the numbers of its ways, cheapest first. cost: their node costs."""
+    """Ways through the input that may be strokes of the reference.
+
+    ways: the u directed ways that are candidate of any stroke. traits: theirs. choice: for each reference
+    stroke the numbers of its ways, cheapest first. cost: their node costs.
+    """
 
     ways: tuple[Way, ...]
     traits: Traits
@@ -184,7 +195,7 @@ class Candidates:
 def candidates_of(graph: Graph, segments: Segments, *, settings: FollowSettings | None = None) -> Candidates:
     """For each stroke of the reference the cheapest ways through the input that may be it."""
     settings = settings or FollowSettings()
-    followed = [_followed(i, graph, segments, settings) for i in range(len(graph.lines))]
+    followed = [_follow(i, graph, segments, settings) for i in range(len(graph.lines))]
     number = {way: k for k, way in enumerate(dict.fromkeys(way for found in followed for way in found))}
     ways = tuple(number)
     traits = traits_of([segments.line(way) for way in ways])
@@ -210,11 +221,11 @@ def node_costs(graph: Graph, i: int, traits: Traits, members: IntArray) -> Float
     """(k,) cost of each of these lines as stroke i: places of the ends, length and direction."""
     tips = np.linalg.norm(traits.three[members][:, ::2] - graph.traits.three[i, ::2], axis=-1).sum(axis=1)
     ratio = np.maximum(traits.length[members], 1e-6) / max(float(graph.traits.length[i]), 1e-6)
-    bend = np.abs(wrapped(traits.direction[members] - graph.traits.direction[i]))
+    bend = np.abs(wrap_degrees(traits.direction[members] - graph.traits.direction[i]))
     return np.asarray(tips + 0.25 * np.abs(np.log(ratio)) + 0.25 * bend / 45.0)
 
 
-def _followed(i: int, graph: Graph, segments: Segments, settings: FollowSettings) -> list[Way]:
+def _follow(i: int, graph: Graph, segments: Segments, settings: FollowSettings) -> list[Way]:
     """All ways that set out near the start of stroke i and run as it runs, of a length to be compared."""
     model = graph.lines[i]
     tolerance = TOLERANCE.get(graph.kinds[i], settings.tolerance)

@@ -20,9 +20,12 @@ from rumu_lab.baselines.cell import Cell
 
 @dataclass(frozen=True, slots=True)
 class LineSettings:
-    """continuation: most degrees that a stroke turns in a fork. corner: degrees at which a stroke is cut.
+    """Where strokes are joined and cut.
+
+    continuation: most degrees that a stroke turns in a fork. corner: degrees at which a stroke is cut.
     deviation: of the polygon that corners are sought on, in sides of the ink's box. arm: length of the
-    chords whose turning is taken, in stroke widths."""
+    chords whose turning is taken, in stroke widths.
+    """
 
     continuation: float = 35.0
     corner: float = 45.0
@@ -31,7 +34,7 @@ class LineSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Line:
+class StrokeLine:
     """points: (n >= 2, 2) float64, (x, y) in order, y as the caller has it. radius: (n,) half-widths."""
 
     points: FloatArray
@@ -67,13 +70,13 @@ class Line:
         along = self.along
         return np.asarray(np.interp(shares * along[-1], along, self.radius))
 
-    def turned(self) -> Line:
+    def reverse(self) -> StrokeLine:
         """The same line from its other end."""
-        return Line(self.points[::-1], self.radius[::-1])
+        return StrokeLine(self.points[::-1], self.radius[::-1])
 
-    def part(self, first: int, last: int) -> Line:
+    def part(self, first: int, last: int) -> StrokeLine:
         """From the point numbered `first` to the one numbered `last`, both kept."""
-        return Line(self.points[first : last + 1], self.radius[first : last + 1])
+        return StrokeLine(self.points[first : last + 1], self.radius[first : last + 1])
 
 
 @lru_cache(maxsize=64)
@@ -83,12 +86,12 @@ def skeleton_of(cell: Cell) -> Skeleton:
 
 
 @lru_cache(maxsize=64)
-def lines_of(cell: Cell) -> tuple[Line, ...]:
+def lines_of(cell: Cell) -> tuple[StrokeLine, ...]:
     """The lines of a cell in pixels of it, y downward, longest first; one at the least."""
     return cut_lines(skeleton_of(cell))
 
 
-def cut_lines(skeleton: Skeleton) -> tuple[Line, ...]:
+def cut_lines(skeleton: Skeleton) -> tuple[StrokeLine, ...]:
     """Strokes by good continuation, cut at corners; pixels of the mask, y downward, longest first."""
     settings = LineSettings()
     side = box_side(np.concatenate([s.points for s in skeleton.segments]))
@@ -106,15 +109,15 @@ def cut_lines(skeleton: Skeleton) -> tuple[Line, ...]:
     return tuple(sorted(found, key=lambda line: -line.length))
 
 
-def as_line(points: FloatArray, radius: FloatArray) -> Line:
+def as_line(points: FloatArray, radius: FloatArray) -> StrokeLine:
     """A line of two points or more: a round dot becomes as long as its half-width, falling to the right.
 
     So are most dots written; a point by itself has no direction that could be compared.
     """
     if len(points) > 1 and np.hypot(*(points.max(axis=0) - points.min(axis=0))) > 1e-6:
-        return Line(points, radius)
+        return StrokeLine(points, radius)
     half = np.array([0.5, 0.5]) * max(float(radius[0]), 1.0) / np.sqrt(2.0)
-    return Line(np.array([points[0] - half, points[0] + half]), np.full(2, max(float(radius[0]), 0.5)))
+    return StrokeLine(np.array([points[0] - half, points[0] + half]), np.full(2, max(float(radius[0]), 0.5)))
 
 
 def box_side(points: FloatArray) -> float:
@@ -147,7 +150,7 @@ def _off_chord(points: FloatArray) -> FloatArray:
     return np.asarray(np.hypot(*(rel - share[:, None] * chord).T))
 
 
-def corners(line: Line, *, deviation: float, arm: float, least: float) -> list[int]:
+def corners(line: StrokeLine, *, deviation: float, arm: float, least: float) -> list[int]:
     """Numbers of the points where a line turns by `least` degrees or more, in order, its ends left out.
 
     Sought on the vertices of its polygon; the turning is that between the chords that reach `arm` to both
@@ -167,7 +170,7 @@ def corners(line: Line, *, deviation: float, arm: float, least: float) -> list[i
     return sorted(found)
 
 
-def turnings(line: Line, at: IntArray, *, arm: float) -> FloatArray:
+def turnings(line: StrokeLine, at: IntArray, *, arm: float) -> FloatArray:
     """(k,) degrees in [0, 180]: how far a line turns at these of its points, over chords of length `arm`."""
     along = line.along
     before, after = (

@@ -37,7 +37,7 @@ from rumu_lab.baselines.line_following import (
     node_costs,
     segments_of,
 )
-from rumu_lab.baselines.lines import Line, angles_between, lines_of, skeleton_of
+from rumu_lab.baselines.lines import StrokeLine, angles_between, lines_of, skeleton_of
 from rumu_lab.baselines.relational_graph import (
     Frame,
     Graph,
@@ -47,7 +47,7 @@ from rumu_lab.baselines.relational_graph import (
     graph_of,
     relations,
     traits_of,
-    wrapped,
+    wrap_degrees,
 )
 from rumu_lab.baselines.semi_admissible import SearchSettings, search
 
@@ -59,9 +59,12 @@ NULL_ARC = 0.25
 
 @dataclass(frozen=True, slots=True)
 class MbseSettings:
-    """follow, search: of the two stages. collinear: degrees within which a leftover continues a stroke.
+    """Settings of the stages and of the grade.
+
+    follow, search: of the two stages. collinear: degrees within which a leftover continues a stroke.
     extra: shortest extra stroke, in stroke widths. steepness: of the grade; extra_share: what it loses to
-    as much extra ink as the reference is long."""
+    as much extra ink as the reference is long.
+    """
 
     follow: FollowSettings = field(default_factory=FollowSettings)
     search: SearchSettings = field(default_factory=SearchSettings)
@@ -72,27 +75,30 @@ class MbseSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pair:
+class StrokePair:
     """A stroke of the reference and the one of the copy that it is, None where it is missing.
 
     kind: stroke type, a letter. cost: of the node, 1 when missing. Both lines in pixels of the cell, y down.
     """
 
     kind: str
-    reference: Line
-    copy: Line | None
+    reference: StrokeLine
+    copy: StrokeLine | None
     cost: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Match:
-    """The correspondence. pairs: one for each reference stroke. extra: lines of the copy that are no part of
+class StrokeCorrespondence:
+    """Which stroke of the copy is which of the reference.
+
+    pairs: one for each reference stroke. extra: lines of the copy that are no part of
     the reference, pixels. node, arc: mean costs weighted by length, 0 or more. missing: share of the
     reference's length, 0 to 1. surplus: extra length over the reference's, 0 or more. expansions: of the
-    search; bounded: whether it ended within its bound."""
+    search; bounded: whether it ended within its bound.
+    """
 
-    pairs: tuple[Pair, ...]
-    extra: tuple[Line, ...]
+    pairs: tuple[StrokePair, ...]
+    extra: tuple[StrokeLine, ...]
     node: float
     arc: float
     missing: float
@@ -102,7 +108,10 @@ class Match:
 
 
 def raw(probe: Cell, reference: Cell) -> Raw:
-    """The grade of a copy. Features: the fields of `Match`; recovered: share of strokes found."""
+    """The grade of a copy.
+
+    features: the fields of `StrokeCorrespondence`; recovered: share of strokes found.
+    """
     settings = MbseSettings()
     match = match_strokes(probe, reference, settings=settings)
     grade = np.exp(-settings.steepness * (match.node + match.arc)) * (1.0 - match.missing)
@@ -127,10 +136,12 @@ def _model(reference: Cell) -> tuple[Frame, float, Graph]:
     lines = lines_of(reference)
     frame = frame_of(lines)
     width = skeleton_of(reference).width / frame.side
-    return frame, width, graph_of([frame.boxed(line) for line in lines], width=width)
+    return frame, width, graph_of([frame.to_box(line) for line in lines], width=width)
 
 
-def match_strokes(probe: Cell, reference: Cell, *, settings: MbseSettings | None = None) -> Match:
+def match_strokes(
+    probe: Cell, reference: Cell, *, settings: MbseSettings | None = None
+) -> StrokeCorrespondence:
     """Which stroke of the copy is which of the reference's.
 
     Raises RumuError where a cell holds too little ink for a line.
@@ -147,8 +158,8 @@ def match_strokes(probe: Cell, reference: Cell, *, settings: MbseSettings | None
     for i, k in zip(order, choice.chosen, strict=True):
         if k < len(candidates.choice[i]):
             ways[i] = candidates.ways[candidates.choice[i][k]]
-    ways, extra = _tidied(ways, segments, settings)
-    return _graded(
+    ways, extra = _tidy(ways, segments, settings)
+    return _grade(
         graph, segments, ways, extra, frames=(own, frame), search=(choice.expansions, choice.bounded)
     )
 
@@ -195,7 +206,7 @@ class _PairCosts:
     def of(cls, graph: Graph, segments: Segments, candidates: Candidates) -> _PairCosts:
         vectors, bend = differences(candidates.traits)
         relation = relations(candidates.traits, width=segments.width)
-        return cls(graph, vectors, bend, relation, _excluded(segments, candidates.ways))
+        return cls(graph, vectors, bend, relation, _find_conflicts(segments, candidates.ways))
 
     def between(self, i: int, j: int, one: IntArray, two: IntArray) -> FloatArray:
         """(k, m) cost of the arc from stroke i to j when they are these ways; inf where they exclude."""
@@ -216,11 +227,11 @@ def arc_costs(
 ) -> FloatArray:
     """Cost of arcs of the input as the arc from stroke i to j: vector between middles, turning, relation."""
     away = np.linalg.norm(vector - graph.between[i, j], axis=-1)
-    off = np.abs(wrapped(bend - graph.bend[i, j])) / 45.0
+    off = np.abs(wrap_degrees(bend - graph.bend[i, j])) / 45.0
     return np.asarray(away + 0.25 * off + 0.25 * (relation != graph.relation[i, j]))
 
 
-def _excluded(segments: Segments, ways: Sequence[Way]) -> np.ndarray:
+def _find_conflicts(segments: Segments, ways: Sequence[Way]) -> np.ndarray:
     """(u, u) bool: ways that share more than a crossing, a stroke's width of line."""
     m = len(segments.pieces)
     holds = np.zeros((len(ways), m))
@@ -232,20 +243,20 @@ def _excluded(segments: Segments, ways: Sequence[Way]) -> np.ndarray:
 # --- post-processing -----------------------------------------------------------------------------------
 
 
-def _tidied(
+def _tidy(
     ways: list[Way | None], segments: Segments, settings: MbseSettings
 ) -> tuple[list[Way | None], list[Way]]:
     """Leftovers that continue a stroke joined to it, stubs beyond a fork trimmed; the rest, joined: extra."""
     m = len(segments.pieces)
     free = set(range(m)) - {d % m for way in ways if way for d in way}
-    ways = [_extended(way, segments, free, settings) if way else None for way in ways]
-    ways = [_trimmed(way, segments) if way else None for way in ways]
-    rest = _joined(free, segments)
+    ways = [_extend(way, segments, free, settings) if way else None for way in ways]
+    ways = [_trim(way, segments) if way else None for way in ways]
+    rest = _follow_leftovers(free, segments)
     longest = settings.extra * segments.width
     return ways, [way for way in rest if sum(segments.traits.length[d] for d in way) > longest]
 
 
-def _extended(way: Way, segments: Segments, free: set[int], settings: MbseSettings) -> Way:
+def _extend(way: Way, segments: Segments, free: set[int], settings: MbseSettings) -> Way:
     """The way with the free pieces that lead on from it, or up to it, in its own direction."""
     m = len(segments.pieces)
     for _ in (0, 1):  # onward, then the same from the other end
@@ -265,11 +276,11 @@ def _extended(way: Way, segments: Segments, free: set[int], settings: MbseSettin
             onward = max(ahead, key=lambda d: float(segments.traits.length[d]))
             free.discard(onward % m)
             way = (*way, onward)
-        way = segments.turned(way)
+        way = segments.reverse(way)
     return way
 
 
-def _trimmed(way: Way, segments: Segments) -> Way:
+def _trim(way: Way, segments: Segments) -> Way:
     """The way without an end piece that lies within the ink of the fork it sticks out of.
 
     So do the strokes of the reference end, whose lines are bridged straight across their forks.
@@ -279,11 +290,11 @@ def _trimmed(way: Way, segments: Segments) -> Way:
         at_fork = int(segments.ends[way[-1], 0]) in segments.forks
         if len(way) > 1 and at_fork and stub.length < max(0.5 * segments.width, float(stub.radius[0])):
             way = way[:-1]
-        way = segments.turned(way)
+        way = segments.reverse(way)
     return way
 
 
-def _joined(free: set[int], segments: Segments) -> list[Way]:
+def _follow_leftovers(free: set[int], segments: Segments) -> list[Way]:
     """Free pieces followed into one another, longest first."""
     m, left, found = len(segments.pieces), set(free), []
     for start in sorted(free, key=lambda p: -float(segments.traits.length[p])):
@@ -295,7 +306,7 @@ def _joined(free: set[int], segments: Segments) -> list[Way]:
             while ahead := [d for d in segments.follows[way[-1]] if d % m in left]:
                 way = (*way, ahead[0])
                 left.discard(ahead[0] % m)
-            way = segments.turned(way)
+            way = segments.reverse(way)
         found.append(way)
     return found
 
@@ -303,7 +314,7 @@ def _joined(free: set[int], segments: Segments) -> list[Way]:
 # --- the grade -----------------------------------------------------------------------------------------
 
 
-def _graded(
+def _grade(
     graph: Graph,
     segments: Segments,
     ways: Sequence[Way | None],
@@ -311,7 +322,7 @@ def _graded(
     *,
     frames: tuple[Frame, Frame],
     search: tuple[int, bool],
-) -> Match:
+) -> StrokeCorrespondence:
     lengths = graph.traits.length
     found = [i for i, way in enumerate(ways) if way]
     traits = traits_of([segments.line(way) for way in ways if way])
@@ -320,17 +331,17 @@ def _graded(
         cost[i] = node_costs(graph, i, traits, np.array([k]))[0]
     total, held = float(lengths.sum()), float(lengths[found].sum())
     pairs = tuple(
-        Pair(
+        StrokePair(
             graph.kinds[i],
-            _unboxed(graph.lines[i], frames[1]),
-            _unboxed(segments.line(way), frames[0]) if way else None,
+            _to_pixels(graph.lines[i], frames[1]),
+            _to_pixels(segments.line(way), frames[0]) if way else None,
             float(cost[i]),
         )
         for i, way in enumerate(ways)
     )
-    return Match(
+    return StrokeCorrespondence(
         pairs,
-        tuple(_unboxed(segments.line(way), frames[0]) for way in extra),
+        tuple(_to_pixels(segments.line(way), frames[0]) for way in extra),
         float(lengths[found] @ cost[found]) / held if found else NULL_COST,
         _arc_mean(graph, traits, found, segments.width),
         1.0 - held / total,
@@ -359,6 +370,6 @@ def _arc_mean(graph: Graph, traits: Traits, found: Sequence[int], width: float) 
     return 0.5 * total / weight
 
 
-def _unboxed(line: Line, frame: Frame) -> Line:
+def _to_pixels(line: StrokeLine, frame: Frame) -> StrokeLine:
     points = line.points * (1.0, -1.0) * frame.side + frame.centre
-    return Line(points, line.radius * frame.side)
+    return StrokeLine(points, line.radius * frame.side)

@@ -16,7 +16,7 @@ from rumu_lab.baselines.cell import Cell, Raw
 
 Method = Callable[[Cell, Cell], Raw]
 
-_HOMES: Mapping[str, tuple[str, str]] = {
+_FUNCTIONS: Mapping[str, tuple[str, str]] = {
     "MBSE": ("mbse", "raw"),
     "GFSE": ("gfse", "raw"),
     "IGLS": ("igls", "raw"),
@@ -41,6 +41,6 @@ def _call(home: tuple[str, str], probe: Cell, reference: Cell) -> Raw:
 
 
 METHODS: Mapping[str, Method] = MappingProxyType(
-    {name: partial(_call, home) for name, home in _HOMES.items()}
+    {name: partial(_call, home) for name, home in _FUNCTIONS.items()}
 )
 """Name -> method. Every one takes (probe, reference), loads its module when called, and can be pickled."""

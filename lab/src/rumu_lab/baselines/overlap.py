@@ -9,7 +9,7 @@ import numpy as np
 
 from rumu.values import BoolArray
 from rumu_lab.baselines.cell import Cell, Raw
-from rumu_lab.baselines.placing import aligned, placed
+from rumu_lab.baselines.placing import align, placement
 
 
 def raw(probe: Cell, reference: Cell) -> Raw:
@@ -19,9 +19,9 @@ def raw(probe: Cell, reference: Cell) -> Raw:
 
 
 def raw_aligned(probe: Cell, reference: Cell) -> Raw:
-    """Intersection over union once the probe is placed. features: 'iou', and those of `placed`."""
-    value = iou(aligned(probe, reference).ink, reference.ink)
-    return Raw(value, {"iou": value} | placed(probe, reference))
+    """Intersection over union once the probe is placed. features: 'iou', and those of `placement`."""
+    value = iou(align(probe, reference).ink, reference.ink)
+    return Raw(value, {"iou": value} | placement(probe, reference))
 
 
 def iou(a: BoolArray, b: BoolArray) -> float:

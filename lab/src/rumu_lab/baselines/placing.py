@@ -21,7 +21,7 @@ def frame(ink: BoolArray) -> tuple[FloatArray, float]:
     return np.array([columns.mean(), rows.mean()]), max(float(np.hypot(columns.std(), rows.std())), 1.0)
 
 
-def aligned(probe: Cell, reference: Cell) -> Cell:
+def align(probe: Cell, reference: Cell) -> Cell:
     """The probe with the centroid and rms radius of the reference; aspect and lean are kept.
 
     What would stand beyond the cell is lost. Raises RegistrationError where nearly all of it would.
@@ -43,9 +43,12 @@ def aligned(probe: Cell, reference: Cell) -> Cell:
     return Cell(ink, np.clip(move(probe.density), 0.0, 1.0))
 
 
-def placed(probe: Cell, reference: Cell) -> dict[str, float]:
-    """What `aligned` takes out: 'log_size', ln of the probe's radius over the reference's; 'right' and 'up',
-    how far its centroid stands from the reference's, in cells."""
+def placement(probe: Cell, reference: Cell) -> dict[str, float]:
+    """What `align` takes out.
+
+    'log_size': ln of the probe's radius over the reference's; 'right' and 'up',
+    how far its centroid stands from the reference's, in cells.
+    """
     (there, far), (here, near) = frame(reference.ink), frame(probe.ink)
     right, down = (here - there) / SIDE
     return {"log_size": math.log(near / far), "right": float(right), "up": float(-down)}

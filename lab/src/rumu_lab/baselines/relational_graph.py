@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.values import FloatArray, IntArray
-from rumu_lab.baselines.lines import Line, angles_between
+from rumu_lab.baselines.lines import StrokeLine, angles_between
 
 RELATIONS = ("apart", "parallel", "end-joint", "T-joint", "cross")
 """What an entry of `Graph.relation` stands for."""
@@ -21,10 +21,13 @@ RELATIONS = ("apart", "parallel", "end-joint", "T-joint", "cross")
 
 @dataclass(frozen=True, slots=True)
 class GraphSettings:
-    """dot: length below which a line is a dot. upright: degrees from an axis for H and V. tick: steepest
+    """Angles and lengths that part the types of strokes and of relations.
+
+    dot: length below which a line is a dot. upright: degrees from an axis for H and V. tick: steepest
     rising line, in degrees, that is a tick and no slash. hook: longest hook, and hook_turn: degrees it must
     turn from the line that it ends. parallel: degrees between parallels, overlap: share of the shorter one
-    that faces the other, facing: the farthest apart that counts, in box sides."""
+    that faces the other, facing: the farthest apart that counts, in box sides.
+    """
 
     dot: float = 0.18
     upright: float = 20.0
@@ -43,12 +46,12 @@ class Frame:
     centre: FloatArray
     side: float
 
-    def boxed(self, line: Line) -> Line:
+    def to_box(self, line: StrokeLine) -> StrokeLine:
         """A line in pixels, y down, as one in box sides, y up."""
-        return Line((line.points - self.centre) * (1.0, -1.0) / self.side, line.radius / self.side)
+        return StrokeLine((line.points - self.centre) * (1.0, -1.0) / self.side, line.radius / self.side)
 
 
-def frame_of(lines: Sequence[Line]) -> Frame:
+def frame_of(lines: Sequence[StrokeLine]) -> Frame:
     """The box around all lines in pixels, its longer side taken for both, so that directions stay.
 
     A line shorter than a tenth of the longest and far out would stretch the box: only the ends of lines that
@@ -74,7 +77,7 @@ class Traits:
     direction: FloatArray
 
 
-def traits_of(lines: Sequence[Line]) -> Traits:
+def traits_of(lines: Sequence[StrokeLine]) -> Traits:
     """Start, middle, end, length and direction of directed lines."""
     three = np.array([line.at(np.array([0.0, 0.5, 1.0])) for line in lines]).reshape(-1, 3, 2)
     chords = three[:, 2] - three[:, 0]
@@ -90,7 +93,7 @@ class Graph:
     degrees in (-180, 180]. relation: (n, n), a number of RELATIONS.
     """
 
-    lines: tuple[Line, ...]
+    lines: tuple[StrokeLine, ...]
     traits: Traits
     kinds: tuple[str, ...]
     between: FloatArray
@@ -98,13 +101,13 @@ class Graph:
     relation: IntArray
 
 
-def graph_of(lines: Sequence[Line], *, width: float, settings: GraphSettings | None = None) -> Graph:
+def graph_of(lines: Sequence[StrokeLine], *, width: float, settings: GraphSettings | None = None) -> Graph:
     """The relational graph of lines in box sides; width: of a stroke, in box sides.
 
     Each line is directed as a brush writes it: to the right, or downward where it falls steeply.
     """
     settings = settings or GraphSettings()
-    written = tuple(line if _forward(line) else line.turned() for line in lines)
+    written = tuple(line if _forward(line) else line.reverse() for line in lines)
     traits = traits_of(written)
     kinds = tuple(_kind(k, traits, width=width, settings=settings) for k in range(len(written)))
     between, bend = differences(traits)
@@ -112,7 +115,7 @@ def graph_of(lines: Sequence[Line], *, width: float, settings: GraphSettings | N
     return Graph(written, traits, kinds, between, bend, relation)
 
 
-def _forward(line: Line) -> bool:
+def _forward(line: StrokeLine) -> bool:
     """To the right, or down; what rises to the right at less than the angle of a tick is written so."""
     right, up = line.chord
     return bool(right > up) if right >= 0 else bool(-up >= -right)
@@ -121,11 +124,11 @@ def _forward(line: Line) -> bool:
 def differences(traits: Traits) -> tuple[FloatArray, FloatArray]:
     """(n, n, 2) vectors from middle i to middle j, and (n, n) turning from direction i to direction j."""
     middle = traits.three[:, 1]
-    bend = wrapped(traits.direction[None] - traits.direction[:, None])
+    bend = wrap_degrees(traits.direction[None] - traits.direction[:, None])
     return np.asarray(middle[None] - middle[:, None]), bend
 
 
-def wrapped(degrees: FloatArray) -> FloatArray:
+def wrap_degrees(degrees: FloatArray) -> FloatArray:
     """Degrees brought to (-180, 180]."""
     return np.asarray(180.0 - np.mod(180.0 - degrees, 360.0))
 
@@ -188,7 +191,7 @@ def _parallel(traits: Traits, settings: GraphSettings) -> np.ndarray:
     share = np.sort((rel * units[:, None, None]).sum(axis=-1), axis=-1)
     common = np.minimum(share[..., 1], lengths[:, None]) - np.maximum(share[..., 0], 0.0)
     faces = common >= settings.overlap * np.minimum(lengths[:, None], lengths[None])
-    bend = np.abs(wrapped(traits.direction[None] - traits.direction[:, None]))
+    bend = np.abs(wrap_degrees(traits.direction[None] - traits.direction[:, None]))
     near = np.linalg.norm(traits.three[None, :, 1] - traits.three[:, None, 1], axis=-1) <= settings.facing
     return np.asarray((np.minimum(bend, 180.0 - bend) <= settings.parallel) & near & (faces | faces.T))
 

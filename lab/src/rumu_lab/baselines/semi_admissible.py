@@ -20,8 +20,11 @@ from rumu.values import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class SearchSettings:
-    """slack: epsilon of A*; 0 is the admissible search. expansions: most states expanded before the beam.
-    beam: its width."""
+    """How far and how widely the search looks.
+
+    slack: epsilon of A*; 0 is the admissible search. expansions: most states expanded before the beam.
+    beam: its width.
+    """
 
     slack: float = 0.2
     expansions: int = 20_000
@@ -30,8 +33,11 @@ class SearchSettings:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """chosen: the candidate of each node. cost: of all nodes and arcs together. expansions: states expanded.
-    bounded: whether the cost is known to be within (1 + slack) of the optimum; a beam cannot tell."""
+    """The answer of the search.
+
+    chosen: the candidate of each node. cost: of all nodes and arcs together. expansions: states expanded.
+    bounded: whether the cost is known to be within (1 + slack) of the optimum; a beam cannot tell.
+    """
 
     chosen: tuple[int, ...]
     cost: float
@@ -96,7 +102,7 @@ def search(nodes: FloatArray, arcs: FloatArray, *, settings: SearchSettings | No
     are inconsistent.
     """
     settings = settings or SearchSettings()
-    _checked(nodes, arcs)
+    _check(nodes, arcs)
     problem = _Problem.of(nodes, arcs)
     root = _State((), 0.0, float((nodes + problem.ahead).min(axis=1).sum()), nodes)
     found, frontier, expansions = _focal(root, problem, settings)
@@ -108,7 +114,7 @@ def search(nodes: FloatArray, arcs: FloatArray, *, settings: SearchSettings | No
     return Choice(found.chosen, found.spent, expansions, bounded)
 
 
-def _checked(nodes: FloatArray, arcs: FloatArray) -> None:
+def _check(nodes: FloatArray, arcs: FloatArray) -> None:
     if nodes.ndim != 2 or nodes.size == 0 or arcs.shape != nodes.shape * 2:
         raise RumuError(
             f"expected costs of shape (n, K) and (n, K, n, K), got {nodes.shape} and {arcs.shape}"

@@ -17,9 +17,12 @@ from rumu.values import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class SimilarityIcpSettings:
-    """starts: angles tried, degrees. coarse: of so many points one is used to choose among them, for `scout`
+    """Where the iterations start and when they end.
+
+    starts: angles tried, degrees. coarse: of so many points one is used to choose among them, for `scout`
     iterations. iterations: most for the best one, with all points. still: change of scale, of angle in
-    radians and of shift in radii below which it has come to rest. scales: least and greatest."""
+    radians and of shift in radii below which it has come to rest. scales: least and greatest.
+    """
 
     starts: tuple[float, ...] = (-45.0, -30.0, -15.0, 0.0, 15.0, 30.0, 45.0)
     coarse: int = 5
@@ -31,8 +34,11 @@ class SimilarityIcpSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Similarity:
-    """q = scale * rotation @ p + shift. rotation: (2, 2), determinant +1. residual: rms of both directions,
-    in the unit of the reference. converged: False when the iterations ran out."""
+    """A similarity transform, q = scale * rotation @ p + shift.
+
+    rotation: (2, 2), determinant +1. residual: rms of both directions,
+    in the unit of the reference. converged: False when the iterations ran out.
+    """
 
     scale: float
     rotation: FloatArray
@@ -118,7 +124,7 @@ def _iterate(
         source = np.concatenate([probe, probe[back]])
         target = np.concatenate([reference[onto], reference])
         fresh = umeyama(source, target)
-        fresh = _bounded(fresh, source, target, settings.scales, _radius(reference) / _radius(probe))
+        fresh = _limit_scale(fresh, source, target, settings.scales, _radius(reference) / _radius(probe))
         moved = _difference(pose, fresh, probe, radius)
         if moved < settings.still:
             return Similarity(pose.scale, pose.rotation, pose.shift, residual, iteration, True)
@@ -139,7 +145,7 @@ def _pairs(
     return onto, forward, back, backward * pose.scale
 
 
-def _bounded(
+def _limit_scale(
     pose: Similarity, source: FloatArray, target: FloatArray, scales: tuple[float, float], equal: float
 ) -> Similarity:
     """The scale kept within bounds around that of equal size; centres stay on each other."""

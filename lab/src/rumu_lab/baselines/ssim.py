@@ -9,7 +9,7 @@ alike, so even another character of few strokes keeps more than half.
 from __future__ import annotations
 
 from rumu_lab.baselines.cell import Cell, Raw
-from rumu_lab.baselines.placing import aligned, placed
+from rumu_lab.baselines.placing import align, placement
 
 SMALL = 64
 
@@ -17,15 +17,15 @@ SMALL = 64
 def raw(probe: Cell, reference: Cell) -> Raw:
     """Mean structural similarity of the densities, below 0 cut.
 
-    features: 'ssim', the mean, in [-1, 1]; those of `placed`.
+    features: 'ssim', the mean, in [-1, 1]; those of `placement`.
     """
     import cv2
     from skimage.metrics import structural_similarity
 
     a, b = (
         cv2.resize(cell.density, (SMALL, SMALL), interpolation=cv2.INTER_AREA)
-        for cell in (aligned(probe, reference), reference)
+        for cell in (align(probe, reference), reference)
     )
     options = {"data_range": 1.0, "gaussian_weights": True, "sigma": 1.5, "use_sample_covariance": False}
     value = float(structural_similarity(a, b, **options))
-    return Raw(min(max(value, 0.0), 1.0), {"ssim": value} | placed(probe, reference))
+    return Raw(min(max(value, 0.0), 1.0), {"ssim": value} | placement(probe, reference))

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from rumu.values import FloatArray, IntArray
-from rumu_lab.baselines.lines import Line
+from rumu_lab.baselines.lines import StrokeLine
 
 SAMPLES = 16
 """Points along each line at which two lines are compared."""
@@ -22,9 +22,12 @@ SAMPLES = 16
 
 @dataclass(frozen=True, slots=True)
 class PairSettings:
-    """near: how far, in stroke widths, an end may lie from the line that it cuts; parallel: degrees between
+    """How near and how parallel lines must be.
+
+    near: how far, in stroke widths, an end may lie from the line that it cuts; parallel: degrees between
     them; least: shortest piece that is cut off, in stroke widths. far, askew: distance of middles in cells
-    and degrees beyond which two lines are never a pair."""
+    and degrees beyond which two lines are never a pair.
+    """
 
     near: float = 1.5
     parallel: float = 30.0
@@ -46,7 +49,7 @@ class Curves:
     direction: FloatArray
 
 
-def curves_of(lines: Sequence[Line]) -> Curves:
+def curves_of(lines: Sequence[StrokeLine]) -> Curves:
     """Lines sampled at equal steps of their length."""
     shares = np.linspace(0.0, 1.0, SAMPLES)
     points = np.array([line.at(shares) for line in lines]).reshape(-1, SAMPLES, 2)
@@ -57,19 +60,23 @@ def curves_of(lines: Sequence[Line]) -> Curves:
 
 
 def cut_alike(
-    one: Sequence[Line], two: Sequence[Line], *, width: float, settings: PairSettings | None = None
-) -> tuple[list[Line], list[Line]]:
+    one: Sequence[StrokeLine],
+    two: Sequence[StrokeLine],
+    *,
+    width: float,
+    settings: PairSettings | None = None,
+) -> tuple[list[StrokeLine], list[StrokeLine]]:
     """Both sets cut where the other set's lines end and its own run on; width: of a stroke, same unit."""
     settings = settings or PairSettings()
     return _cut_at_ends(one, two, width, settings), _cut_at_ends(two, one, width, settings)
 
 
 def _cut_at_ends(
-    lines: Sequence[Line], others: Sequence[Line], width: float, settings: PairSettings
-) -> list[Line]:
+    lines: Sequence[StrokeLine], others: Sequence[StrokeLine], width: float, settings: PairSettings
+) -> list[StrokeLine]:
     ends = np.concatenate([[line.points[0], line.points[-1]] for line in others])
     tangents = np.concatenate([_tangents(line, width)[[0, -1]] for line in others])
-    found: list[Line] = []
+    found: list[StrokeLine] = []
     for line in lines:
         along, own = line.along, _tangents(line, width)
         gaps = np.linalg.norm(line.points[:, None] - ends[None], axis=-1)
@@ -80,7 +87,7 @@ def _cut_at_ends(
     return found
 
 
-def _parts(line: Line, along: FloatArray, places: IntArray, least: float) -> list[Line]:
+def _parts(line: StrokeLine, along: FloatArray, places: IntArray, least: float) -> list[StrokeLine]:
     cuts: list[int] = []
     for place in sorted({int(p) for p in places}):
         before = along[cuts[-1]] if cuts else 0.0
@@ -90,7 +97,7 @@ def _parts(line: Line, along: FloatArray, places: IntArray, least: float) -> lis
     return [line.part(a, b) for a, b in pairwise(marks)]
 
 
-def _tangents(line: Line, width: float) -> FloatArray:
+def _tangents(line: StrokeLine, width: float) -> FloatArray:
     """(n, 2) unit directions at each point, over chords of a stroke's width to both sides."""
     along = line.along
     ahead, behind = (
@@ -100,9 +107,12 @@ def _tangents(line: Line, width: float) -> FloatArray:
     return np.asarray(way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-12))
 
 
-def oriented(copy: Curves, reference: Curves) -> tuple[FloatArray, FloatArray]:
-    """(n, m, SAMPLES, 2) points and (n, m, SAMPLES) half-widths of copy line j as it runs beside line i of
-    the reference, turned where its ends are nearer so."""
+def orient(copy: Curves, reference: Curves) -> tuple[FloatArray, FloatArray]:
+    """Each line of the copy as it runs beside each line of the reference.
+
+    (n, m, SAMPLES, 2) points and (n, m, SAMPLES) half-widths of copy line j as it runs beside line i of
+    the reference, turned where its ends are nearer so.
+    """
     straight = _end_gaps(copy.points, reference.points)
     back = (_end_gaps(copy.points[:, ::-1], reference.points) < straight)[..., None]
     points = np.where(back[..., None], copy.points[None, :, ::-1], copy.points[None])
@@ -126,7 +136,7 @@ def middles_apart(reference: Curves, copy: Curves) -> FloatArray:
     return np.asarray(np.linalg.norm(one[:, None] - two[None], axis=-1))
 
 
-def paired(
+def pair_lines(
     worth: FloatArray, reference: Curves, copy: Curves, *, settings: PairSettings | None = None
 ) -> list[tuple[int, int]]:
     """One-to-one pairs (i, j) of most worth, each weighed by the mean length of its lines.

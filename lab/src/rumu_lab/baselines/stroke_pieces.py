@@ -1,5 +1,4 @@
-"""Stroke pieces of directional claims, and the choice of those that explain the ink without telling it
-twice.
+"""Stroke pieces of directional claims, and the choice of those that explain the ink once.
 
 That redundant pieces are removed by how much they overlap is known from the abstract of Su and Wang 2003,
 whose references point to a zero-one quadratic problem; the problem as posed here is our reconstruction.
@@ -64,8 +63,10 @@ def pieces_of(claims: BoolArray, *, width: float, shortest: float = 1.2) -> list
     return [p for p in found if p.length > shortest * width]
 
 
-def chosen(pieces: list[Piece], ink: BoolArray, *, spill: float = 1.0) -> list[Piece]:
-    """The pieces z in {0, 1} that leave the least of
+def choose_pieces(pieces: list[Piece], ink: BoolArray, *, spill: float = 1.0) -> list[Piece]:
+    """Choose the pieces that explain the ink with the least overlap and spill.
+
+    The pieces z in {0, 1} that leave the least of
 
         |ink| - sum z_i |B_i & ink| + sum_{i<j} z_i z_j |B_i & B_j & ink| + spill sum z_i |B_i - ink|,
 
@@ -93,7 +94,7 @@ def chosen(pieces: list[Piece], ink: BoolArray, *, spill: float = 1.0) -> list[P
     return [p for p, kept in zip(pieces, taken, strict=True) if kept]
 
 
-def joined(pieces: list[Piece], *, width: float, turn: float = 15.0) -> list[Piece]:
+def join_pieces(pieces: list[Piece], *, width: float, turn: float = 15.0) -> list[Piece]:
     """Pieces of one direction that continue each other, with a gap below one width, made one."""
     pieces = list(pieces)
     while True:

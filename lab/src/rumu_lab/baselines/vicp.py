@@ -27,8 +27,8 @@ import numpy as np
 
 from rumu.values import BoolArray, FloatArray
 from rumu_lab.baselines.cell import SIDE, Cell, Raw
-from rumu_lab.baselines.disk_spline import fit_disk_spline, swept
-from rumu_lab.baselines.lines import Line, lines_of, skeleton_of
+from rumu_lab.baselines.disk_spline import fit_disk_spline, sweep
+from rumu_lab.baselines.lines import StrokeLine, lines_of, skeleton_of
 from rumu_lab.baselines.similarity_icp import Similarity, SimilarityIcpSettings, similarity_icp
 from rumu_lab.baselines.stroke_pairs import (
     Curves,
@@ -36,16 +36,19 @@ from rumu_lab.baselines.stroke_pairs import (
     cut_alike,
     directions_apart,
     middles_apart,
-    oriented,
-    paired,
+    orient,
+    pair_lines,
 )
 
 
 @dataclass(frozen=True, slots=True)
 class VicpSettings:
-    """points: of the skeleton for ICP. position, shape: the distances, in cells,
+    """Where the similarities of strokes fall, and what the parts weigh.
+
+    points: of the skeleton for ICP. position, shape: the distances, in cells,
     at which these similarities fall to 1/e; askew: degrees at which that of direction reaches 0. whole: share
-    of the global similarity in the composite."""
+    of the global similarity in the composite.
+    """
 
     points: int = 800
     position: float = 0.1
@@ -55,24 +58,27 @@ class VicpSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Vectorised:
-    """A character as disk B-spline curves. lines: their centre lines, pixels. skeleton: (n, 2) points evenly
-    along them. width: of a stroke, pixels."""
+class VectorCharacter:
+    """A character as disk B-spline curves.
 
-    lines: tuple[Line, ...]
+    lines: their centre lines, pixels. skeleton: (n, 2) points evenly
+    along them. width: of a stroke, pixels.
+    """
+
+    lines: tuple[StrokeLine, ...]
     skeleton: FloatArray
     width: float
 
 
 @lru_cache(maxsize=64)
-def vectorised(cell: Cell) -> Vectorised:
+def vectorise(cell: Cell) -> VectorCharacter:
     """The strokes of a cell as disk B-spline curves, with what ICP needs of them."""
     width = skeleton_of(cell).width
     lines = tuple(fit_disk_spline(line, width=width).line() for line in lines_of(cell))
-    return Vectorised(lines, _evenly(lines, VicpSettings().points), width)
+    return VectorCharacter(lines, _evenly(lines, VicpSettings().points), width)
 
 
-def _evenly(lines: Sequence[Line], count: int) -> FloatArray:
+def _evenly(lines: Sequence[StrokeLine], count: int) -> FloatArray:
     """About `count` points at equal steps along all lines."""
     total = sum(line.length for line in lines)
     shares = [
@@ -85,22 +91,25 @@ def _evenly(lines: Sequence[Line], count: int) -> FloatArray:
 
 
 @lru_cache(maxsize=32)
-def laid_on(probe: Cell, reference: Cell) -> Similarity:
+def lay_on(probe: Cell, reference: Cell) -> Similarity:
     """The copy's skeleton laid on the reference's, in pixels of the cell."""
     return similarity_icp(
-        vectorised(probe).skeleton, vectorised(reference).skeleton, settings=SimilarityIcpSettings()
+        vectorise(probe).skeleton, vectorise(reference).skeleton, settings=SimilarityIcpSettings()
     )
 
 
 def raw(probe: Cell, reference: Cell) -> Raw:
-    """The composite. Features: whole, the overlap of the areas; strokes, the mean similarity of the strokes;
+    """The composite of global and local similarity.
+
+    features: whole, the overlap of the areas; strokes, the mean similarity of the strokes;
     its five parts position, length, direction, shape, thickness over those paired; paired, their share of the
-    length; residual, of ICP, in cells; size, ln of the scale that was needed, and lean, degrees clockwise."""
+    length; residual, of ICP, in cells; size, ln of the scale that was needed, and lean, degrees clockwise.
+    """
     settings = VicpSettings()
-    pose = laid_on(probe, reference)
-    moved = [Line(pose(line.points), line.radius * pose.scale) for line in vectorised(probe).lines]
-    whole = _overlap(swept(moved, side=SIDE), _area(reference))
-    local, parts = _stroke_similarity(moved, vectorised(reference), settings)
+    pose = lay_on(probe, reference)
+    moved = [StrokeLine(pose(line.points), line.radius * pose.scale) for line in vectorise(probe).lines]
+    whole = _overlap(sweep(moved, side=SIDE), _area(reference))
+    local, parts = _stroke_similarity(moved, vectorise(reference), settings)
     grade = settings.whole * whole + (1.0 - settings.whole) * local
     return Raw(
         float(np.clip(grade, 0.0, 1.0)),
@@ -117,7 +126,7 @@ def raw(probe: Cell, reference: Cell) -> Raw:
 
 @lru_cache(maxsize=32)
 def _area(reference: Cell) -> BoolArray:
-    return swept(vectorised(reference).lines, side=SIDE)
+    return sweep(vectorise(reference).lines, side=SIDE)
 
 
 def _overlap(one: BoolArray, two: BoolArray) -> float:
@@ -128,14 +137,14 @@ PARTS = ("position", "length", "direction", "shape", "thickness")
 
 
 def _stroke_similarity(
-    moved: Sequence[Line], model: Vectorised, settings: VicpSettings
+    moved: Sequence[StrokeLine], model: VectorCharacter, settings: VicpSettings
 ) -> tuple[float, dict[str, float]]:
     """Mean similarity of the strokes by length, 0 where a stroke has no partner, and its parts."""
     copy_lines, lines = cut_alike(moved, model.lines, width=model.width)
     copy, reference = (curves_of([_in_cells(line) for line in some]) for some in (copy_lines, lines))
     parts = local_similarities(copy, reference, settings=settings)
     worth = parts.mean(axis=0)
-    pairs = paired(worth, reference, copy)
+    pairs = pair_lines(worth, reference, copy)
     if not pairs:
         return 0.0, dict.fromkeys((*PARTS, "paired"), 0.0)
     i, j = np.array(pairs).T
@@ -152,7 +161,7 @@ def local_similarities(copy: Curves, reference: Curves, *, settings: VicpSetting
 
     Shape is how far the curves lie apart when the copy's is sheared so that their ends meet.
     """
-    points, radius = oriented(copy, reference)
+    points, radius = orient(copy, reference)
     gaps = reference.points[:, None] - points
     share = np.linspace(0.0, 1.0, gaps.shape[2])[:, None]
     bent = gaps - (1.0 - share) * gaps[:, :, :1] - share * gaps[:, :, -1:]
@@ -170,5 +179,5 @@ def local_similarities(copy: Curves, reference: Curves, *, settings: VicpSetting
     )
 
 
-def _in_cells(line: Line) -> Line:
-    return Line(line.points / SIDE, line.radius / SIDE)
+def _in_cells(line: StrokeLine) -> StrokeLine:
+    return StrokeLine(line.points / SIDE, line.radius / SIDE)

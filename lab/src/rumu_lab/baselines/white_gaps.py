@@ -10,13 +10,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rumu.values import BoolArray, FloatArray, IntArray
-from rumu_lab.baselines.lines import Line
+from rumu_lab.baselines.lines import StrokeLine
 
 Gaps = Mapping[tuple[int, int], float]
 """Mean white between two lines, numbered lower first, in sides of the picture."""
 
 
-def white_gaps(ink: BoolArray, lines: Sequence[Line], *, least: float) -> Gaps:
+def white_gaps(ink: BoolArray, lines: Sequence[StrokeLine], *, least: float) -> Gaps:
     """The gaps between lines that face each other across white, along rows or along columns.
 
     ink: (S, S) bool. lines: in its pixels; a pixel belongs to the line nearest to it. least: pixels over
@@ -52,7 +52,7 @@ def _white_runs(ink: BoolArray) -> tuple[IntArray, IntArray, FloatArray]:
     return before, after, (on[1:] - off[:-1])[same].astype(float)
 
 
-def _nearest_line(places: IntArray, lines: Sequence[Line]) -> IntArray:
+def _nearest_line(places: IntArray, lines: Sequence[StrokeLine]) -> IntArray:
     """(k,) number of the line whose centre is nearest to each pixel (row, column)."""
     from scipy.spatial import cKDTree
 

@@ -1,5 +1,6 @@
 """Charts and sheets of pictures, as PNG and SVG files. Words in them are English and plain ASCII, since a
-machine need not have a Chinese font; captions in both languages stand in the page."""
+machine need not have a Chinese font; captions in both languages stand in the page.
+"""
 
 from __future__ import annotations
 

@@ -195,7 +195,7 @@ def from_slopes(p: FloatArray, q: FloatArray) -> FloatArray:
 
 
 def grid(shape: tuple[int, int], *, spacing: float = 1.0) -> tuple[FloatArray, FloatArray]:
-    """x and y of every pixel centre, each (H, W) float64, origin at the centre of the sheet, y up."""
+    """Positions x and y of every pixel centre, (H, W) float64, origin at the sheet's centre, y up."""
     rows, columns = shape
     x = (np.arange(columns) - (columns - 1) / 2) * spacing
     y = ((rows - 1) / 2 - np.arange(rows)) * spacing
