@@ -140,7 +140,7 @@ def test_added_ink_is_pointed_at(*, said, mask, corner, kinds, zh, en):
 
 def test_a_stroke_in_the_wrong_place_is_displaced_and_not_missing(said, mask):
     glyph = Glyph(mask("regular-shui"))
-    stroke = max(range(len(glyph.strokes)), key=lambda k: glyph.strokes[k].path[:, 1].mean())
+    stroke = max(range(len(glyph.strokes)), key=lambda k: glyph.strokes[k].points[:, 1].mean())
     alone = glyph.mask & ~glyph.without(stroke)
     copy = glyph.without(stroke) | np.roll(alone, (0, 45), axis=(0, 1))
     found = said(copy, glyph.mask)

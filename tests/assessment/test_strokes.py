@@ -27,7 +27,7 @@ def found(surface):
 
 def struck(strokes, glyph: Glyph, k: int):
     """The stroke found that lies along the glyph's stroke k."""
-    path = glyph.strokes[k].path[:, ::-1] / np.array(glyph.mask.shape)
+    path = glyph.strokes[k].points[:, ::-1] / np.array(glyph.mask.shape)
 
     def away(stroke) -> float:
         reach = np.linalg.norm(stroke.outline[:, None] - path[None], axis=2)

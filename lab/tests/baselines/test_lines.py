@@ -81,5 +81,5 @@ def test_a_round_dot_is_a_short_line():
 def test_parts_and_turning_keep_the_line():
     whole = line((0, 0), (60, 0), (60, 60))
     assert whole.part(0, 30).length + whole.part(30, 120).length == pytest.approx(whole.length)
-    assert whole.reverse().at(np.array([0.25])) == pytest.approx(whole.at(np.array([0.75])))
+    assert whole.reversed().at(np.array([0.25])) == pytest.approx(whole.at(np.array([0.75])))
     assert whole.middle == pytest.approx((60, 0), abs=0.6)

@@ -37,7 +37,7 @@ def turned(cross):
 
 def along(glyph: Glyph, k: int, kind="stroke_angle") -> Remark:
     """A remark on one stroke of a glyph."""
-    points = glyph.strokes[k].path[:, ::-1] / np.array(glyph.mask.shape)
+    points = glyph.strokes[k].points[:, ::-1] / np.array(glyph.mask.shape)
     line = tuple((float(x), float(y)) for x, y in points)
     return Remark(kind, 1.0, "degrees", 3.0, None, "橫", "A horizontal.", (line,))
 

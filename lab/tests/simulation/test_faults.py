@@ -286,7 +286,7 @@ def test_blunt_ends_add_ink_at_the_tips_alone() -> None:
         [
             end
             for s in Glyph(glyph(work)).strokes
-            for end, free in zip(s.path[[0, -1]], s.free, strict=True)
+            for end, free in zip(s.points[[0, -1]], s.free, strict=True)
             if free
         ]
     )

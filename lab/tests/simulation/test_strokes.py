@@ -27,7 +27,7 @@ VERTICAL = ((30.0, 100.0), (170.0, 100.0))
 def test_a_cross_is_two_strokes_that_share_its_middle() -> None:
     strokes = separate(drawn(HORIZONTAL, VERTICAL))
     assert len(strokes) == 2
-    lying, standing = sorted(strokes, key=lambda stroke: np.ptp(stroke.path[:, 0]))
+    lying, standing = sorted(strokes, key=lambda stroke: np.ptp(stroke.points[:, 0]))
     for stroke, line in ((lying, HORIZONTAL), (standing, VERTICAL)):
         alone = drawn(line)
         assert (stroke.ink & alone).sum() > 0.97 * alone.sum(), "a stroke keeps its ink through the crossing"
@@ -48,7 +48,7 @@ def test_a_slanting_crossing_is_continued_straight() -> None:
     falling, rising = ((40.0, 30.0), (160.0, 170.0)), ((160.0, 30.0), (40.0, 170.0))
     strokes = separate(drawn(falling, rising))
     assert len(strokes) == 2
-    slopes = [np.polyfit(s.path[:, 1], s.path[:, 0], 1)[0] for s in strokes]
+    slopes = [np.polyfit(s.points[:, 1], s.points[:, 0], 1)[0] for s in strokes]
     np.testing.assert_allclose(sorted(slopes), [-120 / 140, 120 / 140], atol=0.08)
 
 

@@ -79,7 +79,7 @@ class Segments:
     def line(self, way: Way) -> StrokeLine:
         """The pieces of a way as one line."""
         m = len(self.pieces)
-        parts = [self.pieces[d] if d < m else self.pieces[d - m].reverse() for d in way]
+        parts = [self.pieces[d] if d < m else self.pieces[d - m].reversed() for d in way]
         return StrokeLine(
             np.concatenate([p.points for p in parts]), np.concatenate([p.radius for p in parts])
         )
@@ -91,7 +91,7 @@ def segments_of(skeleton: Skeleton, frame: Frame, *, settings: FollowSettings | 
     width = skeleton.width / frame.side
     pieces, ends, smooth = _pieces(skeleton, frame, settings)
     directed = np.array([*ends, *(end[::-1] for end in ends)], dtype=np.intp)
-    lines = [*pieces, *(piece.reverse() for piece in pieces)]
+    lines = [*pieces, *(piece.reversed() for piece in pieces)]
     count = int(directed.max()) + 1
     places = np.zeros((count, 2))
     for line, end in zip(lines, directed, strict=True):

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from rumu.surface.skeleton import Skeleton, skeletonise, strokes
-from rumu.values import FloatArray, IntArray
+from rumu.values import FloatArray, IntArray, Polyline
 from rumu_lab.baselines.cell import Cell
 
 
@@ -34,31 +34,13 @@ class LineSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class StrokeLine:
-    """points: (n >= 2, 2) float64, (x, y) in order, y as the caller has it. radius: (n,) half-widths."""
-
-    points: FloatArray
-    radius: FloatArray
-
-    @property
-    def along(self) -> FloatArray:
-        """(n,) float64, length of the line up to each point."""
-        return np.asarray(np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))]))
-
-    @property
-    def length(self) -> float:
-        """Of the line."""
-        return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+class StrokeLine(Polyline):
+    """A line of two points or more, (x, y) in order, with y as the caller has it; it can be sampled."""
 
     @property
     def middle(self) -> FloatArray:
         """(2,) float64, the point half-way along."""
         return np.asarray(self.at(np.array([0.5]))[0])
-
-    @property
-    def chord(self) -> FloatArray:
-        """(2,) float64, from its first point to its last."""
-        return np.asarray(self.points[-1] - self.points[0])
 
     def at(self, shares: FloatArray) -> FloatArray:
         """(m, 2) float64: the points at these shares of its length, 0 to 1."""
@@ -69,14 +51,6 @@ class StrokeLine:
         """(m,) float64: the half-widths there."""
         along = self.along
         return np.asarray(np.interp(shares * along[-1], along, self.radius))
-
-    def reverse(self) -> StrokeLine:
-        """The same line from its other end."""
-        return StrokeLine(self.points[::-1], self.radius[::-1])
-
-    def part(self, first: int, last: int) -> StrokeLine:
-        """From the point numbered `first` to the one numbered `last`, both kept."""
-        return StrokeLine(self.points[first : last + 1], self.radius[first : last + 1])
 
 
 @lru_cache(maxsize=64)

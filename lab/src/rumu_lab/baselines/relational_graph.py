@@ -107,7 +107,7 @@ def graph_of(lines: Sequence[StrokeLine], *, width: float, settings: GraphSettin
     Each line is directed as a brush writes it: to the right, or downward where it falls steeply.
     """
     settings = settings or GraphSettings()
-    written = tuple(line if _forward(line) else line.reverse() for line in lines)
+    written = tuple(line if _forward(line) else line.reversed() for line in lines)
     traits = traits_of(written)
     kinds = tuple(_kind(k, traits, width=width, settings=settings) for k in range(len(written)))
     between, bend = differences(traits)

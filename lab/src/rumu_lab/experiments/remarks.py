@@ -212,7 +212,7 @@ def speaks_of(remark: Remark, copy: FaultyGlyph, glyph: Glyph) -> bool:
         return False  # a heavy beginning, but of another stroke or at the wrong end
     points = np.concatenate([np.array(line) for line in remark.outline])
     size = np.array(glyph.mask.shape, float)
-    paths = np.concatenate([(glyph.strokes[k].path / size)[:, ::-1] for k in copy.strokes])
+    paths = np.concatenate([(glyph.strokes[k].points / size)[:, ::-1] for k in copy.strokes])
     away = np.sqrt(((points[:, None] - paths[None]) ** 2).sum(axis=2)).min(axis=1)
     return float((away < NEAR).mean()) >= 0.6
 

@@ -63,7 +63,7 @@ class Glyph:
     @cached_property
     def core(self) -> FloatArray:
         """Depth of a thin line along every stroke: what no thinning may take away."""
-        thin = [brush_depth(self.mask.shape, s.path, 0.35 * s.radius) for s in self._all_strokes]
+        thin = [brush_depth(self.mask.shape, s.points, 0.35 * s.radius) for s in self._all_strokes]
         return np.asarray(np.max(thin, axis=0), dtype=np.float32)
 
     def without(self, *strokes: int) -> BoolArray:
@@ -83,7 +83,7 @@ class Glyph:
     def _place(self, stroke: BrushStroke) -> tuple[str, str]:
         x0, y0, x1, y1 = region_of(self.mask)
         height, width = self.mask.shape
-        row, column = stroke.path.mean(axis=0) / (height, width)
+        row, column = stroke.points.mean(axis=0) / (height, width)
         across = min(int(3 * (column - x0) / max(x1 - x0, 1e-9)), 2)
         down = min(int(3 * (row - y0) / max(y1 - y0, 1e-9)), 2)
         if (down, across) == (1, 1):
@@ -133,12 +133,12 @@ def _grow(mask: BoolArray) -> BoolArray:
 
 def written_forward(stroke: BrushStroke) -> bool:
     """Whether the path runs as a brush would: downward, or to the right when it lies flat."""
-    row, column = stroke.path[-1] - stroke.path[0]
+    row, column = stroke.points[-1] - stroke.points[0]
     return bool(row + 0.6 * column >= 0)
 
 
 def _direction(stroke: BrushStroke) -> tuple[str, str]:
-    chord = stroke.path[-1] - stroke.path[0]
+    chord = stroke.points[-1] - stroke.points[0]
     straight = float(np.linalg.norm(chord))
     if stroke.length < _DOT * float(np.median(stroke.radius)):
         return "點", "dot"

@@ -69,7 +69,7 @@ def entry(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
     k = begins[int(rng.choice(len(begins), p=lengths / lengths.sum()))]
     stroke = glyph.strokes[k]
     forward = written_forward(stroke)
-    path, radius = (stroke.path, stroke.radius) if forward else (stroke.path[::-1], stroke.radius[::-1])
+    path, radius = (stroke.points, stroke.radius) if forward else (stroke.points[::-1], stroke.radius[::-1])
     count = max(len(path) // 4, 2)
     surplus = size / 100.0 * np.cos(np.linspace(0.0, np.pi / 2, count))
     # a tip that tapers is pressed to what the stroke has next to it
@@ -163,8 +163,8 @@ def _begins_free(stroke: BrushStroke) -> bool:
 def _fill_tips(stroke: BrushStroke, share: float) -> tuple[FloatArray, FloatArray] | None:
     """Path and radius of the brush that fills the free tips of a stroke; None when it has none."""
     full = float(np.median(stroke.radius))
-    reach = min(int(3.0 * full) + 1, len(stroke.path) // 2)
-    near = np.zeros(len(stroke.path), dtype=bool)
+    reach = min(int(3.0 * full) + 1, len(stroke.points) // 2)
+    near = np.zeros(len(stroke.points), dtype=bool)
     if stroke.free[0]:
         near[:reach] = True
     if stroke.free[1]:
@@ -172,14 +172,14 @@ def _fill_tips(stroke: BrushStroke, share: float) -> tuple[FloatArray, FloatArra
     if not near.any():
         return None
     lacking = np.maximum(full - stroke.radius[near], 0.0)
-    return stroke.path[near], stroke.radius[near] + share * lacking
+    return stroke.points[near], stroke.radius[near] + share * lacking
 
 
 def _dryness(stroke: BrushStroke, rng: Random) -> FloatArray:
     """(H, W): how readily the hairs run dry: streaks along the path, rising toward its end."""
     from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinates
 
-    path = stroke.path if written_forward(stroke) else stroke.path[::-1]
+    path = stroke.points if written_forward(stroke) else stroke.points[::-1]
     radius = stroke.radius if written_forward(stroke) else stroke.radius[::-1]
     off, index = np.ones(stroke.ink.shape, dtype=bool), np.zeros(stroke.ink.shape, dtype=int)
     row, column = np.clip(np.round(path).astype(int), 0, np.array(off.shape) - 1).T

@@ -23,7 +23,7 @@ _SEAM = 1.0  # clefts up to so many brush radii are closed where a moved stroke 
 def shift(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
     """One stroke pushed `size` pixels (of 512) more aside than along itself, otherwise unchanged."""
     k = choose_stroke(glyph, rng)
-    down, right = glyph.strokes[k].path[-1] - glyph.strokes[k].path[0]
+    down, right = glyph.strokes[k].points[-1] - glyph.strokes[k].points[0]
     aside = np.arctan2(right, -down) + np.pi * rng.integers(2)
     turn = aside + rng.uniform(-1.0, 1.0) * _ASTRAY
     down, right = step = size * np.array([np.sin(turn), np.cos(turn)])
@@ -51,7 +51,7 @@ def horizontal(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
 
     Raises SurfaceError when no stroke lies within 30 degrees of level.
     """
-    chords = [stroke.path[-1] - stroke.path[0] for stroke in glyph.strokes]
+    chords = [stroke.points[-1] - stroke.points[0] for stroke in glyph.strokes]
     lying = [k for k, (down, right) in enumerate(chords) if abs(down) < np.tan(np.radians(30)) * abs(right)]
     if not lying:
         raise SurfaceError("expected a horizontal stroke to turn, found none")
@@ -79,11 +79,11 @@ def short(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
     """One stroke `size` per cent shorter along its chord; an end that joins another stroke stays there."""
     k = choose_stroke(glyph, rng)
     stroke = glyph.strokes[k]
-    chord = stroke.path[-1] - stroke.path[0]
+    chord = stroke.points[-1] - stroke.points[0]
     along = chord / max(float(np.linalg.norm(chord)), 1e-9)
-    fixed = stroke.path.mean(axis=0)
+    fixed = stroke.points.mean(axis=0)
     if stroke.free[0] != stroke.free[1]:
-        fixed = stroke.path[0] if stroke.free[1] else stroke.path[-1]
+        fixed = stroke.points[0] if stroke.free[1] else stroke.points[-1]
     shrink = np.eye(2) - size / 100.0 * np.outer(along, along)
     depth, region = displace(glyph, k, matrix=shrink, shift=np.zeros(2), centre=fixed)
     zh, en = glyph.named(k)
@@ -96,7 +96,7 @@ def thin(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
     """One stroke that loses `size` pixels (of 512) at each edge; a third of its width always stays."""
     k = choose_stroke(glyph, rng)
     stroke = glyph.strokes[k]
-    core = brush_depth(glyph.mask.shape, stroke.path, 0.35 * stroke.radius)
+    core = brush_depth(glyph.mask.shape, stroke.points, 0.35 * stroke.radius)
     thinner = np.maximum(depth_of(stroke.ink) - size * glyph.scale, core)
     # Where it crosses others their ink stays, so the thinner stroke is laid over the rest.
     depth = np.maximum(depth_of(glyph.without(k)), thinner)
@@ -185,7 +185,7 @@ def displace(
 ) -> tuple[FloatArray, tuple[float, float, float, float]]:
     """Depth of the glyph with stroke `k` transformed, its joints closed again; and where it now lies."""
     stroke = glyph.strokes[k]
-    pivot = stroke.path.mean(axis=0) if centre is None else centre
+    pivot = stroke.points.mean(axis=0) if centre is None else centre
     rest = glyph.without(k)
     gone = move(depth_of(stroke.ink), matrix=matrix, centre=pivot, shift=shift)
     depth = np.maximum(depth_of(rest), gone)
@@ -218,7 +218,7 @@ def _sister(glyph: Glyph, depth: FloatArray, rng: Random) -> FloatArray:
     stroke = glyph.strokes[choose_stroke(glyph, rng)]
     wide = min(float(np.median(stroke.radius)), 0.04 * diagonal)
     count = int(max(0.2 * diagonal, 4.0 * wide))
-    path = stroke.path[:count]
+    path = stroke.points[:count]
     taper = np.linspace(1.0, 0.4, len(path))  # it is lifted off at its end
     own = brush_depth(glyph.mask.shape, path, np.minimum(stroke.radius[: len(path)], 1.1 * wide) * taper)
     middle, best, least = path.mean(axis=0), own, np.inf

@@ -16,7 +16,7 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from rumu.errors import SurfaceError
-from rumu.values import BoolArray, FloatArray, IntArray
+from rumu.values import BoolArray, FloatArray, IntArray, Polyline
 from rumu_lab.simulation.ink import brush_depth
 
 _EIGHT = np.ones((3, 3), dtype=bool)
@@ -38,24 +38,15 @@ class SeparationSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BrushStroke:
-    """One brush stroke.
+class BrushStroke(Polyline):
+    """One brush stroke: the line of its middle, (row, column) in pixels, about one pixel apart.
 
-    path: (N, 2) float64, (row, column) along its middle, about one pixel apart.
-    radius: (N,) float64, of the brush there, in pixels.
     free: whether its first and its last end are tips, not joints to another stroke.
     ink: (H, W) bool, its pixels, those that it shares with a crossing stroke included.
     """
 
-    path: FloatArray
-    radius: FloatArray
     free: tuple[bool, bool]
     ink: BoolArray
-
-    @property
-    def length(self) -> float:
-        """Length of the path in pixels."""
-        return float(np.linalg.norm(np.diff(self.path, axis=0), axis=1).sum())
 
 
 def separate(mask: BoolArray, *, settings: SeparationSettings | None = None) -> tuple[BrushStroke, ...]:
@@ -175,9 +166,7 @@ def _nodes_at(branch: IntArray, forks: IntArray) -> tuple[int, int]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _CentreLine:
-    points: FloatArray
-    radius: FloatArray
+class _CentreLine(Polyline):
     free: tuple[bool, bool]
 
 
@@ -305,7 +294,7 @@ def _join(
 
 def _resample(path: _CentreLine) -> _CentreLine:
     """The same path with points about one pixel apart."""
-    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(path.points, axis=0), axis=1))]
+    along = path.along
     t = np.linspace(0.0, along[-1], max(int(along[-1]) + 1, 2))
     columns = [np.interp(t, along, values) for values in (*path.points.T, path.radius)]
     return _CentreLine(np.stack(columns[:2], axis=1), columns[2], path.free)
@@ -347,7 +336,7 @@ def _share_ink(paths: list[_CentreLine], mask: BoolArray) -> tuple[BrushStroke, 
         BrushStroke(path.points, path.radius, path.free, mask & ((owner == k) | (depth[k] > -0.5)))
         for k, path in enumerate(paths)
     ]
-    return tuple(sorted(strokes, key=lambda stroke: (-stroke.length, *stroke.path[0])))
+    return tuple(sorted(strokes, key=lambda stroke: (-stroke.length, *stroke.points[0])))
 
 
 def _largest_near(field: FloatArray, place: FloatArray) -> float:
