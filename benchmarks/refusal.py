@@ -23,14 +23,11 @@ from PIL import Image
 
 import rumu
 from rumu.assessment.calibration import panel
-from rumu.assessment.comparison import compare
-from rumu.assessment.evidence import Evidence
-from rumu.assessment.refusal import refusal
+from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.errors import RefusedImage, SurfaceError
 from rumu.gallery.masters import Master, read_masters
 from rumu.gallery.works import starter_works
 from rumu.processes import in_order
-from rumu.values import Surface
 from rumu_lab.experiments.e3c import read_copies
 from rumu_lab.simulation import faults
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor, picture_of
@@ -128,7 +125,7 @@ def picture(path: Path) -> Path:
 
 
 def ink(path: Path) -> np.ndarray:
-    return surface(path).mask
+    return master(path).surface.mask
 
 
 def fault(path: Path, name: str) -> np.ndarray:
@@ -183,19 +180,18 @@ def asked(case: Case) -> Answer | None:
     """What `assess` would say, and the score that a refusal withholds."""
     try:
         copy = rumu.relief(MAKERS[case.make](*case.arguments))
-        registration, features = compare(copy, surface(case.master))
+        m = measure(copy, master(case.master))
     except SurfaceError:
         return None  # a fault that this glyph has no stroke for
     except RefusedImage as refused:
         return Answer(case, refused.reason, None)
-    evidence = Evidence(copy, surface(case.master), registration)
-    found = refusal(evidence)
-    return Answer(case, found.code if found else None, panel().score(features), evidence.strangeness)
+    code = m.refusal.code if m.refusal else None
+    return Answer(case, code, panel().score(m.features), m.figures.strangeness)
 
 
 @lru_cache(maxsize=64)
-def surface(path: Path) -> Surface:
-    return rumu.relief(path)
+def master(path: Path) -> PreparedMaster:
+    return PreparedMaster(rumu.relief(path))
 
 
 def told(answers: list[Answer]) -> None:

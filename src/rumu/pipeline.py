@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from rumu.assessment.calibration import Calibration
-from rumu.assessment.comparison import compare
-from rumu.assessment.evidence import Evidence
-from rumu.assessment.marking import checked_terms, marked
-from rumu.assessment.refusal import Refusal, judged, reason
+from rumu.assessment.marking import checked_terms, mark_fields
+from rumu.assessment.measurement import PreparedMaster, measure
+from rumu.assessment.refusal import Refusal, reason
 from rumu.assessment.remarks import remarks as remarks_on
 from rumu.assessment.similarity import sim_paper, similarity
 from rumu.capture.folder import read_capture
@@ -72,9 +70,14 @@ def register(probe: SurfaceLike, reference: SurfaceLike, *, rotation: Rotation =
     return register_points(*points, settings=IcpSettings(rotation=rotation))
 
 
+def prepare_master(reference: SurfaceLike | PreparedMaster) -> PreparedMaster:
+    """A master made ready once for many copies; `assess` takes it in place of the master itself."""
+    return reference if isinstance(reference, PreparedMaster) else PreparedMaster(surface_of(reference))
+
+
 def assess(
     probe: SurfaceLike,
-    reference: SurfaceLike,
+    reference: SurfaceLike | PreparedMaster,
     *,
     levels: Mapping[str, float] | None = None,
     calibration: Calibration | str | Path | None = None,
@@ -90,25 +93,21 @@ def assess(
     nothing to mark, or of another master, is refused; wrong masters and terms raise.
     """
     terms = checked_terms(calibration=calibration, weights=weights, levels=levels, script=script)
-    with ThreadPoolExecutor(1) as beside:  # two pictures, two cores
-        coming = beside.submit(surface_of, reference)
-        try:
-            copy = surface_of(probe)
-            master = coming.result()
-            registration, features = compare(copy, master)
-        except RefusedImage as error:
-            coming.result()  # a master that is no use is an error, whatever the copy is
-            return _refused(replace(reason(error.reason), en=str(error)))
-    no_copy, highest = judged(Evidence(copy, master, registration))
-    if no_copy is not None:
-        return _refused(no_copy)
+    master = prepare_master(reference)
+    try:
+        measurement = measure(surface_of(probe), master)
+    except RefusedImage as error:
+        return _refused(replace(reason(error.reason), en=str(error)))
+    if measurement.refusal is not None:
+        return _refused(measurement.refusal)
+    registration = measurement.registration
     return Assessment(
-        **marked(features, terms=terms, highest=highest),
+        **mark_fields(measurement.features, terms=terms, highest=measurement.highest),
         sim_paper=sim_paper(registration),
         similarity=similarity(registration),
-        remarks=remarks_on(registration, copy=copy, master=master) if remarks else (),
+        remarks=remarks_on(measurement) if remarks else (),
         registration=registration,
-        source=(copy.source, master.source),
+        source=(measurement.copy.source, master.surface.source),
     )
 
 

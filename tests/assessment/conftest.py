@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rumu.assessment.comparison import compare
+from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.gallery.works import find_work
 from rumu.registration.icp import register_points
 from rumu.registration.points import Sampling, sample_points
@@ -83,9 +83,9 @@ def laid(surface) -> Callable[..., Registration]:
 
 
 @pytest.fixture(scope="session")
-def compared(surface):
-    """Registration and features of one ink mask against another, as a mark is made of them."""
-    return lambda copy, master: compare(surface(copy), surface(master))
+def measured(surface):
+    """The measurement of one ink mask against another, as a mark is made of it."""
+    return lambda copy, master: measure(surface(copy), PreparedMaster(surface(master)))
 
 
 @pytest.fixture(scope="session")

@@ -11,8 +11,8 @@ from rumu_lab.simulation.glyph import Glyph
 WORK = "regular-shui"
 
 
-def test_a_copy_of_itself_has_nothing_left(compared, mask):
-    _, features = compared(mask(WORK), mask(WORK))
+def test_a_copy_of_itself_has_nothing_left(measured, mask):
+    features = measured(mask(WORK), mask(WORK)).features
     np.testing.assert_allclose([getattr(features.residuals, n) for n in RESIDUALS], 0.0, atol=1e-6)
     np.testing.assert_allclose(features.residuals.logarithms(), np.log(SOFTENING), atol=1e-4)
     assert (features.lean, features.offset, features.size, features.weight) == pytest.approx(
@@ -21,24 +21,26 @@ def test_a_copy_of_itself_has_nothing_left(compared, mask):
 
 
 @pytest.mark.parametrize("lean", [-12.0, 7.0])
-def test_lean_is_degrees_clockwise(compared, moved, mask, lean):
-    assert compared(moved(WORK, lean=lean), mask(WORK))[1].lean == pytest.approx(lean, abs=0.4)
+def test_lean_is_degrees_clockwise(measured, moved, mask, lean):
+    assert measured(moved(WORK, lean=lean), mask(WORK)).features.lean == pytest.approx(lean, abs=0.4)
 
 
 @pytest.mark.parametrize("shift", [(30, 40), (-50, 0)])
-def test_offset_is_a_share_of_the_cell(compared, moved, mask, shift):
-    found = compared(moved(WORK, shift=shift), mask(WORK))[1].offset
+def test_offset_is_a_share_of_the_cell(measured, moved, mask, shift):
+    found = measured(moved(WORK, shift=shift), mask(WORK)).features.offset
     assert found == pytest.approx(np.hypot(*shift) / 512, abs=0.002)
 
 
 @pytest.mark.parametrize("scale", [0.5, 0.8, 1.15])
-def test_size_is_a_logarithm(compared, moved, mask, scale):
-    assert compared(moved(WORK, scale=scale), mask(WORK))[1].size == pytest.approx(np.log(scale), abs=0.01)
+def test_size_is_a_logarithm(measured, moved, mask, scale):
+    assert measured(moved(WORK, scale=scale), mask(WORK)).features.size == pytest.approx(
+        np.log(scale), abs=0.01
+    )
 
 
-def test_weight_is_up_for_heavier_strokes(compared, fault, mask):
-    heavy = compared(fault(WORK, "thick", 3).mask, mask(WORK))[1].weight
-    thin = compared(fault(WORK, "thin", 3).mask, mask(WORK))[1].weight
+def test_weight_is_up_for_heavier_strokes(measured, fault, mask):
+    heavy = measured(fault(WORK, "thick", 3).mask, mask(WORK)).features.weight
+    thin = measured(fault(WORK, "thin", 3).mask, mask(WORK)).features.weight
     assert heavy > 0.1
     assert thin < -0.1
 

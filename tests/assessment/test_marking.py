@@ -8,7 +8,7 @@ import pytest
 
 from rumu.assessment.calibration import panel, write_calibration
 from rumu.assessment.features import Features, Residuals
-from rumu.assessment.marking import Terms, checked_terms, marked
+from rumu.assessment.marking import Terms, checked_terms, mark_fields
 from rumu.errors import CalibrationError
 
 COPY = Features(
@@ -17,7 +17,7 @@ COPY = Features(
 
 
 def test_without_terms_it_is_the_panel_s_mark():
-    mark = marked(COPY, terms=Terms())
+    mark = mark_fields(COPY, terms=Terms())
     assert mark["score"] == panel().score(COPY)
     assert mark["interval"] == panel().interval_of(mark["score"])
     assert (mark["weights"], mark["calibration"], mark["script"]) == (None, None, None)
@@ -25,7 +25,7 @@ def test_without_terms_it_is_the_panel_s_mark():
 
 
 def test_regular_script_needs_no_note():
-    mark = marked(COPY, terms=Terms(script="regular"))
+    mark = mark_fields(COPY, terms=Terms(script="regular"))
     assert (mark["interval_note"], mark["interval_note_zh"]) == (None, None)
 
 
@@ -34,7 +34,7 @@ def test_a_teacher_s_calibration_has_its_own_interval_whatever_the_script(tmp_pa
     own = replace(panel(), interval=(-3.0, 4.0), provenance="mine")
     write_calibration(own, tmp_path / "own.json")
     for given in (own, tmp_path / "own.json", str(tmp_path / "own.json")):
-        mark = marked(COPY, terms=checked_terms(calibration=given, script="seal"))
+        mark = mark_fields(COPY, terms=checked_terms(calibration=given, script="seal"))
         assert mark["interval"] == pytest.approx((mark["score"] - 3, mark["score"] + 4))
         assert mark["calibration"] == "mine" and "seal" not in mark["interval_note"]
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from rumu import pipeline
-from rumu.assessment.comparison import compare
+from rumu.assessment.measurement import measure
 from rumu.assessment.omissions import left_over
 from rumu.gallery.works import find_work
 from rumu_lab.simulation.copies import copy_at
@@ -30,8 +30,8 @@ def marked(ink, glyph):
 
 
 def left(ink, glyph):
-    registration, _ = compare(*(pipeline.surface_of(picture(x)) for x in (ink, glyph.mask)))
-    return left_over(registration)
+    master = pipeline.prepare_master(picture(glyph.mask))
+    return left_over(measure(pipeline.surface_of(picture(ink)), master).registration, master.lines)
 
 
 def hidden(glyph, k):

@@ -12,9 +12,9 @@ import pytest
 from PIL import Image
 
 import rumu
-from rumu.assessment.comparison import compare
-from rumu.assessment.evidence import Evidence, filled, parts_of
-from rumu.assessment.refusal import RefusalLimits, judged, reason, refusal
+from rumu.assessment.evidence import filled, parts_of
+from rumu.assessment.measurement import Measurement, PreparedMaster, measure
+from rumu.assessment.refusal import RefusalLimits, check_copy, reason
 from rumu.gallery.works import find_work, starter_works
 from rumu.values import Surface
 from rumu_lab.simulation import faults
@@ -33,10 +33,12 @@ def master(work: str) -> Surface:
     return rumu.relief(picture_of(mask(work)))
 
 
+def against(page: np.ndarray, master_page: np.ndarray, **options) -> Measurement:
+    return measure(rumu.relief(page), PreparedMaster(rumu.relief(master_page)), **options)
+
+
 def code(page: np.ndarray, work: str, **options) -> str | None:
-    copy = rumu.relief(page)
-    registration, _ = compare(copy, master(work))
-    found = refusal(Evidence(copy, master(work), registration), **options)
+    found = measure(rumu.relief(page), PreparedMaster(master(work)), **options).refusal
     return found.code if found else None
 
 
@@ -91,14 +93,13 @@ APART = {
 
 @pytest.mark.parametrize("name", APART)
 def test_one_character_of_several_parts_is_one(name):
-    own = rumu.relief(picture_of(APART[name]))
+    own = picture_of(APART[name])
     rng = np.random.default_rng(3)
     for lean in rng.uniform(-9, 9, 3):
         M = cv2.getRotationMatrix2D((200, 200), lean, 0.85)
         M[:, 2] += rng.uniform(-15, 15, 2)
-        copy = rumu.relief(picture_of(cv2.warpAffine(APART[name].astype(np.float32), M, (400, 400))))
-        registration, _ = compare(copy, own)
-        assert refusal(Evidence(copy, own, registration)) is None
+        copy = picture_of(cv2.warpAffine(APART[name].astype(np.float32), M, (400, 400)))
+        assert against(copy, own).refusal is None
 
 
 def test_learners_copies_are_not_refused(data):
@@ -171,9 +172,7 @@ def test_a_character_cut_by_the_edge_is_told(work, quarters):
     own = np.rot90(mask(work), quarters).copy()
     lost = np.cumsum(own.sum(axis=0)) / own.sum()
     cut = own[:, int(np.searchsorted(lost, 0.2)) :]
-    copy, whole = rumu.relief(picture_of(cut)), rumu.relief(picture_of(own))
-    registration, _ = compare(copy, whole)
-    assert refusal(Evidence(copy, whole, registration)).code == "cut off"
+    assert against(picture_of(cut), picture_of(own)).refusal.code == "cut off"
 
 
 def test_an_outline_of_a_learners_own_writing_is_told():
@@ -189,11 +188,9 @@ def test_a_square_drawn_with_a_pen_is_no_outline():
     cv2.rectangle(square, (90, 90), (310, 310), 1, 40)
     pen = np.zeros((400, 400), np.uint8)
     cv2.rectangle(pen, (90, 90), (310, 310), 1, 10)
-    copy, own = rumu.relief(picture_of(pen > 0)), rumu.relief(picture_of(square > 0))
-    registration, _ = compare(copy, own)
-    evidence = Evidence(copy, own, registration)
-    assert evidence.lightness < RefusalLimits().light
-    assert refusal(evidence) is None
+    found = against(picture_of(pen > 0), picture_of(square > 0))
+    assert found.figures.lightness < RefusalLimits().light
+    assert found.refusal is None
 
 
 def test_what_is_within_closed_lines_is_filled():
@@ -239,41 +236,39 @@ def test_another_character_is_refused_mostly():
 
 
 def test_where_the_ink_is_not_clean_another_character_is_not_refused():
-    copy = rumu.relief(picture_of(mask("regular-ri")))
-    registration, _ = compare(copy, master("regular-shu"))
+    copy, own = rumu.relief(picture_of(mask("regular-ri"))), PreparedMaster(master("regular-shu"))
     silk = replace(copy, quality={**copy.quality, "noise": 9.0})
-    assert refusal(Evidence(copy, master("regular-shu"), registration)).code == "another character"
-    assert refusal(Evidence(silk, master("regular-shu"), registration)) is None
+    assert measure(copy, own).refusal.code == "another character"
+    assert measure(silk, own).refusal is None
 
 
 def test_what_may_be_another_character_gets_no_more_than_a_bad_mark_and_a_copy_may_get_all():
     copy = rumu.relief(picture_of(mask("regular-ri")))
-    registration, _ = compare(copy, master("regular-shu"))
-    evidence = Evidence(copy, master("regular-shu"), registration)
-    strange = evidence.strangeness
+    figures = measure(copy, PreparedMaster(master("regular-shu"))).figures
+    strange = figures.strangeness
     between = RefusalLimits(strange=strange + 0.1, odd=strange - 0.1, nothing=strange + 0.1)
-    assert judged(evidence, limits=between) == (
+    assert check_copy(figures, limits=between) == (
         None,
         pytest.approx(between.odd_most / 2),  # half-way from odd to nothing
     )
     stranger = replace(between, odd=strange - 0.2, nothing=strange)
-    assert judged(evidence, limits=stranger) == (None, 0.0)
+    assert check_copy(figures, limits=stranger) == (None, 0.0)
     beyond = RefusalLimits(strange=strange + 0.2, odd=strange + 0.1)
-    assert judged(evidence, limits=beyond) == (None, 100.0)
+    assert check_copy(figures, limits=beyond) == (None, 100.0)
     near = replace(between, odd_fits=9.0)
-    assert judged(evidence, limits=near) == (None, 100.0)
-    itself, _ = compare(copy, copy)
-    assert judged(Evidence(copy, copy, itself), limits=RefusalLimits(odd=-9.0)) == (None, 100.0)
+    assert check_copy(figures, limits=near) == (None, 100.0)
+    itself = measure(copy, PreparedMaster(copy), limits=RefusalLimits(odd=-9.0))
+    assert (itself.refusal, itself.highest) == (None, 100.0)
 
 
 def test_the_mark_keeps_below_what_the_copy_may_get(monkeypatch):
-    from rumu import pipeline
+    from rumu.assessment import measurement
 
-    monkeypatch.setattr(pipeline, "judged", lambda *_, **__: (None, 39.0))
-    assert pipeline.assess(master("regular-shu"), master("regular-shu")).score == 39.0
+    monkeypatch.setattr(measurement, "check_copy", lambda *_, **__: (None, 39.0))
+    assert rumu.assess(master("regular-shu"), master("regular-shu")).score == 39.0
 
 
-# the evidence
+# the figures
 
 
 def test_the_limits_are_what_decides():
@@ -284,18 +279,17 @@ def test_the_limits_are_what_decides():
     assert code(page, "regular-shu", limits=strict) == "another character"
 
 
-def test_evidence_of_a_copy_and_itself():
+def test_figures_of_a_copy_and_itself():
     own = master("regular-shu")
-    registration, _ = compare(own, own)
-    evidence = Evidence(own, own, registration)
-    assert evidence.position == pytest.approx(0.0, abs=1e-6)
-    assert evidence.likeness == pytest.approx(1.0, abs=1e-5)
-    assert evidence.mirrored < -0.3 and evidence.turned < -0.3
-    assert evidence.in_place == 1.0
-    assert evidence.lightness == pytest.approx(1.0)
-    assert evidence.hollowness == pytest.approx(0.0)
-    assert evidence.beyond == 0.0
-    assert evidence.strangeness < -1.0
+    figures = measure(own, PreparedMaster(own)).figures
+    assert figures.position == pytest.approx(0.0, abs=1e-6)
+    assert figures.likeness == pytest.approx(1.0, abs=1e-5)
+    assert figures.mirrored < -0.3 and figures.turned < -0.3
+    assert figures.in_place == 1.0
+    assert figures.lightness == pytest.approx(1.0)
+    assert figures.hollowness == pytest.approx(0.0)
+    assert figures.beyond == 0.0
+    assert figures.strangeness < -1.0
 
 
 def test_parts_stand_clear_of_each_other():

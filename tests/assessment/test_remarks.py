@@ -7,7 +7,6 @@ import re
 import numpy as np
 import pytest
 
-from rumu.assessment.comparison import compare
 from rumu.assessment.remarks import Noticeable, remarks
 from rumu_lab.simulation.faults import FAULTS
 from rumu_lab.simulation.glyph import Glyph, region_of
@@ -16,15 +15,10 @@ WORK = "regular-shui"
 
 
 @pytest.fixture(scope="session")
-def said(surface):
+def said(measured):
     """The remarks on one ink mask as a copy of another."""
 
-    def say(copy, master, **options):
-        copy, master = surface(copy), surface(master)
-        registration, _ = compare(copy, master)
-        return remarks(registration, copy=copy, master=master, **options)
-
-    return say
+    return lambda copy, master, **options: remarks(measured(copy, master), **options)
 
 
 def the(kind, found):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rumu.assessment.comparison import compare
 from rumu.assessment.inkwork import measure_ink
 from rumu.assessment.pose import robust_pose
 from rumu.assessment.strokes import find_strokes
@@ -15,12 +14,12 @@ WORK = "regular-shui"
 
 
 @pytest.fixture(scope="session")
-def found(surface):
+def found(measured):
     """The strokes of one ink mask in another."""
 
     def find(copy, master):
-        copy, master = surface(copy), surface(master)
-        return find_strokes(compare(copy, master)[0], copy, master)
+        m = measured(copy, master)
+        return find_strokes(m.copy, m.registration, m.master.strokes)
 
     return find
 
@@ -172,10 +171,12 @@ def test_outlines_lie_on_the_ink_of_the_copy_as_it_was_written(found, moved, mas
         assert copy[rows, columns].mean() > 0.9
 
 
-def test_ink_that_belongs_to_no_stroke_is_a_patch(found, surface, mask):
+def test_ink_that_belongs_to_no_stroke_is_a_patch(measured, mask):
     copy = mask(WORK).copy()
     copy[60:100, 60:90] = True
-    ink = measure_ink(found(copy, mask(WORK)), surface(copy), surface(mask(WORK)))
+    m = measured(copy, mask(WORK))
+    strokes = find_strokes(m.copy, m.registration, m.master.strokes)
+    ink = measure_ink(strokes, m.copy, m.master.strokes)
     assert len(ink.patches) == 1
     assert ink.patches[0].share == pytest.approx(1200 / copy.sum(), rel=0.25)
     assert not ink.patches[0].attached

@@ -7,8 +7,8 @@ Each figure is measured when it is first asked for, since most copies need none 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cached_property, lru_cache
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -35,14 +35,40 @@ PART = 0.12
 """Least share of the ink that may be a character of its own."""
 
 
-class Evidence:
-    """Figures about one copy and its master. position: rms distance in the plane, both ways, in rms radii."""
+@dataclass(frozen=True, eq=False)
+class MasterOutline:
+    """What refusal compares copies with: a master's ink points and the clearness of its ink."""
 
-    def __init__(self, copy: Surface, master: Surface, registration: Registration) -> None:
-        self.copy, self.master, self.registration = copy, master, registration
+    points: PointSet
+    clearness: float
+
+    @cached_property
+    def vector(self) -> FloatArray:
+        """Descriptor of the outlines, see `registration.descriptor`."""
+        return describe(self.points)
+
+    @cached_property
+    def mirrored(self) -> FloatArray:
+        """The same of the master seen from behind."""
+        return describe(mirrored(self.points))
+
+    @cached_property
+    def turned(self) -> FloatArray:
+        """The same of the master upside down."""
+        return describe(turned(self.points))
+
+
+@dataclass(frozen=True, eq=False)
+class RefusalFigures:
+    """Figures of one copy laid on its master, each computed when it is first asked for."""
+
+    copy: Surface
+    master: MasterOutline
+    registration: Registration
 
     @cached_property
     def position(self) -> float:
+        """Rms distance in the plane, both ways, in rms radii."""
         p, x = (cloud[:, :2] for cloud in posed(self.registration))
         i, j = self.registration.forward_index, self.registration.backward_index
         space = np.vstack([p - x[i], p[j] - x])
@@ -51,27 +77,27 @@ class Evidence:
     @cached_property
     def clearness(self) -> float:
         """Contrast of the ink over the paper's own spread, of the worse picture; photographs are below 25."""
-        return min(s.quality.get("noise", np.inf) for s in (self.copy, self.master))
+        return min(self.copy.quality.get("noise", np.inf), self.master.clearness)
 
     @cached_property
     def likeness(self) -> float:
         """Of the outlines: 1 for the same, about 0 for any two characters."""
-        return float(likeness(self._vector, _described(self._reference)))
+        return float(likeness(self._vector, self.master.vector))
 
     @cached_property
     def mirrored(self) -> float:
         """How much more alike the copy is to the master seen from behind."""
-        return float(likeness(self._vector, _described(self._reference, mirrored))) - self.likeness
+        return float(likeness(self._vector, self.master.mirrored)) - self.likeness
 
     @cached_property
     def turned(self) -> float:
         """How much more alike the copy is to the master upside down."""
-        return float(likeness(self._vector, _described(self._reference, turned))) - self.likeness
+        return float(likeness(self._vector, self.master.turned)) - self.likeness
 
     @cached_property
     def beyond_others(self) -> float:
         """Likeness beyond what other characters reach with either: below 0 for most pairs of two."""
-        return beyond_others(self._vector, _described(self._reference))
+        return beyond_others(self._vector, self.master.vector)
 
     @cached_property
     def strangeness(self) -> float:
@@ -89,7 +115,10 @@ class Evidence:
     @cached_property
     def lightness(self) -> float:
         """Mean height of the copy's ink over the master's: below 1 its strokes are thinner, or hollow."""
-        p, x = (float(points.xyz[:, 2].mean()) for points in (self.registration.probe, self._reference))
+        p, x = (
+            float(points.xyz[:, 2].mean())
+            for points in (self.registration.probe, self.registration.reference)
+        )
         return p / max(x, 1e-6)
 
     @cached_property
@@ -108,7 +137,7 @@ class Evidence:
         ink = ink_mask(self.copy)
         full = filled(ink)
         vector = describe_canvas(full_ink(full))
-        gained = float(likeness(vector, _described(self._reference))) - self.likeness
+        gained = float(likeness(vector, self.master.vector)) - self.likeness
         return 1.0 - float(np.count_nonzero(ink) / np.count_nonzero(full)), gained
 
     @cached_property
@@ -134,16 +163,12 @@ class Evidence:
                 vector = describe_canvas(full_ink(part))
             except RumuError:
                 continue
-            best = max(best, float(likeness(vector, _described(self._reference))))
+            best = max(best, float(likeness(vector, self.master.vector)))
         return (best, best - self.likeness) if best > -1.0 else (0.0, -1.0)
 
     @cached_property
     def _vector(self) -> FloatArray:
         return describe(self.registration.probe)
-
-    @property
-    def _reference(self) -> PointSet:
-        return self.registration.reference
 
     @cached_property
     def _inked_sides(self) -> BoolArray:
@@ -156,12 +181,6 @@ class Evidence:
 def _covered(points: FloatArray, ink: FloatArray, reach: float) -> float:
     """Share of the points, (N, 2), that have a point of the ink, (M, 2), nearer than `reach`."""
     return float(np.mean(Nearest(ink, follows=False)(points)[0] < reach**2))
-
-
-@lru_cache(maxsize=6)  # many copies of one master come in a row
-def _described(reference: PointSet, seen: Callable[[PointSet], PointSet] | None = None) -> FloatArray:
-    """The vector of a master as it is, or as it is `seen`."""
-    return describe(seen(reference) if seen else reference)
 
 
 def filled(ink: BoolArray) -> BoolArray:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.assessment.edges import AMOUNTS, NUMBERS, SENSES, amount, sense
+from rumu.assessment.omissions import MasterLines
 from rumu.assessment.regions import Region, find_regions
 from rumu.assessment.similarity import posed
 from rumu.values import FloatArray, Registration
@@ -101,8 +102,11 @@ class Features:
         return np.concatenate([self.residuals.logarithms(), amount(edges), sense(edges), [full]])
 
 
-def measure(registration: Registration, *, edges: FloatArray | None = None) -> Features:
-    """Features of one registration. edges: (NUMBERS,) description of the copy's edge less the master's."""
+def measure_features(registration: Registration, *, edges: FloatArray, lines: MasterLines) -> Features:
+    """Features of one registration.
+
+    edges: (NUMBERS,) description of the copy's edge less the master's. lines: of the registration's master.
+    """
     heights = registration.probe.xyz[:, 2].mean(), registration.reference.xyz[:, 2].mean()
     return Features(
         residuals=residuals(registration),
@@ -110,8 +114,8 @@ def measure(registration: Registration, *, edges: FloatArray | None = None) -> F
         offset=float(np.hypot(*registration.shift)),
         size=float(np.log(registration.scale)),
         weight=float(np.log(max(heights[0], 1e-6) / max(heights[1], 1e-6))),
-        regions=find_regions(registration),
-        edges=(0.0,) * NUMBERS if edges is None else tuple(edges.tolist()),
+        regions=find_regions(registration, lines),
+        edges=tuple(edges.tolist()),
     )
 
 

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from rumu.assessment.sheets import RADIUS, SIDE, Sheet, pixels
-from rumu.assessment.stroke_measures import StrokeSettings
-from rumu.assessment.strokes import Strokes, itself_of
+from rumu.assessment.stroke_measures import edge_tremor
+from rumu.assessment.strokes import MasterStrokes, Strokes
 from rumu.values import BoolArray, FloatArray, Surface
-
-_SWING = 5.0
-"""Pixels of a sheet, along the edge, over which it is smoothed to see what swings about it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,20 +58,20 @@ class Ink:
 
 
 def measure_ink(
-    strokes: Strokes, copy: Surface, master: Surface, *, settings: InkSettings | None = None
+    strokes: Strokes, copy: Surface, master: MasterStrokes, *, settings: InkSettings | None = None
 ) -> Ink:
     """The ink of a copy whose strokes are known."""
     settings = settings or InkSettings()
     mine, theirs = strokes.sheets
     beside = settings.beside * strokes.master.width * RADIUS
-    itself = itself_of(theirs, StrokeSettings())
+    itself, tremor = master.itself, edge_tremor(mine)
     tube = _drawn(strokes.moved, strokes.radius * RADIUS + beside) | _left_over(theirs, itself, beside)
     return Ink(
         patches=_patches(mine, tube, strokes.copy.width * RADIUS, settings),
         bare=_bare(strokes, mine.ink, strokes.covered) - _bare(itself, theirs.ink, strokes.covered),
-        tremor=(_tremor(mine) - _tremor(theirs)) / RADIUS,
-        rough=_tremor(mine) / max(_tremor(theirs), 0.05),
-        pale=_darkness(copy) / max(_darkness(master), 1e-6),
+        tremor=(tremor - master.tremor) / RADIUS,
+        rough=tremor / max(master.tremor, 0.05),
+        pale=_darkness(copy) / max(_darkness(master.surface), 1e-6),
     )
 
 
@@ -123,28 +119,6 @@ def _edge(own: BoolArray, sheet: Sheet) -> FloatArray:
     line = max(edges, key=len)[:, 0, :].astype(float)
     line = (np.concatenate([line, line[:1]]) - (SIDE - 1) / 2) / RADIUS
     return np.asarray(line @ sheet.to_picture[:, :2].T + sheet.to_picture[:, 2])
-
-
-@lru_cache(maxsize=4)
-def _tremor(sheet: Sheet) -> float:
-    """Pixels by which the edge swings about its own smoothed line, at a place like most places.
-
-    The median, so that tips and corners, which leave any smoothed line, do not count.
-    """
-    import cv2
-    from scipy.ndimage import gaussian_filter1d
-
-    edges, _ = cv2.findContours(sheet.ink.view(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
-    swings = []
-    for edge in edges:
-        line = edge[:, 0, :].astype(float)
-        if len(line) > 6 * _SWING:
-            fine, coarse = (gaussian_filter1d(line, s, axis=0, mode="wrap") for s in (1.0, _SWING))
-            way = np.roll(coarse, -1, axis=0) - np.roll(coarse, 1, axis=0)
-            way /= np.maximum(np.hypot(*way.T), 1e-9)[:, None]
-            off = fine - coarse
-            swings.append(np.abs(off[:, 0] * way[:, 1] - off[:, 1] * way[:, 0]))
-    return float(np.median(np.concatenate(swings))) if swings else 0.0
 
 
 def _left_over(theirs: Sheet, itself: Strokes, beside: float) -> BoolArray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -58,7 +57,6 @@ class Drawing:
     skeleton: Skeleton
 
 
-@lru_cache(maxsize=4)  # many copies of one master come in a row
 def master_drawing(sheet: Sheet) -> Drawing:
     """The strokes of the master, longest first, corners cut; corners' whiskers are left out."""
     skeleton = skeletonise(sheet.ink)

@@ -48,10 +48,10 @@ def checked_terms(
     )
 
 
-def marked(features: Features, *, terms: Terms, highest: float = 100.0) -> dict[str, Any]:
+def mark_fields(features: Features, *, terms: Terms, highest: float = 100.0) -> dict[str, Any]:
     """Those fields of an Assessment that follow from features and terms: the mark and what it rests on.
 
-    highest: the mark that the copy may reach, 0-100; see `refusal.judged`.
+    highest: the mark that the copy may reach, 0-100; see `refusal.check_copy`.
     """
     calibration = terms.calibration or panel()
     score = min(calibration.score(features, weights=terms.weights), highest)

@@ -9,7 +9,7 @@ ridges of the copy's ink; what seems to lack then is asked again, with its centr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property
 
 import numpy as np
 
@@ -81,12 +81,12 @@ class Left:
     extra_at: FloatArray
 
 
-def left_over(registration: Registration) -> Left | None:
+def left_over(registration: Registration, master: MasterLines) -> Left | None:
     """What strokes laid on strokes leave; None for a copy that plainly lacks nothing and has no more, and for
     one whose strokes are hairs without a ridge."""
     if _plainly_whole(registration):
         return None
-    copy, master = _cloud_of_copy(registration), _master(registration.reference)
+    copy = _cloud_of_copy(registration)
     ridges = copy.ridges()
     if not len(ridges.xy):
         return None
@@ -97,7 +97,7 @@ def left_over(registration: Registration) -> Left | None:
     return Left(missing, extra, master.usual, at * up, quick.copy.xy[quick.unexplained] * up)
 
 
-def _confirmed(copy: _Cloud, master: _Master, quick: _Laid) -> tuple[float, FloatArray]:
+def _confirmed(copy: _Cloud, master: MasterLines, quick: _Laid) -> tuple[float, FloatArray]:
     """The share of the master's ink that is missing at both looks, and where, (n, 2), y down."""
     first, _ = quick.missing(QUICK, master.drawing.lines)
     if first - _doubtful(quick, SLACK_DOUBT) <= DOUBT:
@@ -188,28 +188,33 @@ def _pixel(at: FloatArray) -> tuple[IntArray, IntArray]:
     return row, column
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Master:
-    """A master's cloud and lines; few: fewer points along them; usual: share of the ink in a usual stroke."""
+@dataclass(frozen=True, eq=False)
+class MasterLines:
+    """A master's centre lines, from its ink points (`reference`): what copies are searched for."""
 
-    cloud: _Cloud
-    drawing: Drawing
-    few: Points
-    usual: float
+    reference: PointSet
 
+    @cached_property
+    def cloud(self) -> _Cloud:
+        """Its ink points in the common frame."""
+        return _cloud(self.reference.xyz[:, :2], self.reference.direction)
 
-@lru_cache(maxsize=4)  # many copies of one master come in a row
-def _master(reference: PointSet) -> _Master:
-    cloud = _cloud(reference.xyz[:, :2], reference.direction)
-    drawing = master_drawing(cloud.sheet)
-    weight = _weight(drawing.points)
-    shares = np.bincount(drawing.points.owner, weight, minlength=len(drawing.lines))
-    return _Master(
-        cloud,
-        drawing,
-        points_along(drawing.lines, most=QUICK_POINTS),
-        max(float(np.median(shares)), LEAST_USUAL),
-    )
+    @cached_property
+    def drawing(self) -> Drawing:
+        """Its lines."""
+        return master_drawing(self.cloud.sheet)
+
+    @cached_property
+    def few(self) -> Points:
+        """Fewer points along the lines, for the first look."""
+        return points_along(self.drawing.lines, most=QUICK_POINTS)
+
+    @cached_property
+    def usual(self) -> float:
+        """Share of the ink in a usual stroke."""
+        points = self.drawing.points
+        shares = np.bincount(points.owner, _weight(points), minlength=len(self.drawing.lines))
+        return max(float(np.median(shares)), LEAST_USUAL)
 
 
 def _weight(points: Points) -> FloatArray:
@@ -269,7 +274,7 @@ class _Laid:
 
 
 def _laid(
-    cloud: _Cloud, copy: Points, master: _Master, *, points: Points, settings: MatchSettings | None
+    cloud: _Cloud, copy: Points, master: MasterLines, *, points: Points, settings: MatchSettings | None
 ) -> _Laid:
     found = match(points, copy, settings=settings)
     covered, owner = covered_by(found, copy, points, near=_NEAR * master.drawing.width)

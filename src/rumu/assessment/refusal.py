@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rumu.assessment.evidence import Evidence
+from rumu.assessment.evidence import RefusalFigures
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,27 +66,27 @@ class Refusal:
     en: str
 
 
-def refusal(evidence: Evidence, *, limits: RefusalLimits | None = None) -> Refusal | None:
-    """The reason why a copy that was laid on its master is no copy of it to be marked, or None."""
-    return judged(evidence, limits=limits)[0]
+def check_copy(
+    figures: RefusalFigures, *, limits: RefusalLimits | None = None
+) -> tuple[Refusal | None, float]:
+    """(Why the copy cannot be marked, or None; the highest mark, 0-100, that it may get).
 
-
-def judged(evidence: Evidence, *, limits: RefusalLimits | None = None) -> tuple[Refusal | None, float]:
-    """(why there is no copy to be marked, or None; the highest mark, 0-100, of one that is hardly like its
-    master: it may be another character, which a mark alone does not see when its strokes lie alike)."""
+    A copy that is hardly like its master may be another character, which a mark alone does not see when
+    its strokes lie alike: its mark is capped.
+    """
     limits = limits or RefusalLimits()
     for code, holds in _ALWAYS.items():
-        if holds(evidence, limits):
+        if holds(figures, limits):
             return reason(code), 0.0
-    if evidence.position < limits.fits or evidence.likeness > limits.like:
+    if figures.position < limits.fits or figures.likeness > limits.like:
         return None, 100.0
-    if evidence.in_place >= limits.in_place:
+    if figures.in_place >= limits.in_place:
         return None, 100.0
-    found = next((reason(code) for code, holds in _MISFITS.items() if holds(evidence, limits)), None)
-    return found, _highest(evidence, limits)
+    found = next((reason(code) for code, holds in _MISFITS.items() if holds(figures, limits)), None)
+    return found, _highest(figures, limits)
 
 
-def _highest(e: Evidence, limits: RefusalLimits) -> float:
+def _highest(e: RefusalFigures, limits: RefusalLimits) -> float:
     """What a copy may reach that is hardly like its master, see RefusalLimits; 100 for any other."""
     if e.strangeness <= limits.odd or e.position <= limits.odd_fits:
         return 100.0
@@ -99,51 +99,51 @@ def reason(code: str) -> Refusal:
     return Refusal(code, *_SENTENCES.get(code, _SENTENCES["blank"]))
 
 
-def _noise(e: Evidence, limits: RefusalLimits) -> bool:
+def _noise(e: RefusalFigures, limits: RefusalLimits) -> bool:
     return e.copy.quality.get("between", 0.0) > limits.half_dark
 
 
-def _too_small(e: Evidence, limits: RefusalLimits) -> bool:
+def _too_small(e: RefusalFigures, limits: RefusalLimits) -> bool:
     if 1.0 / e.registration.probe.pixel < limits.pixels:
         return True
     return e.registration.scale < limits.small and e.likeness > limits.part  # a single dot is not small
 
 
-def _outline(e: Evidence, limits: RefusalLimits) -> bool:
+def _outline(e: RefusalFigures, limits: RefusalLimits) -> bool:
     if e.lightness >= limits.light:
         return False
     new, gained = e.filling if e.hollowness <= limits.hollow else (1.0, 0.0)
     return new > limits.new and gained > limits.gained
 
 
-def _cut_off(e: Evidence, limits: RefusalLimits) -> bool:
+def _cut_off(e: RefusalFigures, limits: RefusalLimits) -> bool:
     return e.beyond > limits.beyond
 
 
-def _several(e: Evidence, limits: RefusalLimits) -> bool:
+def _several(e: RefusalFigures, limits: RefusalLimits) -> bool:
     if e.clearness < limits.clear:
         return False
     likeness, gain = e.part_gain
     return gain > limits.part_gain and likeness > limits.part
 
 
-def _mirrored(e: Evidence, limits: RefusalLimits) -> bool:
+def _mirrored(e: RefusalFigures, limits: RefusalLimits) -> bool:
     return _reversed(e, max(e.mirrored, e.turned), limits) and e.mirrored > e.turned
 
 
-def _upside_down(e: Evidence, limits: RefusalLimits) -> bool:
+def _upside_down(e: RefusalFigures, limits: RefusalLimits) -> bool:
     return _reversed(e, e.turned, limits)
 
 
-def _reversed(e: Evidence, gain: float, limits: RefusalLimits) -> bool:
+def _reversed(e: RefusalFigures, gain: float, limits: RefusalLimits) -> bool:
     return gain > limits.reversal and e.likeness + gain > limits.reversed_at
 
 
-def _another(e: Evidence, limits: RefusalLimits) -> bool:
+def _another(e: RefusalFigures, limits: RefusalLimits) -> bool:
     return e.clearness >= limits.clear and e.strangeness > limits.strange
 
 
-Tests = dict[str, Callable[[Evidence, RefusalLimits], bool]]
+Tests = dict[str, Callable[[RefusalFigures, RefusalLimits], bool]]
 
 _ALWAYS: Tests = {"noise": _noise, "too small": _too_small, "outline only": _outline, "cut off": _cut_off}
 """Asked of every copy, and quick."""

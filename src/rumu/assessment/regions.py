@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from rumu.assessment.omissions import left_over
+from rumu.assessment.omissions import MasterLines, left_over
 from rumu.values import FloatArray, Registration
 
 Kind = Literal["missing", "extra"]
@@ -25,9 +25,9 @@ class Region:
     strokes: float
 
 
-def find_regions(registration: Registration) -> tuple[Region, ...]:
+def find_regions(registration: Registration, master: MasterLines) -> tuple[Region, ...]:
     """What is missing and what is too much, as far as it is believed; see `omissions`."""
-    left = left_over(registration)
+    left = left_over(registration, master)
     if left is None:
         return ()
     found = (

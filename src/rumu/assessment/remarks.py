@@ -13,22 +13,22 @@ from dataclasses import replace
 import numpy as np
 
 from rumu.assessment.inkwork import Ink, measure_ink
+from rumu.assessment.measurement import Measurement
 from rumu.assessment.places import as_lines, box, towards
 from rumu.assessment.stroke_names import place_of
 from rumu.assessment.stroke_remarks import of_strokes
 from rumu.assessment.strokes import Strokes, find_strokes
 from rumu.assessment.thresholds import Noticeable, severity
-from rumu.values import FloatArray, Registration, Remark, Surface
+from rumu.values import FloatArray, Registration, Remark
 
 __all__ = ["Noticeable", "remarks"]
 
 
-def remarks(
-    registration: Registration, *, copy: Surface, master: Surface, noticeable: Noticeable | None = None
-) -> tuple[Remark, ...]:
-    """At most five remarks, the worst first. `registration` is that of copy and master."""
+def remarks(measurement: Measurement, *, noticeable: Noticeable | None = None) -> tuple[Remark, ...]:
+    """At most five remarks on a measured copy, the worst first."""
     limits = noticeable or Noticeable()
-    strokes = find_strokes(registration, copy, master)
+    copy, master, registration = measurement.copy, measurement.master.strokes, measurement.registration
+    strokes = find_strokes(copy, registration, master)
     ink = measure_ink(strokes, copy, master)
     found = [
         *_of_the_whole(strokes, registration, limits),

@@ -7,7 +7,6 @@ centroid, x right and y DOWN as on the page. A sheet is a picture of that frame.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -49,7 +48,6 @@ def copy_sheet(copy: Surface, registration: Registration) -> Sheet:
     return _sheet(ink_mask(copy), registration.probe, T[:2, :2], T[:2, 3])
 
 
-@lru_cache(maxsize=4)  # many copies of one master come in a row
 def master_sheet(master: Surface, reference: PointSet) -> Sheet:
     """The master's ink in its own frame."""
     return _sheet(ink_mask(master), reference, np.eye(2), np.zeros(2))

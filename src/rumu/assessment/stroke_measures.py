@@ -14,6 +14,8 @@ from rumu.values import BoolArray, FloatArray, IntArray
 
 END = 0.15
 """Share of a stroke that is its entry, and its exit."""
+_SWING = 5.0
+"""Pixels of a sheet, along the edge, over which it is smoothed to see what swings about it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,3 +244,24 @@ def breadths(sheet: Sheet, points: FloatArray) -> FloatArray:
     widest = cv2.dilate(depth, cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3)))
     column, row = np.clip(np.round(pixels(points)).astype(int), 0, SIDE - 1).T
     return np.asarray(widest[row, column] / RADIUS, dtype=float)
+
+
+def edge_tremor(sheet: Sheet) -> float:
+    """Pixels by which the edge swings about its own smoothed line, at a place like most places.
+
+    The median, so that tips and corners, which leave any smoothed line, do not count.
+    """
+    import cv2
+    from scipy.ndimage import gaussian_filter1d
+
+    edges, _ = cv2.findContours(sheet.ink.view(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
+    swings = []
+    for edge in edges:
+        line = edge[:, 0, :].astype(float)
+        if len(line) > 6 * _SWING:
+            fine, coarse = (gaussian_filter1d(line, s, axis=0, mode="wrap") for s in (1.0, _SWING))
+            way = np.roll(coarse, -1, axis=0) - np.roll(coarse, 1, axis=0)
+            way /= np.maximum(np.hypot(*way.T), 1e-9)[:, None]
+            off = fine - coarse
+            swings.append(np.abs(off[:, 0] * way[:, 1] - off[:, 1] * way[:, 0]))
+    return float(np.median(np.concatenate(swings))) if swings else 0.0

@@ -6,8 +6,8 @@ place, a squeezed part - is taken out first (see `pose`), so that a stroke is bl
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,15 @@ from rumu.assessment.lines import Drawing, Line, copy_drawing, master_drawing
 from rumu.assessment.matching import Match, Points, match, squared_distances
 from rumu.assessment.pose import Pose, Squeeze, find_squeeze, in_place, robust_pose, squeezed
 from rumu.assessment.sheets import RADIUS, SIDE, Sheet, copy_sheet, master_sheet
-from rumu.assessment.stroke_measures import StrokeFound, StrokeSettings, View, breadths, half_widths
-from rumu.values import BoolArray, FloatArray, IntArray, Registration, Surface
+from rumu.assessment.stroke_measures import (
+    StrokeFound,
+    StrokeSettings,
+    View,
+    breadths,
+    edge_tremor,
+    half_widths,
+)
+from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration, Surface
 
 _SHAKEN = ((0.96, 1.0), (1.03, 0.6), (1.0, 0.8))
 """Sizes at which a master is measured against itself, to see what is no fault; how fine its picture is then,
@@ -88,20 +95,54 @@ class Strokes:
         return max(1.0, *(sheet.share for sheet in self.sheets))
 
 
-def find_strokes(
-    registration: Registration, copy: Surface, master: Surface, *, settings: StrokeSettings | None = None
-) -> Strokes:
+@dataclass(frozen=True, eq=False)
+class MasterStrokes:
+    """A master's strokes with what copies are compared with, to be made once for all copies.
+
+    surface, reference: the master and its ink points.
+    """
+
+    surface: Surface
+    reference: PointSet
+    settings: StrokeSettings = field(default_factory=StrokeSettings)
+
+    @cached_property
+    def sheet(self) -> Sheet:
+        """Its ink in the common frame."""
+        return master_sheet(self.surface, self.reference)
+
+    @cached_property
+    def drawing(self) -> Drawing:
+        """Its centre lines."""
+        return master_drawing(self.sheet)
+
+    @cached_property
+    def itself(self) -> Strokes:
+        """Its strokes as the measurement of copies finds them in the master itself."""
+        return _measured(self.sheet, self, places=None)
+
+    @cached_property
+    def doubts(self) -> tuple[_Doubt, ...]:
+        """The doubt of each stroke: what small changes of size bring about, the worst two together."""
+        shaken = [_shaken(self, scale=scale, grain=grain).strokes for scale, grain in _SHAKEN]
+        rows = zip(self.itself.strokes, *shaken, strict=True)
+        return tuple(_doubt([_less(s, own) for s in others]) for own, *others in rows)
+
+    @cached_property
+    def tremor(self) -> float:
+        """How much its edges swing, in pixels of its sheet."""
+        return edge_tremor(self.sheet)
+
+
+def find_strokes(copy: Surface, registration: Registration, master: MasterStrokes) -> Strokes:
     """The master's strokes in the copy; `registration` is that of the two surfaces.
 
     What the same measurement makes of the master itself is taken out, so that of a perfect copy nothing is
     left: a fork that thinning draws aside is drawn aside in both.
     """
-    settings = settings or StrokeSettings()
-    sheet = master_sheet(master, registration.reference)
-    itself = itself_of(sheet, settings)
-    found = _measured(copy_sheet(copy, registration), sheet, settings, places=itself.moved)
-    doubts = _doubts(sheet, settings)
-    known = zip(found.strokes, itself.strokes, doubts, strict=True)
+    itself = master.itself
+    found = _measured(copy_sheet(copy, registration), master, places=itself.moved)
+    known = zip(found.strokes, itself.strokes, master.doubts, strict=True)
     return replace(
         found,
         strokes=tuple(_beyond_doubt(_less(a, b), doubt) for a, b, doubt in known),
@@ -126,13 +167,6 @@ def _blunted(found: tuple[StrokeFound, ...], itself: tuple[StrokeFound, ...]) ->
     return Blunted(float(lost[order][half]), len(ends) / len(tips), ends)
 
 
-@lru_cache(maxsize=4)  # many copies of one master come in a row
-def itself_of(sheet: Sheet, settings: StrokeSettings | None = None) -> Strokes:
-    """A master's strokes as the same measurement finds them in the master itself."""
-    settings = settings or StrokeSettings()
-    return _measured(sheet, sheet, settings, places=None)
-
-
 @dataclass(frozen=True, slots=True)
 class _Doubt:
     """How much a stroke of a master differs from itself where nothing was changed.
@@ -145,16 +179,6 @@ class _Doubt:
     turn: float
     ratios: dict[str, float]
     ends: dict[str, float]
-
-
-@lru_cache(maxsize=4)  # many copies of one master come in a row
-def _doubts(sheet: Sheet, settings: StrokeSettings) -> tuple[_Doubt, ...]:
-    """The doubt of each stroke: what small changes of size bring about, the worst two together."""
-    itself = itself_of(sheet, settings).strokes
-    shaken = [_shaken(sheet, settings, scale=scale, grain=grain).strokes for scale, grain in _SHAKEN]
-    return tuple(
-        _doubt([_less(s, own) for s in others]) for own, *others in zip(itself, *shaken, strict=True)
-    )
 
 
 def _doubt(shaken: list[StrokeFound]) -> _Doubt:
@@ -176,7 +200,7 @@ def _log(ratio: float) -> float:
     return float(np.log(max(ratio, 1e-6)))
 
 
-def _shaken(sheet: Sheet, settings: StrokeSettings, *, scale: float, grain: float) -> Strokes:
+def _shaken(master: MasterStrokes, *, scale: float, grain: float) -> Strokes:
     """A master's strokes in the master itself, moved by half a pixel and made a little smaller or larger.
 
     What differs then is no fault: thinning takes another way through rough ink.
@@ -185,13 +209,13 @@ def _shaken(sheet: Sheet, settings: StrokeSettings, *, scale: float, grain: floa
 
     half = (SIDE - 1) / 2
     M = np.array([[scale, 0.0, (1 - scale) * half + 0.5], [0.0, scale, (1 - scale) * half + 0.37]])
-    ink = 255 * sheet.ink.view(np.uint8)
+    ink = 255 * master.sheet.ink.view(np.uint8)
     if grain < 1.0:
         coarse = cv2.resize(ink, None, fx=grain, fy=grain, interpolation=cv2.INTER_AREA)
         ink = cv2.resize(coarse, (SIDE, SIDE), interpolation=cv2.INTER_LINEAR)
     moved = cv2.warpAffine(ink, M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
-    other = replace(sheet, ink=np.asarray(moved > 127))
-    return _measured(other, sheet, settings, places=itself_of(sheet, settings).moved)
+    other = replace(master.sheet, ink=np.asarray(moved > 127))
+    return _measured(other, master, places=master.itself.moved)
 
 
 def _beyond_doubt(found: StrokeFound, doubt: _Doubt) -> StrokeFound:
@@ -222,16 +246,16 @@ def _less(found: StrokeFound, itself: StrokeFound) -> StrokeFound:
     return replace(found, **ratios, **ends)
 
 
-def _measured(sheet: Sheet, master: Sheet, settings: StrokeSettings, *, places: FloatArray | None) -> Strokes:
+def _measured(sheet: Sheet, master: MasterStrokes, *, places: FloatArray | None) -> Strokes:
     """Strokes of one sheet against a master's.
 
     places: (n, 2) where the same measurement has the master's own points; None when this is the master.
     """
-    mine, model = copy_drawing(sheet), master_drawing(master)
+    mine, model, settings = copy_drawing(sheet), master.drawing, master.settings
     found = match(model.points, mine.points)
     near = settings.near * max(model.width, mine.width)
     covered, owner = covered_by(found, mine.points, model.points, near=near)
-    in_cell = upright = _in_the_masters_cell(found.moved, sheet, master)
+    in_cell = upright = _in_the_masters_cell(found.moved, sheet, master.sheet)
     pose, squeeze = Pose(np.eye(2), np.zeros(2)), None
     if places is None:
         places = upright
@@ -247,8 +271,8 @@ def _measured(sheet: Sheet, master: Sheet, settings: StrokeSettings, *, places: 
     radius = np.where(np.isfinite(view.widths), view.widths, whole / view.scale * model.points.radius)
     return Strokes(
         tuple(view.stroke(k, ratio, ink) for k in range(len(model.lines))),
-        pose, whole, squeeze, model, mine, (sheet, master), found.moved, covered, owner >= 0, radius, places,
-        in_cell,
+        pose, whole, squeeze, model, mine, (sheet, master.sheet), found.moved, covered, owner >= 0, radius,
+        places, in_cell,
     )  # fmt: skip
 
 

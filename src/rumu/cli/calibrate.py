@@ -20,9 +20,9 @@ from rumu.processes import by_group, cores
 
 if TYPE_CHECKING:
     from rumu.assessment.features import Features
+    from rumu.assessment.measurement import PreparedMaster
     from rumu.assessment.teacher import TeacherFit
     from rumu.cli.progress import Advance
-    from rumu.values import Surface
 
 COLUMNS = ("image", "reference", "mark")
 
@@ -121,29 +121,26 @@ def _row(row: dict[str, Any], *, path: Path, line: int) -> Marked:
 def look(row: Marked, *, root: Path) -> Looked:
     """One copy against its master, as for a mark; whatever goes wrong is told in `refused`."""
     from rumu import pipeline
-    from rumu.assessment.comparison import compare
-    from rumu.assessment.evidence import Evidence
-    from rumu.assessment.refusal import refusal
+    from rumu.assessment.measurement import measure
 
     try:
         path = master_path(row.reference, root=root)
-        master, copy = _master(path), pipeline.surface_of(root / row.image)
-        registration, features = compare(copy, master)
-        no_copy = refusal(Evidence(copy, master, registration))
+        master = _master(path)
+        measurement = measure(pipeline.surface_of(root / row.image), master)
     except RumuError as error:
         return Looked(None, refused=" ".join(str(error).split()))
     except Exception as error:  # one row must never cost the others
         return Looked(None, refused=f"unexpected {type(error).__name__}: {' '.join(str(error).split())}")
-    if no_copy is not None:
-        return Looked(None, refused=f"{no_copy.code}: {no_copy.en}")
-    return Looked(features, str(path.resolve()))
+    if measurement.refusal is not None:
+        return Looked(None, refused=f"{measurement.refusal.code}: {measurement.refusal.en}")
+    return Looked(measurement.features, str(path.resolve()))
 
 
 @functools.lru_cache(maxsize=2)  # copies of one master come together; a surface may hold many pixels
-def _master(path: Path) -> Surface:
+def _master(path: Path) -> PreparedMaster:
     from rumu import pipeline
 
-    return pipeline.surface_of(path)
+    return pipeline.prepare_master(path)
 
 
 def _looks(rows: Sequence[Marked], *, root: Path, jobs: int | None, advance: Advance) -> list[Looked]:

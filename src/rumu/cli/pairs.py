@@ -16,8 +16,9 @@ from rumu.outputs import whole_file
 from rumu.processes import by_group, cores
 
 if TYPE_CHECKING:
+    from rumu.assessment.measurement import PreparedMaster
     from rumu.cli.progress import Advance
-    from rumu.values import Assessment, Surface
+    from rumu.values import Assessment
 
 COLUMNS = (
     "copy",
@@ -132,10 +133,10 @@ def mark_row(pair: Pair, *, root: Path, terms: Mapping[str, Any]) -> dict[str, A
 
 
 @functools.lru_cache(maxsize=4)  # rows come by master; each surface may hold many pixels
-def _master(path: Path) -> Surface:
+def _master(path: Path) -> PreparedMaster:
     from rumu import pipeline
 
-    return pipeline.surface_of(path)
+    return pipeline.prepare_master(path)
 
 
 def _cells(mark: Assessment) -> dict[str, Any]:

@@ -21,9 +21,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rumu.assessment.calibration import Calibration
+    from rumu.assessment.measurement import PreparedMaster
     from rumu.gallery.catalog import Gallery
     from rumu.gallery.derived import Derived
-    from rumu.values import FloatArray, Surface
+    from rumu.values import FloatArray
 
 _MASTERS = 12  # surfaces of masters that stay in memory of each process
 
@@ -149,10 +150,11 @@ def _gallery(place: Place) -> Gallery:
 
 
 @lru_cache(maxsize=_MASTERS)
-def _master(place: Place, work_id: str, digest: str) -> Surface:
+def _master(place: Place, work_id: str, digest: str) -> PreparedMaster:
+    from rumu import pipeline
     from rumu.gallery.catalog import surface
 
-    return surface(_gallery(place), work_id)
+    return pipeline.prepare_master(surface(_gallery(place), work_id))
 
 
 @lru_cache(maxsize=2)

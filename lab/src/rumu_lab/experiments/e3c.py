@@ -18,14 +18,12 @@ from typing import Any
 import numpy as np
 
 from rumu.assessment.calibration import LEVELS, Calibration, level_of
-from rumu.assessment.comparison import compare
-from rumu.assessment.evidence import Evidence
 from rumu.assessment.features import Features
 from rumu.assessment.fitting import PARTS, WEIGHED, anchored, fit_scale
-from rumu.assessment.refusal import judged
+from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.errors import CalibrationError, RefusedImage
 from rumu.processes import in_order
-from rumu.values import FloatArray, Surface
+from rumu.values import FloatArray
 
 Progress = Callable[[int, int], None]
 
@@ -50,7 +48,7 @@ class Copy:
 class Measured:
     """A copy with what was measured of it, or the reason why it was refused.
 
-    highest: the mark that it may reach, since it is hardly like its master; see `refusal.judged`.
+    highest: the mark that it may reach, since it is hardly like its master; see `refusal.check_copy`.
     """
 
     copy: Copy
@@ -166,21 +164,20 @@ def measure_copy(copy: Copy) -> Measured:
 
     master = _master(copy.template)
     try:
-        surface = pipeline.surface_of(copy.image)
-        registration, features = compare(surface, master)
+        m = measure(pipeline.surface_of(copy.image), master)
     except RefusedImage as refusal:
         return Measured(copy, None, refused=str(refusal))
-    no_copy, highest = judged(Evidence(surface, master, registration))
-    if no_copy is not None:
-        return Measured(copy, None, refused=no_copy.en)
-    return Measured(copy, features, sim_paper(registration), similarity(registration), highest=highest)
+    if m.refusal is not None:
+        return Measured(copy, None, refused=m.refusal.en)
+    similarities = sim_paper(m.registration), similarity(m.registration)
+    return Measured(copy, m.features, *similarities, highest=m.highest)
 
 
 def other_characters(copies: list[Copy]) -> list[Features]:
     """Features of each master against the masters of three other characters: a wrong character."""
     masters = sorted({copy.template for copy in copies})
     chosen = ((a, masters[(i + step) % len(masters)]) for i, a in enumerate(masters) for step in (1, 4, 9))
-    return [compare(_master(b), _master(a))[1] for a, b in chosen if a != b]
+    return [measure(_master(b).surface, _master(a)).features for a, b in chosen if a != b]
 
 
 def fit_panel(measured: list[Measured], others: list[Features]) -> Calibration:
@@ -323,7 +320,7 @@ def write_table(result: Result, path: Path) -> None:
 
 
 @lru_cache(maxsize=32)
-def _master(path: Path) -> Surface:
-    from rumu.pipeline import surface_of
+def _master(path: Path) -> PreparedMaster:
+    from rumu.pipeline import prepare_master
 
-    return surface_of(path)
+    return prepare_master(path)

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
+from rumu.assessment.measurement import PreparedMaster
 from rumu.gallery.works import starter_works
 from rumu.processes import in_order
-from rumu.values import Surface
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor
 
 Progress = Callable[[int, int], None]
@@ -153,7 +153,7 @@ def judge(trial: Trial) -> Verdict:
     from rumu import pipeline
 
     master = _master(trial.master)
-    copy = trial.other if trial.other else impostor(master.mask, trial.kind, seed=trial.seed)
+    copy = trial.other if trial.other else impostor(master.surface.mask, trial.kind, seed=trial.seed)
     mark = pipeline.assess(copy, master, remarks=False)
     code = mark.refused.split(":")[0] if mark.refused else None
     return Verdict(trial, mark.score, code, right=_is_its_own(trial))
@@ -176,12 +176,11 @@ def write_table(result: Result, path: Path) -> None:
 
 def _is_its_own(trial: Trial) -> bool:
     from rumu.registration.descriptor import describe, likeness, mirrored, turned
-    from rumu.registration.points import sample_points
 
     change = {"mirrored": mirrored, "upside_down": turned}.get(trial.kind)
     if change is None:
         return False
-    points = sample_points(_master(trial.master))
+    points = _master(trial.master).points
     return float(likeness(describe(change(points)), describe(points))) >= ITSELF
 
 
@@ -212,7 +211,7 @@ def _row(kind: str, figures: dict[str, Any]) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=64)
-def _master(path: Path) -> Surface:
-    from rumu.pipeline import surface_of
+def _master(path: Path) -> PreparedMaster:
+    from rumu.pipeline import prepare_master
 
-    return surface_of(path)
+    return prepare_master(path)

