@@ -15,7 +15,7 @@ import hashlib
 import json
 import os
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +25,8 @@ from PIL import Image
 from rumu.errors import GalleryError
 from rumu.gallery.fonts import SIDE
 from rumu.gallery.fonts import Face as Drawn
-from rumu.gallery.works import Bilingual
 from rumu.outputs import whole_folder
+from rumu.values import Bilingual
 from rumu_lab.simulation.copies import DEGREES, copy_at
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -168,9 +168,9 @@ def render_works(folder: Path, *, fonts: Path) -> list[dict[str, Any]]:
                 },
                 "character": character,
                 "script": hand.script,
-                "hand": asdict(hand.hand),
-                "period": asdict(hand.period),
-                "material": asdict(MATERIAL),
+                "hand": hand.hand._asdict(),
+                "period": hand.period._asdict(),
+                "material": MATERIAL._asdict(),
                 "source": hand.source,
                 "licence": hand.licence,
                 "attribution": hand.attribution,
@@ -193,7 +193,7 @@ def simulate_samples(folder: Path, works: list[dict[str, Any]]) -> list[dict[str
                 "work": work["id"],
                 "degree": degree,
                 "simulated": True,
-                "note": asdict(SAMPLE_NOTE),
+                "note": SAMPLE_NOTE._asdict(),
                 "licence": work["licence"],
                 "attribution": f"changed by rumu from a work of {work['attribution']}",
                 "faults": [

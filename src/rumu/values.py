@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, Self
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,13 @@ Level = Literal["excellent", "good", "medium", "bad"]
 
 SOURCES: tuple[Source, ...] = ("photometric", "inflation", "density")
 UNITS: tuple[Unit, ...] = ("mm", "px")
+
+
+class Bilingual(NamedTuple):
+    """The same words in traditional Chinese and in English."""
+
+    zh: str
+    en: str
 
 
 def _require(ok: bool, error: type[Exception], expected: str, came: object) -> None:

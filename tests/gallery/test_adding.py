@@ -13,7 +13,8 @@ from rumu.gallery.adding import add_capture, add_glyphs, add_picture, room_named
 from rumu.gallery.catalog import surface, work, works
 from rumu.gallery.derived import derived, viewer_facts
 from rumu.gallery.entries import NOTHING, Entry
-from rumu.gallery.works import Bilingual, find_work
+from rumu.gallery.works import find_work
+from rumu.values import Bilingual
 
 CAT = Entry(title=Bilingual("貓", "Cat"))
 

@@ -142,7 +142,7 @@ def test_a_forgotten_work_takes_its_files_and_words_along(gallery):
 def test_a_file_that_another_work_shares_stays(gallery):
     from rumu.gallery.adding import keep
     from rumu.gallery.entries import Entry, Kept, Room, digest_of
-    from rumu.gallery.works import Bilingual
+    from rumu.values import Bilingual
 
     first = work(gallery, "seal-ri")
     kept = Kept(picture=first.picture, digest=digest_of("other label"), width=512, height=512)

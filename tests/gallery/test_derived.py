@@ -134,7 +134,7 @@ def test_a_large_photometric_mesh_stays_below_5_mb(bare):
 def test_the_real_photographs_give_a_small_mesh(bare, data):
     from rumu.gallery.adding import add_capture
     from rumu.gallery.entries import Entry
-    from rumu.gallery.works import Bilingual
+    from rumu.values import Bilingual
 
     added = add_capture(
         bare, data / "photometric" / "uw-psm" / "cat", entry=Entry(title=Bilingual("貓", "Cat"))
@@ -213,7 +213,7 @@ def test_a_picture_without_writing_has_a_picture_but_no_surface(bare, labelled):
 def test_a_large_picture_is_brought_down(bare, tmp_path):
     from rumu.gallery.adding import add_picture
     from rumu.gallery.entries import Entry
-    from rumu.gallery.works import Bilingual
+    from rumu.values import Bilingual
 
     page = np.full((2600, 3000, 3), 240, np.uint8)
     page[400:2200, 1300:1600] = 20

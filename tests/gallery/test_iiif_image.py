@@ -12,7 +12,7 @@ from rumu.errors import GalleryError
 from rumu.gallery.adding import add_picture
 from rumu.gallery.entries import Entry
 from rumu.gallery.iiif_image import BadImageRequest, Box, image_info, image_response, region_box, size_of
-from rumu.gallery.works import Bilingual
+from rumu.values import Bilingual
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 
 from rumu.errors import GalleryError
 from rumu.gallery.labels import Told, collection_of, read_description, read_rows
-from rumu.gallery.works import Bilingual
+from rumu.values import Bilingual
 
 
 def rows(folder, text: str, told: Told | None = None):

@@ -16,6 +16,7 @@ from PIL import Image
 from rumu.errors import GalleryError
 from rumu.gallery import works
 from rumu.gallery.works import SCRIPTS, Sample, Work, find_work, starter_samples, starter_works
+from rumu.values import Bilingual
 
 CHARACTERS = "天人水書日月"
 
@@ -43,7 +44,7 @@ def test_every_entry_is_whole_and_its_picture_is_the_one_it_names(item: Work | S
     for field in dataclasses.fields(item):
         value = getattr(item, field.name)
         assert value not in ("", None, ()), field.name
-        if isinstance(value, works.Bilingual):
+        if isinstance(value, Bilingual):
             assert value.zh
             assert value.en
             assert any("一" <= ch <= "鿿" for ch in value.zh)

@@ -9,8 +9,8 @@ from html.parser import HTMLParser
 import pytest
 
 from rumu.report.pages import IndexSample, IndexWork, assessment_page, demo_index, level_zones, surface_page
-from rumu.report.wording import PARTS, SIMULATED, Text
-from rumu.values import Remark
+from rumu.report.wording import PARTS, SIMULATED
+from rumu.values import Bilingual, Remark
 
 CUTS = {"excellent": 69.0, "good": 55.0, "medium": 40.0}
 
@@ -169,7 +169,7 @@ def test_a_refusal_says_why_and_what_to_do(refusal, master_surface):
 
 
 def test_a_surface_page(master_surface):
-    outline = Outline(surface_page(master_surface, title="十", notes=[Text("注", "a note")]))
+    outline = Outline(surface_page(master_surface, title="十", notes=[Bilingual("注", "a note")]))
     assert len(outline.pictures) == 9  # mesh, four lamps, albedo, normals, confidence, height
     for words in ("not measured relief", "96 × 96", "1 px", "ink_share", "a note", "tilt 270°"):
         assert words in outline.text, words
@@ -184,11 +184,14 @@ def test_a_surface_in_millimetres_says_so(master_surface):
 
 def test_the_demo_s_first_page(assessment, refusal, copy_surface, master_surface):
     samples = [
-        IndexSample(Text("天", "tian"), "good", (Text("推", "pushed"),), assessment, "a.html", copy_surface),
-        IndexSample(Text("人", "ren"), "bad", (), refusal, "b.html", None),
+        IndexSample(
+            Bilingual("天", "tian"), "good", (Bilingual("推", "pushed"),), assessment, "a.html", copy_surface
+        ),
+        IndexSample(Bilingual("人", "ren"), "bad", (), refusal, "b.html", None),
     ]
     works = [
-        IndexWork(f"w{n}", Text("天", f"work {n}"), Text("某", "a hand"), master_surface) for n in range(3)
+        IndexWork(f"w{n}", Bilingual("天", f"work {n}"), Bilingual("某", "a hand"), master_surface)
+        for n in range(3)
     ]
     html = demo_index(samples, works, title="rumu")
     outline = Outline(html)

@@ -7,16 +7,16 @@ import typing
 import pytest
 
 from rumu.report import wording
-from rumu.values import Level, Source
+from rumu.values import Bilingual, Level, Source
 
 
-def texts() -> list[wording.Text]:
+def texts() -> list[Bilingual]:
     found = []
     for value in vars(wording).values():
         held = value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else ()
         for item in held:
-            found += [t for t in (item if isinstance(item, tuple) else ()) if isinstance(t, wording.Text)]
-            found += [item] if isinstance(item, wording.Text) else []
+            found += [t for t in (item if isinstance(item, tuple) else ()) if isinstance(t, Bilingual)]
+            found += [item] if isinstance(item, Bilingual) else []
     return found
 
 

@@ -9,18 +9,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rumu.report.wording import Text
+from rumu.values import Bilingual
 from rumu_lab.experiments import findings as f
 from rumu_lab.experiments.findings import Column, Findings, Table
 
 TABLE = Table(
     "levels",
-    Text("表", "A table"),
-    (Column("method", Text("方法", "method")), Column("mae", Text("誤差", "error"), 1)),
+    Bilingual("表", "A table"),
+    (Column("method", Bilingual("方法", "method")), Column("mae", Bilingual("誤差", "error"), 1)),
     ({"method": "MBSE", "mae": 9.87654}, {"method": "constant", "mae": None}, {"method": "x", "mae": -0.01}),
-    (Text("注", "A note."),),
+    (Bilingual("注", "A note."),),
 )
-FOUND = Findings("levels", {"n": np.int64(3), "bad": float("nan")}, (TABLE,), (Text("話", "Said."),))
+FOUND = Findings("levels", {"n": np.int64(3), "bad": float("nan")}, (TABLE,), (Bilingual("話", "Said."),))
 
 
 def test_it_comes_back(quick):

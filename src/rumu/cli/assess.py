@@ -22,8 +22,7 @@ from rumu.cli.outcome import Outcome, ends_well
 from rumu.cli.progress import bar, working
 
 if TYPE_CHECKING:
-    from rumu.report.wording import Text
-    from rumu.values import Assessment, Surface
+    from rumu.values import Assessment, Bilingual, Surface
 
 
 def register(app: typer.Typer) -> None:
@@ -162,7 +161,7 @@ def page(
     names: tuple[str, str],
     levels: Mapping[str, float],
     target: Path,
-    note: Text | None = None,
+    note: Bilingual | None = None,
 ) -> None:
     """Write the page of one mark, whole or not at all."""
     from rumu.outputs import whole_file

@@ -17,9 +17,8 @@ from rumu.cli.outcome import Outcome, ends_well, plain
 from rumu.cli.progress import Advance, bar
 
 if TYPE_CHECKING:
-    from rumu.gallery.works import Bilingual, Sample, Work
+    from rumu.gallery.works import Sample, Work
     from rumu.report.pages import IndexSample, IndexWork
-    from rumu.report.wording import Text
 
 MARKS = "marks.json"  # also the sign by which an earlier demo is known and may be replaced
 
@@ -114,8 +113,8 @@ def _marked(samples: Sequence[Sample], advance: Advance) -> list[IndexSample]:
     for done, sample in enumerate(samples, start=1):
         work = find_work(sample.work)
         copy, _, mark = marked(sample.path, work.path, levels=cuts, script=work.script)
-        faults = tuple(_both(fault.description) for fault in sample.faults)
-        rows.append(IndexSample(_both(work.title), sample.degree, faults, mark, "", copy))
+        faults = tuple(fault.description for fault in sample.faults)
+        rows.append(IndexSample(work.title, sample.degree, faults, mark, "", copy))
         advance(done, len(samples))
     return rows
 
@@ -150,8 +149,8 @@ def _sample_pages(
         href = f"{sample.id}.html"
         names = (sample.id, f"{work.title.zh} {work.title.en}")
         page(mark, copy=copy, master=master, names=names, levels=cuts, target=folder / href, note=SIMULATED)
-        faults = tuple(_both(fault.description) for fault in sample.faults)
-        rows.append(IndexSample(_both(work.title), sample.degree, faults, mark, href, copy))
+        faults = tuple(fault.description for fault in sample.faults)
+        rows.append(IndexSample(work.title, sample.degree, faults, mark, href, copy))
         advance(done, total)
     return rows
 
@@ -163,15 +162,9 @@ def _sheet(works: Sequence[Work], *, advance: Advance, done: int, total: int) ->
     sheet = []
     for count, work in enumerate(works, start=1):
         surface = pipeline.surface_of(work.path)
-        sheet.append(IndexWork(work.id, _both(work.title), _both(work.hand), surface))
+        sheet.append(IndexWork(work.id, work.title, work.hand, surface))
         advance(done + count, total)
     return sheet
-
-
-def _both(words: Bilingual) -> Text:
-    from rumu.report.wording import Text
-
-    return Text(words.zh, words.en)
 
 
 def _facts(samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | None) -> dict[str, Any]:

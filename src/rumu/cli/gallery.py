@@ -269,7 +269,7 @@ def _page(work_id: str, out: Path) -> Outcome:
 
 def _told(**given: str | None) -> Told:
     from rumu.gallery.labels import Told
-    from rumu.gallery.works import Bilingual
+    from rumu.values import Bilingual
 
     zh, en = given.pop("title_zh"), given.pop("title_en")
     both = {name: Bilingual(text, text) for name in ("hand", "material") if (text := given.pop(name))}
@@ -282,7 +282,7 @@ def _named(entry: Any, path: Path) -> Any:
     """A work that nobody named is called by its character or its file."""
     from dataclasses import replace
 
-    from rumu.gallery.works import Bilingual
+    from rumu.values import Bilingual
 
     name = entry.character or path.resolve().stem
     return entry if entry.title.zh else replace(entry, title=Bilingual(name, name))

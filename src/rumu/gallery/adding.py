@@ -35,7 +35,7 @@ from rumu.gallery.entries import (
 )
 from rumu.gallery.originals import picture_key
 from rumu.gallery.store import Store
-from rumu.gallery.works import Bilingual
+from rumu.values import Bilingual
 
 if TYPE_CHECKING:
     from rumu.gallery.fonts import Face

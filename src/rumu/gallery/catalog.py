@@ -24,7 +24,7 @@ from rumu.gallery.facets import FacetValue, count_facets
 from rumu.gallery.filters import Filters, check_script, conditions
 from rumu.gallery.home import user_home
 from rumu.gallery.store import Store
-from rumu.gallery.works import Bilingual
+from rumu.values import Bilingual
 
 if TYPE_CHECKING:
     from rumu.values import Surface

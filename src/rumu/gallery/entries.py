@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rumu.database.tables import now
 from rumu.gallery.terms import dynasty_name, script_name
 from rumu.gallery.variants import folded
-from rumu.gallery.works import Bilingual
+from rumu.values import Bilingual
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session

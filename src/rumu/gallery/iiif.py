@@ -16,7 +16,7 @@ from rumu.gallery.annotations import said_of
 from rumu.gallery.catalog import Gallery
 from rumu.gallery.iiif_image import MAX_SIDE
 from rumu.gallery.terms import HEIGHT_SOURCES, dynasty_name, script_name
-from rumu.gallery.works import Bilingual
+from rumu.values import Bilingual
 
 _CHINESE, _ENGLISH = "zh-Hant", "en"
 _RIGHTS = {

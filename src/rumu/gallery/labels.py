@@ -21,7 +21,7 @@ from rumu.errors import GalleryError
 from rumu.gallery.entries import NO_LICENCE, NOTHING, Entry, Room, slug
 from rumu.gallery.masters import LABELS, label_rows
 from rumu.gallery.terms import dynasty_key, period_in_words, script_name
-from rumu.gallery.works import Bilingual
+from rumu.values import Bilingual
 
 DESCRIPTION = "collection.json"
 _TEXTS = ("id", "source", "licence", "attribution", "dynasty", "period", "script")

@@ -18,7 +18,7 @@ from rumu.gallery.catalog import Gallery
 from rumu.gallery.entries import Room, put_others, put_works, search_text
 from rumu.gallery.exporting import FILES, FORMAT, KIND, WORKS
 from rumu.gallery.importing import BATCH, EXPORTED, Imported, Progress, grouped
-from rumu.gallery.works import Bilingual
+from rumu.values import Bilingual
 
 _PLACES = ("pictures", "captures", "surfaces")
 

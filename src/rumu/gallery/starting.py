@@ -12,8 +12,9 @@ from rumu.database.tables import Annotation, Tour, Work
 from rumu.gallery.catalog import Gallery
 from rumu.gallery.entries import Entry, Kept, Room, digest_of, put_collection, put_others, put_works, work_row
 from rumu.gallery.originals import picture_key
-from rumu.gallery.works import Bilingual, starter_works
 from rumu.gallery.works import Work as StarterWork
+from rumu.gallery.works import starter_works
+from rumu.values import Bilingual
 
 STARTER = Room(
     id="starter",

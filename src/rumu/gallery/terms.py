@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from rumu.gallery.works import Bilingual
+from rumu.values import Bilingual
 
 UNKNOWN = Bilingual(zh="未詳", en="not known")
 

@@ -16,15 +16,7 @@ from typing import Any
 
 from rumu.assessment.scripts import SCRIPTS, Script
 from rumu.errors import GalleryError
-from rumu.values import Level
-
-
-@dataclass(frozen=True, slots=True)
-class Bilingual:
-    """The same words in traditional Chinese and in English."""
-
-    zh: str
-    en: str
+from rumu.values import Bilingual, Level
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,8 +25,7 @@ from rumu.report.pictures import (
     shaded_picture,
     share_picture,
 )
-from rumu.report.wording import Text
-from rumu.values import Assessment, FloatArray, Level, Registration, Remark, Surface
+from rumu.values import Assessment, Bilingual, FloatArray, Level, Registration, Remark, Surface
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -43,16 +42,16 @@ class Shown(NamedTuple):
 
     uri: str
     alt: str
-    caption: Text
+    caption: Bilingual
 
 
 @dataclass(frozen=True, slots=True)
 class IndexSample:
     """One sample of the demo: whose copy it is, how bad it was made and how, its mark, its page."""
 
-    work: Text
+    work: Bilingual
     degree: Level
-    faults: tuple[Text, ...]
+    faults: tuple[Bilingual, ...]
     assessment: Assessment
     href: str
     copy: Surface | None
@@ -63,8 +62,8 @@ class IndexWork:
     """One work of the contact sheet."""
 
     id: str
-    title: Text
-    hand: Text
+    title: Bilingual
+    hand: Bilingual
     surface: Surface
 
 
@@ -77,7 +76,7 @@ def assessment_page(
     copy_name: str,
     master_name: str,
     levels: Mapping[str, float] | None = None,
-    note: Text | None = None,
+    note: Bilingual | None = None,
 ) -> str:
     """The mark of one copy as a page: what it is, what it rests on, and what to do next.
 
@@ -93,7 +92,7 @@ def assessment_page(
     }
     if assessment.refused is not None or copy is None or assessment.registration is None:
         en = assessment.refused or "there is nothing to compare"
-        reason = Text(assessment.refused_zh or "沒有可比的內容。", en)
+        reason = Bilingual(assessment.refused_zh or "沒有可比的內容。", en)
         return _render("refused.html", **context, reason=reason, pictures=_refused_pictures(copy, master))
     return _render(
         "assessment.html",
@@ -111,7 +110,7 @@ def assessment_page(
     )
 
 
-def surface_page(surface: Surface, *, title: str, notes: Sequence[Text] = ()) -> str:
+def surface_page(surface: Surface, *, title: str, notes: Sequence[Bilingual] = ()) -> str:
     """A surface as a page: its maps, its form under four lamps, its mesh, and how far to trust it."""
     heights, (low, high) = height_picture(surface)
     return _render(
@@ -167,54 +166,64 @@ def level_zones(levels: Mapping[str, float]) -> list[dict[str, Any]]:
     ]
 
 
-def _parts(parts: Mapping[str, float]) -> list[tuple[Text, Text, float]]:
+def _parts(parts: Mapping[str, float]) -> list[tuple[Bilingual, Bilingual, float]]:
     """(name, meaning, value) in the order of `wording.PARTS`."""
     return [(*words, parts[name]) for name, words in wording.PARTS.items() if name in parts]
 
 
-def _pose(registration: Registration) -> list[tuple[Text, str, Text]]:
+def _pose(registration: Registration) -> list[tuple[Bilingual, str, Bilingual]]:
     """Lean, place and size of the copy as written, with which way."""
     lean, scale = registration.angle, registration.scale
     right, up = (float(v) * 100 for v in registration.shift)
     return [
         (
-            Text("傾斜", "Lean"),
+            Bilingual("傾斜", "Lean"),
             f"{abs(lean):.1f}°",
             _either(
                 lean,
                 0.05,
-                Text("右傾", "clockwise"),
-                Text("左傾", "anticlockwise"),
-                Text("正", "upright"),
+                Bilingual("右傾", "clockwise"),
+                Bilingual("左傾", "anticlockwise"),
+                Bilingual("正", "upright"),
             ),
         ),
         (
-            Text("左右", "Across"),
+            Bilingual("左右", "Across"),
             f"{abs(right):.1f} %",
             _either(
-                right, 0.05, Text("偏右", "to the right"), Text("偏左", "to the left"), Text("正", "centred")
+                right,
+                0.05,
+                Bilingual("偏右", "to the right"),
+                Bilingual("偏左", "to the left"),
+                Bilingual("正", "centred"),
             ),
         ),
         (
-            Text("上下", "Up and down"),
+            Bilingual("上下", "Up and down"),
             f"{abs(up):.1f} %",
-            _either(up, 0.05, Text("偏高", "too high"), Text("偏低", "too low"), Text("正", "centred")),
+            _either(
+                up,
+                0.05,
+                Bilingual("偏高", "too high"),
+                Bilingual("偏低", "too low"),
+                Bilingual("正", "centred"),
+            ),
         ),
         (
-            Text("大小", "Size"),
+            Bilingual("大小", "Size"),
             f"{scale * 100:.0f} %",
             _either(
                 scale - 1,
                 0.005,
-                Text("為範字之比，偏大", "of the master's, larger"),
-                Text("為範字之比，偏小", "of the master's, smaller"),
-                Text("與範字同大", "of the master's"),
+                Bilingual("為範字之比，偏大", "of the master's, larger"),
+                Bilingual("為範字之比，偏小", "of the master's, smaller"),
+                Bilingual("與範字同大", "of the master's"),
             ),
         ),
     ]
 
 
-def _either(value: float, still: float, plus: Text, minus: Text, none: Text) -> Text:
+def _either(value: float, still: float, plus: Bilingual, minus: Bilingual, none: Bilingual) -> Bilingual:
     if abs(value) < still:
         return none
     return plus if value > 0 else minus
@@ -228,7 +237,7 @@ def _remarks(remarks: Sequence[Remark]) -> list[dict[str, Any]]:
         {
             "number": number,
             "kind": wording.kind_name(remark.kind),
-            "text": Text(remark.zh, remark.en),
+            "text": Bilingual(remark.zh, remark.en),
             "size": wording.with_unit(remark.size, remark.unit),
             "box": None if remark.outline else _box(remark.region),
             "lines": _drawn(remark, taken),
@@ -274,7 +283,10 @@ def _box(region: tuple[float, float, float, float] | None) -> dict[str, float] |
 
 def _side_by_side(copy: Surface, master: Surface) -> list[tuple[Shown, Shown]]:
     """Copy and master as written, shaded, and as mesh."""
-    written, lit = Text("原圖", "As written"), Text("曲面（左上來光）", "Surface, lit from the upper left")
+    written, lit = (
+        Bilingual("原圖", "As written"),
+        Bilingual("曲面（左上來光）", "Surface, lit from the upper left"),
+    )
     return [
         (_shown(albedo_picture(copy), written, "copy"), _shown(albedo_picture(master), written, "master")),
         (_shown(_lit(copy), lit, "copy"), _shown(_lit(master), lit, "master")),
@@ -282,7 +294,7 @@ def _side_by_side(copy: Surface, master: Surface) -> list[tuple[Shown, Shown]]:
     ]
 
 
-def _shown(picture: Picture, caption: Text, who: str) -> Shown:
+def _shown(picture: Picture, caption: Bilingual, who: str) -> Shown:
     return Shown(_uri(picture), f"{caption.en}: {who}", caption)
 
 
@@ -293,7 +305,7 @@ def _lit(surface: Surface) -> Picture:
 def _mesh(surface: Surface, who: str = "the surface", *, view: MeshView | None = None) -> Shown:
     picture, raised = mesh_picture(surface, view=view)
     zh, en = (f"（高度放大 {raised:.1f} 倍）", f", height × {raised:.1f}") if raised > 1.05 else ("", "")
-    return Shown(_uri(picture), f"Mesh: {who}", Text(f"網格{zh}", f"Mesh{en}"))
+    return Shown(_uri(picture), f"Mesh: {who}", Bilingual(f"網格{zh}", f"Mesh{en}"))
 
 
 def _overlay(registration: Registration, master: Surface) -> dict[str, Any]:
@@ -308,28 +320,32 @@ def _overlay(registration: Registration, master: Surface) -> dict[str, Any]:
     }
 
 
-def _sources(assessment: Assessment) -> list[Text]:
+def _sources(assessment: Assessment) -> list[Bilingual]:
     """Each source once: copy and master mostly share theirs."""
     return [wording.SOURCES[source] for source in dict.fromkeys(assessment.source or ())]
 
 
 def _refused_pictures(copy: Surface | None, master: Surface) -> list[Shown]:
-    shown = [] if copy is None else [_shown(albedo_picture(copy), Text("臨作", "Copy"), "copy")]
-    return [*shown, _shown(albedo_picture(master), Text("範字", "Master"), "master")]
+    shown = [] if copy is None else [_shown(albedo_picture(copy), Bilingual("臨作", "Copy"), "copy")]
+    return [*shown, _shown(albedo_picture(master), Bilingual("範字", "Master"), "master")]
 
 
 def _maps(surface: Surface) -> list[Shown]:
     return [
-        Shown(_uri(albedo_picture(surface)), "Albedo", Text("反照率", "Albedo: the sheet without its light")),
+        Shown(
+            _uri(albedo_picture(surface)),
+            "Albedo",
+            Bilingual("反照率", "Albedo: the sheet without its light"),
+        ),
         Shown(
             _uri(normals_picture(surface)),
             "Normals",
-            Text("法線：紅 x，綠 y，藍 z", "Normals: red x, green y, blue z"),
+            Bilingual("法線：紅 x，綠 y，藍 z", "Normals: red x, green y, blue z"),
         ),
         Shown(
             _uri(share_picture(surface.confidence)),
             "Confidence",
-            Text("可信度：白為可信，黑為填補", "Confidence: white is sure, black was filled in"),
+            Bilingual("可信度：白為可信，黑為填補", "Confidence: white is sure, black was filled in"),
         ),
     ]
 

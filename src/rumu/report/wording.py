@@ -2,174 +2,168 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from rumu.values import Assessment, Bilingual, Level, Source
 
-from rumu.values import Assessment, Level, Source
-
-
-class Text(NamedTuple):
-    """One statement in both languages."""
-
-    zh: str
-    en: str
-
-
-LEVELS: dict[Level, Text] = {
-    "excellent": Text("優", "excellent"),
-    "good": Text("良", "good"),
-    "medium": Text("中", "medium"),
-    "bad": Text("差", "bad"),
+LEVELS: dict[Level, Bilingual] = {
+    "excellent": Bilingual("優", "excellent"),
+    "good": Bilingual("良", "good"),
+    "medium": Bilingual("中", "medium"),
+    "bad": Bilingual("差", "bad"),
 }
 
-PARTS: dict[str, tuple[Text, Text]] = {
+PARTS: dict[str, tuple[Bilingual, Bilingual]] = {
     "brushwork": (
-        Text("用筆", "Brushwork"),
-        Text(
+        Bilingual("用筆", "Brushwork"),
+        Bilingual(
             "筆畫的粗細、走向與墨邊（起筆、行筆、轉折、收筆）像不像範字。",
             "How like the master's the strokes' widths, directions and edges are: how they begin, turn, end.",
         ),
     ),
     "structure": (
-        Text("結體", "Structure"),
-        Text(
+        Bilingual("結體", "Structure"),
+        Bilingual(
             "筆畫的位置像不像範字，缺筆與多餘也算在內。",
             "How like the master's the places of the strokes are, missing and extra ones included.",
         ),
     ),
     "ink": (
-        Text("墨法", "Ink"),
-        Text(
+        Bilingual("墨法", "Ink"),
+        Bilingual(
             "筆墨的輕重：與範字相同為一百，每輕或重四分之一減半。",
             "The weight of the ink: 100 at the master's own, half of it for each quarter more or less.",
         ),
     ),
 }
 
-SOURCES: dict[Source, Text] = {
-    "photometric": Text(
+SOURCES: dict[Source, Bilingual] = {
+    "photometric": Bilingual(
         "高度由多燈照片測得（光度立體）。", "Height measured from photographs under several lamps."
     ),
-    "inflation": Text(
+    "inflation": Bilingual(
         "高度由墨跡「充氣」計算而來，不是實測的起伏。",
         "Height computed from the ink by inflation; not measured relief.",
     ),
-    "density": Text(
+    "density": Bilingual(
         "高度由墨色濃淡計算而來，不是實測的起伏。",
         "Height computed from the darkness of the ink; not measured relief.",
     ),
 }
 
-KINDS: dict[str, Text] = {
-    "lean": Text("傾斜", "Lean"),
-    "size": Text("大小", "Size"),
-    "offset": Text("偏位", "Off centre"),
-    "missing": Text("缺筆", "Missing"),
-    "extra": Text("多餘", "Extra"),
-    "displaced": Text("移位", "Out of place"),
-    "heavy": Text("偏粗", "Too heavy"),
-    "thin": Text("偏細", "Too thin"),
-    "squeeze": Text("比例", "Proportion"),
-    "spacing": Text("間距", "Spacing"),
-    "stroke_angle": Text("筆畫斜了", "Stroke at a wrong angle"),
-    "stroke_short": Text("筆畫太短", "Stroke too short"),
-    "stroke_long": Text("筆畫太長", "Stroke too long"),
-    "stroke_heavy": Text("一筆太粗", "Stroke too heavy"),
-    "stroke_thin": Text("一筆太細", "Stroke too thin"),
-    "entry_heavy": Text("起筆太重", "Entry too heavy"),
-    "entry_light": Text("起筆太輕", "Entry too light"),
-    "exit_blunt": Text("收筆禿鈍", "Blunt exit"),
-    "rough": Text("筆畫抖動", "Trembling edges"),
-    "blot": Text("墨漬", "Blot"),
-    "pale": Text("墨色太淡", "Pale ink"),
-    "dry": Text("枯筆", "Dry brush"),
+KINDS: dict[str, Bilingual] = {
+    "lean": Bilingual("傾斜", "Lean"),
+    "size": Bilingual("大小", "Size"),
+    "offset": Bilingual("偏位", "Off centre"),
+    "missing": Bilingual("缺筆", "Missing"),
+    "extra": Bilingual("多餘", "Extra"),
+    "displaced": Bilingual("移位", "Out of place"),
+    "heavy": Bilingual("偏粗", "Too heavy"),
+    "thin": Bilingual("偏細", "Too thin"),
+    "squeeze": Bilingual("比例", "Proportion"),
+    "spacing": Bilingual("間距", "Spacing"),
+    "stroke_angle": Bilingual("筆畫斜了", "Stroke at a wrong angle"),
+    "stroke_short": Bilingual("筆畫太短", "Stroke too short"),
+    "stroke_long": Bilingual("筆畫太長", "Stroke too long"),
+    "stroke_heavy": Bilingual("一筆太粗", "Stroke too heavy"),
+    "stroke_thin": Bilingual("一筆太細", "Stroke too thin"),
+    "entry_heavy": Bilingual("起筆太重", "Entry too heavy"),
+    "entry_light": Bilingual("起筆太輕", "Entry too light"),
+    "exit_blunt": Bilingual("收筆禿鈍", "Blunt exit"),
+    "rough": Bilingual("筆畫抖動", "Trembling edges"),
+    "blot": Bilingual("墨漬", "Blot"),
+    "pale": Bilingual("墨色太淡", "Pale ink"),
+    "dry": Bilingual("枯筆", "Dry brush"),
 }
 
 UNITS: dict[str, str] = {"deg": "°", "degrees": "°", "percent": "%"}
 
-MEANS: tuple[Text, ...] = (
-    Text(
+MEANS: tuple[Bilingual, ...] = (
+    Bilingual(
         "分數估計一組人給這張臨作打出的平均分（零至一百）。它按真人給楷書毛筆臨作的評分校準，校準時從不使用同一個字的評分來檢驗。",
         "The score estimates the mean mark that a panel of people would give this copy, from 0 to 100. It is "
         "calibrated on human marks of brush copies in regular script, and tested on characters held out.",
     ),
-    Text(
+    Bilingual(
         "區間是八成區間：同樣的臨作，十次裡約有八次，評委的平均分會落在其中。",
         "The interval is an 80 % one: for about eight in ten such copies the panel's mean lies inside it.",
     ),
-    Text(
+    Bilingual(
         "傾斜、位置和大小先取出、單獨列出；只有超出容許的部分才扣分。",
         "Lean, place and size are taken out first and listed apart; only what is beyond a tolerance costs.",
     ),
 )
 
-MEANS_NOT: tuple[Text, ...] = (
-    Text(
+MEANS_NOT: tuple[Bilingual, ...] = (
+    Bilingual(
         "它不是對書寫者的評價；一張紙說明不了一個人的水平。",
         "It is no verdict on the writer: one sheet does not show what a person can do.",
     ),
-    Text(
+    Bilingual(
         "篆、隸、行、草沒有真人評分可校準，分數只宜在同一字的幾次臨寫之間比較。",
         "No human marks calibrate seal, clerical, running or cursive script: there, compare only copies of "
         "one character with each other.",
     ),
-    Text(
+    Bilingual(
         "由墨跡算出的高度看不見力度與紙上的起伏。",
         "A height computed from ink does not see pressure or the relief of the paper.",
     ),
 )
 
-SIMULATED = Text("模擬樣本，並非真人書寫", "Simulated sample, not written by a person")
+SIMULATED = Bilingual("模擬樣本，並非真人書寫", "Simulated sample, not written by a person")
 
-REFUSED_ADVICE: tuple[Text, ...] = (
-    Text(
+REFUSED_ADVICE: tuple[Bilingual, ...] = (
+    Bilingual(
         "一張照片只拍一個字，字佔畫面一半以上，四邊留白。",
         "Show one character alone, filling more than half of the picture, with paper on all four sides.",
     ),
-    Text(
+    Bilingual(
         "光線均勻，墨黑紙白；手和影子不要入畫。",
         "Light the sheet evenly: dark ink, pale paper, no hand and no shadow in the picture.",
     ),
-    Text("對焦清楚，字邊至少兩百像素。", "Focus well; the character should be at least 200 pixels tall."),
+    Bilingual(
+        "對焦清楚，字邊至少兩百像素。", "Focus well; the character should be at least 200 pixels tall."
+    ),
 )
 
-QUALITY: dict[str, Text] = {
-    "residual": Text(
+QUALITY: dict[str, Bilingual] = {
+    "residual": Bilingual(
         "模型未能解釋的亮度（佔像素亮度，中位數）", "Brightness the model leaves unexplained, median share"
     ),
-    "shadow_share": Text("落在陰影裡的觀測比例", "Share of values that lie in shadow"),
-    "paper_p": Text(
+    "shadow_share": Bilingual("落在陰影裡的觀測比例", "Share of values that lie in shadow"),
+    "paper_p": Bilingual(
         "紙面左右坡度（應近於零）", "Median slope across; near 0 when the sheet faced the camera"
     ),
-    "paper_q": Text(
+    "paper_q": Bilingual(
         "紙面上下坡度（應近於零）", "Median slope up and down; near 0 when the sheet faced the camera"
     ),
-    "strength_spread": Text("最強燈與最弱燈之比", "Strongest lamp over the weakest, as used"),
-    "black_level": Text("視為無光的亮度", "Brightness taken for darkness"),
-    "measured_share": Text("實測像素的比例", "Share of the pixels that were measured"),
-    "brightness": Text("反照率的除數", "What the albedo was divided by, to stay within 1"),
-    "lamps": Text("燈數", "Number of lamps"),
-    "fourth_lamp": Text("第四燈的核對（越小越好）", "Check by the fourth lamp; small is good"),
-    "ink_share": Text("墨跡佔畫面的比例", "Share of the picture that is ink"),
-    "contrast": Text("墨的濃度（中位數，一為全黑）", "Median darkness of the ink; 1 is black"),
-    "half_width": Text("筆畫半寬（中位數，像素）", "Median half-width of the strokes, in pixels"),
-    "noise": Text("墨與紙之差為紙面起伏的多少倍", "Ink against paper, over the paper's own spread"),
-    "edge": Text("墨跡邊緣的清晰度（一為清晰）", "Sharpness of the outline; 1 is sharp"),
-    "between": Text("每個邊緣像素對應的半墨像素", "Half-dark pixels for each pixel of outline; few is crisp"),
-    "coherence": Text(
+    "strength_spread": Bilingual("最強燈與最弱燈之比", "Strongest lamp over the weakest, as used"),
+    "black_level": Bilingual("視為無光的亮度", "Brightness taken for darkness"),
+    "measured_share": Bilingual("實測像素的比例", "Share of the pixels that were measured"),
+    "brightness": Bilingual("反照率的除數", "What the albedo was divided by, to stay within 1"),
+    "lamps": Bilingual("燈數", "Number of lamps"),
+    "fourth_lamp": Bilingual("第四燈的核對（越小越好）", "Check by the fourth lamp; small is good"),
+    "ink_share": Bilingual("墨跡佔畫面的比例", "Share of the picture that is ink"),
+    "contrast": Bilingual("墨的濃度（中位數，一為全黑）", "Median darkness of the ink; 1 is black"),
+    "half_width": Bilingual("筆畫半寬（中位數，像素）", "Median half-width of the strokes, in pixels"),
+    "noise": Bilingual("墨與紙之差為紙面起伏的多少倍", "Ink against paper, over the paper's own spread"),
+    "edge": Bilingual("墨跡邊緣的清晰度（一為清晰）", "Sharpness of the outline; 1 is sharp"),
+    "between": Bilingual(
+        "每個邊緣像素對應的半墨像素", "Half-dark pixels for each pixel of outline; few is crisp"
+    ),
+    "coherence": Bilingual(
         "墨跡成片的程度（一為成片）", "How far the ink hangs together; 1 is solid, 0 is speckle"
     ),
 }
 
 
-def quality_meaning(name: str) -> Text:
+def quality_meaning(name: str) -> Bilingual:
     """What a named figure of `Surface.quality` tells; an unknown one is shown by its name alone."""
     plain = name.replace("_", " ")
-    return QUALITY.get(name, Text(plain, plain))
+    return QUALITY.get(name, Bilingual(plain, plain))
 
 
-def kind_name(kind: str) -> Text:
+def kind_name(kind: str) -> Bilingual:
     """The short name of a remark's kind."""
-    return KINDS.get(kind, Text(kind, kind.replace("_", " ").capitalize()))
+    return KINDS.get(kind, Bilingual(kind, kind.replace("_", " ").capitalize()))
 
 
 def with_unit(size: float, unit: str) -> str:
@@ -181,21 +175,21 @@ def with_unit(size: float, unit: str) -> str:
     return f"{number}{sign}" if sign == "°" else f"{number} {sign}".rstrip()
 
 
-def basis(mark: Assessment) -> list[Text]:
+def basis(mark: Assessment) -> list[Bilingual]:
     """What a mark rests on that a person must be told: another calibration, own weights, the interval."""
     said = []
     if mark.calibration:
-        said.append(Text(f"另用校準：{mark.calibration}", f"Another calibration: {mark.calibration}"))
+        said.append(Bilingual(f"另用校準：{mark.calibration}", f"Another calibration: {mark.calibration}"))
     if mark.weights:
         zh, en = (
             join.join(f"{PARTS[name][0][k]} {weight:g}" for name, weight in mark.weights.items())
             for k, join in enumerate(("、", ", "))
         )
         said.append(
-            Text(
+            Bilingual(
                 f"分數按自定權重合計各分項：{zh}。", f"The score weighs the parts by your own weights: {en}."
             )
         )
     if mark.interval_note:
-        said.append(Text(mark.interval_note_zh or mark.interval_note, mark.interval_note))
+        said.append(Bilingual(mark.interval_note_zh or mark.interval_note, mark.interval_note))
     return said

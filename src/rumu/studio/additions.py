@@ -13,10 +13,10 @@ from rumu.gallery.entries import NO_LICENCE, Entry, Room
 from rumu.gallery.importing import EXPORTED, import_folder
 from rumu.gallery.labels import Told
 from rumu.gallery.masters import LABELS
-from rumu.gallery.works import Bilingual
 from rumu.studio.errors import Unusable
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import unpack
+from rumu.values import Bilingual
 
 if TYPE_CHECKING:
     from rumu.studio.jobs import Progress

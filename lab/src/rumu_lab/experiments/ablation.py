@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rumu.report.wording import Text
-from rumu.values import FloatArray
+from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.agreement import Graded, held_out, side_by_side
 from rumu_lab.experiments.density import density_table
 from rumu_lab.experiments.findings import Cell, Column, Findings, Setting, Table
@@ -134,7 +133,7 @@ def _gain(
 
 
 _VARIANTS = tuple(
-    Column(key, Text(zh, en), digits)
+    Column(key, Bilingual(zh, en), digits)
     for key, zh, en, digits in (
         ("method", "做法", "variant", 0),
         ("n", "件數", "N", 0),
@@ -147,7 +146,7 @@ _VARIANTS = tuple(
     )
 )
 _GAINS = tuple(
-    Column(key, Text(zh, en), 3)
+    Column(key, Bilingual(zh, en), 3)
     for key, zh, en in (
         ("what", "加上什麼", "what is added"),
         ("n", "字數", "characters"),
@@ -160,26 +159,31 @@ _GAINS = tuple(
 
 
 def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
-    about = Text(
+    about = Bilingual(
         f"{facts['copies']} 件、{facts['characters']} 個字；"
         "每種做法只有一個數（殘差上四分位的均值），不擬合權重；"
         f"分數所用的是「{facts['base']}」。",
         f"{facts['copies']} copies of {facts['characters']} characters. One number a variant (mean upper "
         f"quartile of the residuals), no weight fitted; the mark uses '{facts['base']}'.",
     )
-    density = Text(
+    density = Bilingual(
         "以墨色濃淡為高度：這些圖已二值化，"
         f"{facts['copies']} 件中能比的有 {facts['density_measurable']} 件。",
         "Ink density as height: these pictures are binarised, so it can be measured on "
         f"{facts['density_measurable']} of {facts['copies']}.",
     )
-    fitted = Text(
+    fitted = Bilingual(
         "權重在其餘的字上重新擬合；未錨定，不扣傾斜、位置、大小。各組名出自程序。",
         "Weights are fitted anew on the other characters; not anchored, no charges for lean, place and size. "
         "The groups are those of the code.",
     )
-    gains = Text("各部分的增益（按字自助法，95 %）", "What each part adds (bootstrap over characters, 95 %)")
-    title, groups = Text("消融", "Ablations"), Text("分數去掉一組依據", "The mark with groups left out")
+    gains = Bilingual(
+        "各部分的增益（按字自助法，95 %）", "What each part adds (bootstrap over characters, 95 %)"
+    )
+    title, groups = (
+        Bilingual("消融", "Ablations"),
+        Bilingual("分數去掉一組依據", "The mark with groups left out"),
+    )
     tables = [
         Table("ablation", title, _VARIANTS, tuple(facts["variants"]), (about, density)),
         Table("ablation-gains", gains, _GAINS, tuple(facts["gains"]), (about,)),
@@ -189,7 +193,7 @@ def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     return tuple(tables)
 
 
-def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
+def _sentences(facts: Mapping[str, Any]) -> tuple[Bilingual, ...]:
     found = facts["third_dimension"]
     span = f"{found['gain']:+.3f} [{found['low']:+.3f}, {found['high']:+.3f}]"
     told = {
@@ -197,7 +201,7 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
         "harms": ("第三維有害", "The third dimension harms"),
         "not shown": ("第三維有用與否，未能證明", "That the third dimension helps is NOT shown"),
     }[str(found["clear"])]
-    alone = Text(
+    alone = Bilingual(
         f"{told[0]}：以分數所用的權重，單看殘差（不擬合），同字等級相關增加 {span}。",
         f"{told[1]} at the weight that the mark uses, as one residual with nothing fitted: gain in Spearman "
         f"within a character {span}.",
@@ -206,7 +210,7 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
     return (alone, _left_out(groups)) if groups else (alone,)
 
 
-def _left_out(groups: Sequence[Mapping[str, Any]]) -> Text:
+def _left_out(groups: Sequence[Mapping[str, Any]]) -> Bilingual:
     """Which groups the fitted mark is shown to need, and which another group can stand in for."""
 
     def named(clear: bool) -> str:
@@ -215,7 +219,7 @@ def _left_out(groups: Sequence[Mapping[str, Any]]) -> Text:
         )
 
     needed, spared = named(True) or "-", named(False) or "-"
-    return Text(
+    return Bilingual(
         f"分數的各組依據逐一去掉：證明有用的是 {needed}；未能證明的是 {spared}。",
         f"Of the mark's own groups of evidence, left out one at a time: shown to help {needed}; "
         f"not shown {spared}.",

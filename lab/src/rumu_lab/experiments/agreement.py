@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rumu.report.wording import Text
-from rumu.values import FloatArray
+from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.findings import Cell, Column
 from rumu_lab.experiments.measuring import Measured
 from rumu_lab.experiments.protocol import Protocol
@@ -136,26 +135,26 @@ def _ends(name: str, interval: tuple[float, float]) -> dict[str, Cell]:
 
 
 COLUMNS: tuple[Column, ...] = (
-    Column("method", Text("方法", "method")),
-    Column("n", Text("件數", "N")),
-    Column("within", Text("同字等級相關", "Spearman within"), 3),
-    Column("within_low", Text("下限", "low"), 3),
-    Column("within_high", Text("上限", "high"), 3),
-    Column("all", Text("總等級相關", "Spearman all"), 3),
-    Column("order", Text("成對次序正確率", "pairs in order"), 3),
-    Column("mae", Text("絕對誤差均值", "mean abs. error")),
-    Column("sd", Text("標準差", "SD")),
-    Column("mae_low", Text("下限", "low")),
-    Column("mae_high", Text("上限", "high")),
-    Column("difference", Text("比我們多", "more than ours")),
-    Column("difference_low", Text("下限", "low")),
-    Column("difference_high", Text("上限", "high")),
-    Column("p", Text("p（按字）", "p, clusters"), 4),
-    Column("p_copies", Text("p（按件）", "p, copies"), 4),
+    Column("method", Bilingual("方法", "method")),
+    Column("n", Bilingual("件數", "N")),
+    Column("within", Bilingual("同字等級相關", "Spearman within"), 3),
+    Column("within_low", Bilingual("下限", "low"), 3),
+    Column("within_high", Bilingual("上限", "high"), 3),
+    Column("all", Bilingual("總等級相關", "Spearman all"), 3),
+    Column("order", Bilingual("成對次序正確率", "pairs in order"), 3),
+    Column("mae", Bilingual("絕對誤差均值", "mean abs. error")),
+    Column("sd", Bilingual("標準差", "SD")),
+    Column("mae_low", Bilingual("下限", "low")),
+    Column("mae_high", Bilingual("上限", "high")),
+    Column("difference", Bilingual("比我們多", "more than ours")),
+    Column("difference_low", Bilingual("下限", "low")),
+    Column("difference_high", Bilingual("上限", "high")),
+    Column("p", Bilingual("p（按字）", "p, clusters"), 4),
+    Column("p_copies", Bilingual("p（按件）", "p, copies"), 4),
 )
 
 
-FEW_CLUSTERS = Text(
+FEW_CLUSTERS = Bilingual(
     "p 為 Wilcoxon 符號秩檢驗（Holm 校正）：按字（或作品）的均值，成對數少，不易分出高下；"
     "按件則把同一字的各件當作獨立，其實不然。",
     "p: Wilcoxon signed rank, Holm's. On means of clusters there are few pairs, so it tells little apart; on "
@@ -193,7 +192,7 @@ def verdict(rows: Sequence[Mapping[str, Any]], *, ours: str, besides: Sequence[s
     }
 
 
-def verdict_sentence(found: Mapping[str, Any], *, zh: str, en: str) -> Text:
+def verdict_sentence(found: Mapping[str, Any], *, zh: str, en: str) -> Bilingual:
     """The verdict in words. zh, en: on what."""
     figures_zh = (
         f"絕對誤差均值 {found['mae']:.2f}，最好的對手（{found['best_rival']}）{found['best_rival_mae']:.2f}"
@@ -203,17 +202,17 @@ def verdict_sentence(found: Mapping[str, Any], *, zh: str, en: str) -> Text:
         f"({found['best_rival']})"
     )
     if found["clear"]:
-        return Text(
+        return Bilingual(
             f"{zh}，我們明顯居首：{figures_zh}。", f"{en}, ours is first by a clear margin: {figures_en}."
         )
     if not found["ahead"]:
         near = ", ".join(found["not_beaten"])
-        return Text(
+        return Bilingual(
             f"{zh}，我們居首，但並非明顯領先：{figures_zh}；與這些方法未能分出高下：{near}。",
             f"{en}, ours is first, but NOT by a clear margin: {figures_en}; "
             f"it is not clearly apart from {near}.",
         )
-    return Text(
+    return Bilingual(
         f"{zh}，我們不居首，名列第 {found['rank']}（共 {found['rivals'] + 1}）：{figures_zh}。",
         f"{en}, ours is NOT first but number {found['rank']} of {found['rivals'] + 1}: {figures_en}.",
     )

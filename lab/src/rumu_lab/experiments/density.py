@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from rumu.report.wording import Text
+from rumu.values import Bilingual
 from rumu_lab.experiments.findings import Cell, Column, Setting, Table
 from rumu_lab.experiments.measuring import Measured, Task, drawn, measure_by, residual_grade
 from rumu_lab.experiments.severities import Subject, key_of, starter_subjects, task_of
@@ -77,16 +77,16 @@ def _ranks(series: list[list[Measured]], severities: tuple[int, ...]) -> dict[st
 
 def _table(rows: list[dict[str, Cell]]) -> Table:
     columns = (
-        Column("fault", Text("毛病", "fault")),
-        Column("n", Text("系列", "series")),
-        Column("whole", Text("可量的", "measured")),
-        Column("inflation", Text("充氣為高度", "height by inflation")),
-        Column("density", Text("墨色為高度", "height by density")),
+        Column("fault", Bilingual("毛病", "fault")),
+        Column("n", Bilingual("系列", "series")),
+        Column("whole", Bilingual("可量的", "measured")),
+        Column("inflation", Bilingual("充氣為高度", "height by inflation")),
+        Column("density", Bilingual("墨色為高度", "height by density")),
     )
-    note = Text(
+    note = Bilingual(
         "真人評分的臨作已二值化，墨色只有一種，故此項只能在模擬的墨病上比。數為與程度的等級相關，一為最好。",
         "Copies with human marks are binarised, so this is compared on simulated faults of the ink. Spearman "
         "with falling severity, 1 is best.",
     )
-    title = Text("以墨色濃淡為高度", "Ink density as height")
+    title = Bilingual("以墨色濃淡為高度", "Ink density as height")
     return Table("ablation-density", title, columns, tuple(rows), (note,))

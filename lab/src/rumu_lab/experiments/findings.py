@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from rumu.report.wording import Text
+from rumu.values import Bilingual
 from rumu_lab.experiments.measuring import BEHIND, code_hash
 from rumu_lab.experiments.protocol import Protocol, declared
 
@@ -75,7 +75,7 @@ class Column:
     """key: in the rows and in the files. title: for a reader. digits: after the point."""
 
     key: str
-    title: Text
+    title: Bilingual
     digits: int = 2
 
 
@@ -84,10 +84,10 @@ class Table:
     """rows: key -> cell, None where there is none. notes: what it rests on and what it is not."""
 
     name: str
-    title: Text
+    title: Bilingual
     columns: tuple[Column, ...]
     rows: tuple[Mapping[str, Cell], ...]
-    notes: tuple[Text, ...] = ()
+    notes: tuple[Bilingual, ...] = ()
 
     def shown(self) -> list[list[str]]:
         """Rows as a reader sees them."""
@@ -111,7 +111,7 @@ class Findings:
     name: str
     facts: Mapping[str, Any]
     tables: tuple[Table, ...] = ()
-    sentences: tuple[Text, ...] = ()
+    sentences: tuple[Bilingual, ...] = ()
     words: str = ""
 
     def summary(self) -> dict[str, Any]:
@@ -172,15 +172,19 @@ def findings_of(plain: Mapping[str, Any]) -> Findings:
     tables = tuple(
         Table(
             t["name"],
-            Text(*t["title"]),
-            tuple(Column(c["key"], Text(*c["title"]), c["digits"]) for c in t["columns"]),
+            Bilingual(*t["title"]),
+            tuple(Column(c["key"], Bilingual(*c["title"]), c["digits"]) for c in t["columns"]),
             tuple(t["rows"]),
-            tuple(Text(*note) for note in t["notes"]),
+            tuple(Bilingual(*note) for note in t["notes"]),
         )
         for t in plain["tables"]
     )
     return Findings(
-        plain["name"], plain["facts"], tables, tuple(Text(*s) for s in plain["sentences"]), plain["words"]
+        plain["name"],
+        plain["facts"],
+        tables,
+        tuple(Bilingual(*s) for s in plain["sentences"]),
+        plain["words"],
     )
 
 

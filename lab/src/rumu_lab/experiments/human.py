@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rumu.report.wording import Text
-from rumu.values import FloatArray
+from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.agreement import (
     COLUMNS,
     FEW_CLUSTERS,
@@ -125,14 +124,14 @@ def _table(rows: list[dict[str, Cell]], facts: Mapping[str, Any]) -> Table:
     error = f"{rater['mae']:.2f} ± {rater['sd']:.2f}"
     return Table(
         "table-2-human",
-        Text(
+        Bilingual(
             "表二（真人評分）：各方法與評委的差距",
             "Table 2 on human marks: how far each method is from the panel",
         ),
         COLUMNS,
         tuple(rows),
         (
-            Text(
+            Bilingual(
                 f"E3C：{facts['copies']} 件臨作、{facts['characters']} 個字，整字留出；"
                 "所有方法用同樣的數據、同樣的分組、同一個校準器。"
                 f"一位評委對其餘評委：{error}。",
@@ -140,7 +139,7 @@ def _table(rows: list[dict[str, Cell]], facts: Mapping[str, Any]) -> Table:
                 "out; the same data, folds and calibrator for all. "
                 f"One rater against the others: {error}.",
             ),
-            Text(
+            Bilingual(
                 "我們的殘差及權重曾看着這些字選定；其他方法沒有為它們調過。"
                 "MBSE、GFSE、IGLS、VICP、AEST 是我們據摘要的重建。",
                 "Our residuals and their weights were chosen with these characters in view; the others were "
@@ -151,10 +150,10 @@ def _table(rows: list[dict[str, Cell]], facts: Mapping[str, Any]) -> Table:
     )
 
 
-def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
+def _sentences(facts: Mapping[str, Any]) -> tuple[Bilingual, ...]:
     found = facts["verdict"]
     ours, rival, name = found["within"], found["best_rival_within"], found["best_rival_by_rank"]
-    second = Text(
+    second = Bilingual(
         f"同字等級相關：我們 {ours:.3f}，對手最高 {rival:.3f}（{name}）。",
         f"Spearman within a character: ours {ours:.3f}, the best rival {rival:.3f} ({name}).",
     )

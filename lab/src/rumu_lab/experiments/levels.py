@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from rumu.errors import CalibrationError
-from rumu.report.wording import Text
-from rumu.values import FloatArray
+from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments import human
 from rumu_lab.experiments.agreement import CONSTANT, constant, held_out, raw_of
 from rumu_lab.experiments.findings import Cell, Column, Findings, Setting, Table
@@ -154,42 +153,44 @@ def confusion(truth: Sequence[int], given: Sequence[int]) -> list[list[int]]:
 
 
 _COLUMNS = (
-    Column("where", Text("書體", "where")),
-    Column("n", Text("件數", "N")),
-    Column("right", Text("正確", "right")),
-    Column("accuracy", Text("正確率 %", "accuracy %"), 1),
-    Column("low", Text("下限", "low"), 1),
-    Column("high", Text("上限", "high"), 1),
-    Column("kappa", Text("二次加權 κ", "weighted kappa"), 3),
-    Column("far", Text("差兩級以上", "off by two or more")),
+    Column("where", Bilingual("書體", "where")),
+    Column("n", Bilingual("件數", "N")),
+    Column("right", Bilingual("正確", "right")),
+    Column("accuracy", Bilingual("正確率 %", "accuracy %"), 1),
+    Column("low", Bilingual("下限", "low"), 1),
+    Column("high", Bilingual("上限", "high"), 1),
+    Column("kappa", Bilingual("二次加權 κ", "weighted kappa"), 3),
+    Column("far", Bilingual("差兩級以上", "off by two or more")),
 )
 
 
 def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
-    exact = Text(
+    exact = Bilingual(
         "區間為 95 % 精確（Clopper-Pearson）區間；κ 為二次加權。",
         "Intervals are exact (Clopper-Pearson), 95 %; kappa is quadratic weighted.",
     )
-    made = Text(
+    made = Bilingual(
         "模擬臨作的「真」級別是製作時聲明的程度，不是評分；配方早先是看着我們的分數拉開的，故以真人評分為重。",
         "The true level of a simulated copy is the degree it was made at, no mark; its recipes were spaced "
         "earlier with a mark of ours in view, so the human levels weigh more.",
     )
-    same = Text(
+    same = Bilingual(
         "所有方法用同一個校準器，在其餘四種書體上擬合到各級的中點。",
         "One calibrator for all, fitted to the middle of each level on the other four scripts.",
     )
     tables = [
         Table(
             "table-1-scripts",
-            Text("表一：五體定級正確率（模擬臨作）", "Table 1: level accuracy by script, simulated copies"),
+            Bilingual(
+                "表一：五體定級正確率（模擬臨作）", "Table 1: level accuracy by script, simulated copies"
+            ),
             _COLUMNS,
             tuple(facts["scripts"]),
             (exact, made),
         ),
         Table(
             "table-1-methods",
-            Text("同樣的臨作，各方法定級", "The same copies, levels by every method"),
+            Bilingual("同樣的臨作，各方法定級", "The same copies, levels by every method"),
             _COLUMNS,
             tuple(facts["methods"]),
             (same, made),
@@ -200,7 +201,7 @@ def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
             1,
             Table(
                 "table-1-human",
-                Text("表一：真人評分的楷書", "Table 1: regular script, human marks"),
+                Bilingual("表一：真人評分的楷書", "Table 1: regular script, human marks"),
                 _COLUMNS,
                 tuple(facts["human"]),
                 (exact,),
@@ -209,12 +210,12 @@ def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     return tuple(tables)
 
 
-def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
+def _sentences(facts: Mapping[str, Any]) -> tuple[Bilingual, ...]:
     whole, best = facts["scripts"][-1], facts["methods"][0]
     ours = next(row for row in facts["methods"] if row["where"] == OURS)
     span = f"{whole['accuracy']:.0f} % [{whole['low']:.0f}, {whole['high']:.0f}]"
     found = [
-        Text(
+        Bilingual(
             f"模擬臨作定級正確率 {span}；同一校準器下我們 {ours['accuracy']:.0f} %，"
             f"最高為 {best['where']} {best['accuracy']:.0f} %。",
             f"Levels of simulated copies are right in {span}; through the shared calibrator ours reaches "
@@ -224,7 +225,7 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
     if facts["human"]:
         us, rater, common = (f"{row['accuracy']:.0f} %" for row in facts["human"])
         found.append(
-            Text(
+            Bilingual(
                 f"真人評分的楷書：我們 {us}，一位評委 {rater}，總猜最常見的一級 {common}。",
                 f"On human marks (regular script): ours {us}, one rater {rater}, "
                 f"always the commonest level {common}.",

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from rumu.errors import CalibrationError
-from rumu.report.wording import Text
+from rumu.values import Bilingual
 from rumu_lab.experiments.findings import Findings, Setting, commit
 from rumu_lab.experiments.protocol import Protocol, faults_of
 from rumu_lab.experiments.severities import Subject, found_on
@@ -47,7 +47,7 @@ def run(setting: Setting, *, name: str, seed: str | None = None, log: Path | Non
     write_line(log, {"event": "result", **_now(setting), "seed": seed, "result": result})
     openings = [line for line in read_log(log) if line["event"] == "opened"]
     times = len(openings)
-    said = Text(
+    said = Bilingual(
         f"封存測試至今打開過 {times} 次（{log}）。" + ("" if times == 1 else "只有第一次算數。"),
         f"The locked test has been opened {times} times so far ({log})."
         + ("" if times == 1 else " Only the first counts."),

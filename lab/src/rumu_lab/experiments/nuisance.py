@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rumu.report.wording import Text
+from rumu.values import Bilingual
 from rumu_lab.experiments.findings import Cell, Column, Findings, Setting, Table
 from rumu_lab.experiments.made import AtDegree, Disturbed
 from rumu_lab.experiments.measuring import OURS, Measured, Task, measure_all
@@ -116,43 +116,43 @@ def nuisance_rows(shots: Sequence[Shot]) -> list[dict[str, Cell]]:
 
 
 def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
-    about = Text(
+    about = Bilingual(
         f"{facts['copies']} 件模擬臨作，共 {facts['pictures']} 張；字跡不變，只換照片。"
         f"每級毛病使我們的分數下降 {facts['step_of_severity']:.2f} 分。",
         f"{facts['copies']} simulated copies, {facts['pictures']} pictures; the writing is the same. "
         f"One step of severity takes {facts['step_of_severity']:.2f} points of our mark.",
     )
     methods = (
-        Column("method", Text("方法", "method")),
-        Column("drift", Text("漂移（標準差）", "drift (SD), raw"), 4),
-        Column("step", Text("每級下降", "fall a step, raw"), 4),
-        Column("ratio", Text("比值", "ratio"), 2),
-        Column("kept", Text("低於三分之一", "below a third")),
+        Column("method", Bilingual("方法", "method")),
+        Column("drift", Bilingual("漂移（標準差）", "drift (SD), raw"), 4),
+        Column("step", Bilingual("每級下降", "fall a step, raw"), 4),
+        Column("ratio", Bilingual("比值", "ratio"), 2),
+        Column("kept", Bilingual("低於三分之一", "below a third")),
     )
     nuisances = (
-        Column("nuisance", Text("干擾", "nuisance")),
-        Column("n", Text("件數", "N")),
-        Column("refused", Text("拒評", "refused")),
-        Column("mean", Text("平均變動", "mean, points")),
-        Column("rms", Text("均方根", "rms, points")),
-        Column("most", Text("最大", "most, points")),
+        Column("nuisance", Bilingual("干擾", "nuisance")),
+        Column("n", Bilingual("件數", "N")),
+        Column("refused", Bilingual("拒評", "refused")),
+        Column("mean", Bilingual("平均變動", "mean, points")),
+        Column("rms", Bilingual("均方根", "rms, points")),
+        Column("most", Bilingual("最大", "most, points")),
     )
-    title = Text("照片的干擾：漂移與一級毛病之比", "Nuisance drift against one step of severity")
-    each = Text("哪些干擾動了我們的分數", "Which nuisances move our mark")
+    title = Bilingual("照片的干擾：漂移與一級毛病之比", "Nuisance drift against one step of severity")
+    each = Bilingual("哪些干擾動了我們的分數", "Which nuisances move our mark")
     return (
         Table("nuisance-methods", title, methods, tuple(facts["methods"]), (about,)),
         Table("nuisance-kinds", each, nuisances, tuple(facts["nuisances"]), (about,)),
     )
 
 
-def _sentence(facts: Mapping[str, Any]) -> Text:
+def _sentence(facts: Mapping[str, Any]) -> Bilingual:
     ratio, losers = facts["ours"]["ratio"], ", ".join(facts["losers"])
     if ratio is None:
-        return Text(
+        return Bilingual(
             "我們的分數不隨程度下降，無從比較。", "Our mark does not fall with severity: no comparison."
         )
     fine = ratio < facts["wanted"]
-    return Text(
+    return Bilingual(
         f"我們的漂移是一級毛病的 {ratio:.2f} 倍，{'低於' if fine else '未低於'}三分之一；"
         f"單項超過三分之一的干擾：{losers or '無'}。",
         f"Our drift is {ratio:.2f} of one step of severity, "

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rumu.errors import OutputError
-from rumu.report.wording import Text
+from rumu.values import Bilingual
 from rumu_lab.experiments import figures
 from rumu_lab.experiments.findings import Findings, findings_of, kept
 from rumu_lab.experiments.protocol import declared
@@ -27,7 +27,7 @@ class Figure:
     """One figure of the page. files: relative to OUT; the first is shown."""
 
     files: tuple[str, ...]
-    caption: Text
+    caption: Bilingual
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Made:
     page: Path
     figures: tuple[str, ...]
     missing: tuple[str, ...]
-    warnings: tuple[Text, ...]
+    warnings: tuple[Bilingual, ...]
 
 
 def write_report(out: Path) -> Made:
@@ -60,7 +60,7 @@ def write_report(out: Path) -> Made:
 def draw(findings: Findings, out: Path) -> tuple[Figure, ...]:
     """The figures of one experiment: those that it wrote itself, and charts written under OUT/figures."""
     made = [
-        Figure((f["file"],), Text(f["zh"], f["en"]))
+        Figure((f["file"],), Bilingual(f["zh"], f["en"]))
         for f in findings.facts.get("figures", ())
         if (out / f["file"]).is_file()
     ]
@@ -68,32 +68,34 @@ def draw(findings: Findings, out: Path) -> tuple[Figure, ...]:
     return (*made, *(painter(findings.facts, out) if painter else ()))
 
 
-def warnings_of(found: Mapping[str, Mapping[str, Any]]) -> tuple[Text, ...]:
+def warnings_of(found: Mapping[str, Mapping[str, Any]]) -> tuple[Bilingual, ...]:
     """What a reader must know before any figure: quick runs, several versions of the code or the protocol."""
     warnings = []
     if any(plain["quick"] for plain in found.values()):
         warnings.append(
-            Text(
+            Bilingual(
                 "這是小樣快跑，數字不成結果。",
                 "This is a quick run on a small subset: its figures are no result.",
             )
         )
     if any(plain["protocol_sha256"] != declared().sha256 for plain in found.values()):
         warnings.append(
-            Text(
+            Bilingual(
                 "有的結果出自另一份方案。",
                 "Some results were made under a protocol other than the present one.",
             )
         )
     if len({plain["code_sha256"] for plain in found.values()}) > 1:
         warnings.append(
-            Text("各項結果不是同一版程序所得。", "Not all results were made by the same version of the code.")
+            Bilingual(
+                "各項結果不是同一版程序所得。", "Not all results were made by the same version of the code."
+            )
         )
     return tuple(warnings)
 
 
 def _charted(paths: Sequence[Path], out: Path, zh: str, en: str) -> Figure:
-    return Figure(tuple(p.relative_to(out).as_posix() for p in paths), Text(zh, en))
+    return Figure(tuple(p.relative_to(out).as_posix() for p in paths), Bilingual(zh, en))
 
 
 def _paint_human(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
@@ -230,7 +232,7 @@ def _render(
     drawn: Mapping[str, Sequence[Figure]],
     *,
     missing: Sequence[str],
-    warnings: Sequence[Text],
+    warnings: Sequence[Bilingual],
 ) -> str:
     from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 

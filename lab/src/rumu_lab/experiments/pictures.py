@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rumu.errors import OutputError
-from rumu.report.wording import Text
-from rumu.values import Surface
+from rumu.values import Bilingual, Surface
 from rumu_lab.experiments.e3c import Copy, read_copies
 from rumu_lab.experiments.figures import sheet
 from rumu_lab.experiments.findings import Findings, Setting
@@ -25,7 +24,7 @@ class Shown(NamedTuple):
     """A figure's file with its caption."""
 
     file: str
-    caption: Text
+    caption: Bilingual
 
 
 class Example(NamedTuple):
@@ -60,7 +59,7 @@ def _figure_4(folder: Path, setting: Setting) -> Shown:
     sheet([tiles], folder / "figure-4.png", above=("picture", "surface", "texture, lit", "mesh"))
     return Shown(
         "figures/figure-4.png",
-        Text(
+        Bilingual(
             f"圖四：{zh}：原圖、曲面、帶紋理的曲面、網格。高度由墨跡算出，不是實測。",
             f"Figure 4: {en}: picture, surface, textured surface, mesh. The height is computed from the "
             "ink, not measured.",
@@ -96,7 +95,9 @@ def _figure_5(folder: Path, setting: Setting) -> Shown:
     )
     return Shown(
         "figures/figure-5.png",
-        Text("圖五：五體的「天」：原圖、曲面、網格。", "Figure 5: one work of each of the five scripts."),
+        Bilingual(
+            "圖五：五體的「天」：原圖、曲面、網格。", "Figure 5: one work of each of the five scripts."
+        ),
     )
 
 
@@ -109,7 +110,7 @@ def _figure_6(folder: Path, setting: Setting) -> Shown:
     chosen = four_levels(copies, setting.protocol.cut_offs)
     if chosen:
         template, examples = chosen
-        about = Text("真人臨作，分數為評委平均分", "copies by learners, with the mark of the panel")
+        about = Bilingual("真人臨作，分數為評委平均分", "copies by learners, with the mark of the panel")
         labels = [f"{e.level}, panel {e.mark:.0f}" for e in examples]
     else:
         work = find_work("regular-tian")
@@ -117,7 +118,7 @@ def _figure_6(folder: Path, setting: Setting) -> Shown:
             work.path,
             [Example(d, float("nan"), AtDegree(work.path, d, 11).picture()) for d in reversed(DEGREES)],
         )
-        about = Text("模擬臨作，並非真人書寫，也無評分", "simulated copies: nobody wrote or marked them")
+        about = Bilingual("模擬臨作，並非真人書寫，也無評分", "simulated copies: nobody wrote or marked them")
         labels = [f"made as {e.level}" for e in examples]
     rows = [_views(pipeline.surface_of(thing)) for thing in (template, *(e.copy for e in examples))]
     columns = [[row[k] for row in rows] for k in (0, 1, 3)]
@@ -125,7 +126,7 @@ def _figure_6(folder: Path, setting: Setting) -> Shown:
     sheet(columns, folder / "figure-6.png", above=("master", *labels), beside=beside)
     return Shown(
         "figures/figure-6.png",
-        Text(
+        Bilingual(
             f"圖六：範字與優、良、中、差四級的臨作（{about.zh}）。",
             f"Figure 6: a master with copies that are excellent, good, medium and bad ({about.en}).",
         ),

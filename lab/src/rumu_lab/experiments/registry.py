@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rumu.errors import RumuError
-from rumu.report.wording import Text
+from rumu.values import Bilingual
 from rumu_lab.experiments.findings import Findings, Setting, keep, kept, still_holds
 
 Status = Literal["ran", "kept", "skipped", "failed"]
@@ -26,7 +26,7 @@ class Experiment:
 
     name: str
     module: str
-    title: Text
+    title: Bilingual
     needs: tuple[str, ...] = ()
     in_quick: bool = True
     alone: bool = False
@@ -36,20 +36,24 @@ _E3C = ("e3c/scores.csv",)
 _MASTERS = ("masters/regular/labels.csv",)
 
 EXPERIMENTS: tuple[Experiment, ...] = (
-    Experiment("e3c", "people", Text("分數與真人評分", "The mark against people"), _E3C, in_quick=False),
-    Experiment("human", "human", Text("表二、圖七：真人評分", "Table 2 and Figure 7: human marks"), _E3C),
-    Experiment("levels", "levels", Text("表一：定級", "Table 1: levels")),
-    Experiment("severities", "severities", Text("表二：模擬毛病", "Table 2: simulated severities")),
-    Experiment("ablation", "ablation", Text("消融", "Ablations"), _E3C),
-    Experiment("nuisance", "nuisance", Text("照片的干擾", "Nuisances of the photograph")),
-    Experiment("remarks", "remarks", Text("評語說中了沒有", "Faults told back by the remarks"), _E3C, False),
-    Experiment("gaming", "gaming", Text("蒙混過關", "Copies that try to fool the mark"), (), False),
-    Experiment("identity", "identity", Text("同字與異字", "Same character or another"), _MASTERS, False),
-    Experiment("pictures", "pictures", Text("圖四、圖五、圖六", "Figures 4, 5 and 6")),
-    Experiment("runtime", "runtime", Text("所需時間", "Runtime")),
-    Experiment("development", "locked", Text("開發字表", "Development list"), _MASTERS, False, True),
-    Experiment("validation", "locked", Text("驗證字表", "Validation list"), _MASTERS, False, True),
-    Experiment("locked", "locked", Text("封存測試", "The locked test"), _MASTERS, False, True),
+    Experiment("e3c", "people", Bilingual("分數與真人評分", "The mark against people"), _E3C, in_quick=False),
+    Experiment(
+        "human", "human", Bilingual("表二、圖七：真人評分", "Table 2 and Figure 7: human marks"), _E3C
+    ),
+    Experiment("levels", "levels", Bilingual("表一：定級", "Table 1: levels")),
+    Experiment("severities", "severities", Bilingual("表二：模擬毛病", "Table 2: simulated severities")),
+    Experiment("ablation", "ablation", Bilingual("消融", "Ablations"), _E3C),
+    Experiment("nuisance", "nuisance", Bilingual("照片的干擾", "Nuisances of the photograph")),
+    Experiment(
+        "remarks", "remarks", Bilingual("評語說中了沒有", "Faults told back by the remarks"), _E3C, False
+    ),
+    Experiment("gaming", "gaming", Bilingual("蒙混過關", "Copies that try to fool the mark"), (), False),
+    Experiment("identity", "identity", Bilingual("同字與異字", "Same character or another"), _MASTERS, False),
+    Experiment("pictures", "pictures", Bilingual("圖四、圖五、圖六", "Figures 4, 5 and 6")),
+    Experiment("runtime", "runtime", Bilingual("所需時間", "Runtime")),
+    Experiment("development", "locked", Bilingual("開發字表", "Development list"), _MASTERS, False, True),
+    Experiment("validation", "locked", Bilingual("驗證字表", "Validation list"), _MASTERS, False, True),
+    Experiment("locked", "locked", Bilingual("封存測試", "The locked test"), _MASTERS, False, True),
 )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rumu.report.wording import Text
+from rumu.values import Bilingual
 from rumu_lab.experiments.findings import Cell, Column, Findings, Setting, Table
 from rumu_lab.experiments.made import AtDegree
 from rumu_lab.experiments.measuring import OURS
@@ -77,18 +77,18 @@ def _jobs(plain: Mapping[str, Any]) -> dict[str, Callable[[], object]]:
 
 def _table(facts: Mapping[str, Any]) -> Table:
     columns = (
-        Column("method", Text("方法", "method")),
-        Column("median", Text("中位數，毫秒", "median, ms"), 1),
-        Column("least", Text("最短", "least, ms"), 1),
-        Column("most", Text("最長", "most, ms"), 1),
-        Column("ratio", Text("與我們之比", "ratio to ours"), 2),
+        Column("method", Bilingual("方法", "method")),
+        Column("median", Bilingual("中位數，毫秒", "median, ms"), 1),
+        Column("least", Bilingual("最短", "least, ms"), 1),
+        Column("most", Bilingual("最長", "most, ms"), 1),
+        Column("ratio", Bilingual("與我們之比", "ratio to ours"), 2),
     )
     side = facts["side"]
-    note = Text(
+    note = Bilingual(
         f"{side} × {side} 的一對，各 {facts['repeats']} 次，輪流進行；「圖片成曲面」一步各法共用，另列。"
         "時間隨機器而異，只有比值可比。",
         f"One pair at {side} x {side}, {facts['repeats']} times each, in turn. Reading the pictures is "
         "common to all and stands apart. Times depend on the machine; only ratios compare.",
     )
-    title = Text("一對 512 × 512 所需時間", "Time for a pair at 512 x 512")
+    title = Bilingual("一對 512 × 512 所需時間", "Time for a pair at 512 x 512")
     return Table("runtime", title, columns, tuple(facts["methods"]), (note,))

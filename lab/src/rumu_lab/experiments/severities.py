@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from rumu.errors import CalibrationError
-from rumu.report.wording import Text
-from rumu.values import FloatArray
+from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.agreement import (
     COLUMNS,
     FEW_CLUSTERS,
@@ -236,7 +235,7 @@ def _sensitivity(
 
 def _tables(name: str, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     about = (
-        Text(
+        Bilingual(
             f"與所聲明的程度表一致與否，不是與人一致與否。{facts['series']} 個系列、{facts['copies']} 件；"
             "每次留出一種書體（或一個字）。",
             "Agreement with a declared severity scale on simulated faults, not with people. "
@@ -245,7 +244,7 @@ def _tables(name: str, facts: Mapping[str, Any]) -> tuple[Table, ...]:
         ),
     )
     ranks = tuple(
-        Column(key, Text(zh, en), 3)
+        Column(key, Bilingual(zh, en), 3)
         for key, zh, en in (
             ("method", "方法", "method"),
             ("n", "系列", "series"),
@@ -257,29 +256,29 @@ def _tables(name: str, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     )
     methods = [str(row["method"]) for row in facts["ranks"]]
     faults = (
-        Column("fault", Text("毛病", "fault")),
-        Column("n", Text("系列", "series")),
-        Column("ours_fall", Text("我們每級扣分", "our fall a step"), 1),
-        *(Column(method, Text(method, method)) for method in methods),
+        Column("fault", Bilingual("毛病", "fault")),
+        Column("n", Bilingual("系列", "series")),
+        Column("ours_fall", Bilingual("我們每級扣分", "our fall a step"), 1),
+        *(Column(method, Bilingual(method, method)) for method in methods),
     )
     return (
         Table(
             f"table-2-{name}",
-            Text("表二（模擬毛病）：與聲明程度的差距", "Table 2 on simulated severities"),
+            Bilingual("表二（模擬毛病）：與聲明程度的差距", "Table 2 on simulated severities"),
             COLUMNS,
             tuple(facts["methods"]),
             (*about, FEW_CLUSTERS),
         ),
         Table(
             f"ranks-{name}",
-            Text("毛病越重，分數是否越低", "Whether marks fall as a fault grows"),
+            Bilingual("毛病越重，分數是否越低", "Whether marks fall as a fault grows"),
             ranks,
             tuple(facts["ranks"]),
             about,
         ),
         Table(
             f"faults-{name}",
-            Text("逐項毛病的等級相關", "Spearman with falling severity, fault by fault"),
+            Bilingual("逐項毛病的等級相關", "Spearman with falling severity, fault by fault"),
             faults,
             tuple(facts["by_fault"]),
             about,
@@ -287,7 +286,7 @@ def _tables(name: str, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     )
 
 
-def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
+def _sentences(facts: Mapping[str, Any]) -> tuple[Bilingual, ...]:
     sensitivity, worst = facts["sensitivity"], facts["worst_fold"]
     places = sensitivity["places_of_ours"]
     en = ", ".join(f"{place} ({name})" for name, place in places.items())
@@ -299,7 +298,7 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Text, ...]:
     )
     return (
         verdict_sentence(facts["verdict"], zh="在模擬毛病上", en="On simulated severities"),
-        Text(
+        Bilingual(
             f"{stable_zh}；我們的名次：{en}。最差一組：{worst['fold']}，{worst['mae']:.2f}。",
             f"Sensitivity: {stable_en}; place of ours: {en}. "
             f"Worst fold: {worst['fold']}, mean absolute error {worst['mae']:.2f}.",
