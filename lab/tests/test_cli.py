@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rumu.errors import CalibrationError
-from rumu_lab.experiments import registry
+from rumu_lab.experiments import runner
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def asked(monkeypatch):
 
         return type("Module", (), {"run": staticmethod(run)})
 
-    monkeypatch.setattr(registry, "import_module", module)
+    monkeypatch.setattr(runner, "import_module", module)
     return calls
 
 
@@ -68,7 +68,7 @@ def test_the_experiment_gets_its_data_and_its_place(rumu, asked, data, tmp_path,
 
 
 def test_all_goes_on_where_it_stopped_and_past_what_fails(rumu, asked, data, tmp_path):
-    everything = [e.name for e in registry.EXPERIMENTS if not e.alone]
+    everything = [e.name for e in runner.EXPERIMENTS if not e.alone]
     first = rumu("experiments", "run", "all", "--data", data, "-o", tmp_path / "o", "--json")
     assert first.code == 1 and "nuisance" in first.err
     facts = json.loads(first.out)["experiments"]
@@ -83,8 +83,8 @@ def test_all_goes_on_where_it_stopped_and_past_what_fails(rumu, asked, data, tmp
 
 def test_all_skips_what_has_no_data_with_one_line(rumu, asked, tmp_path):
     ended = rumu("experiments", "run", "all", "--data", tmp_path, "-o", tmp_path / "o")
-    skipped = {e.name for e in registry.EXPERIMENTS if e.needs and not e.alone}
-    assert {name for name, *_ in asked} == {e.name for e in registry.EXPERIMENTS if not e.alone} - skipped
+    skipped = {e.name for e in runner.EXPERIMENTS if e.needs and not e.alone}
+    assert {name for name, *_ in asked} == {e.name for e in runner.EXPERIMENTS if not e.alone} - skipped
     for name in skipped:
         (line,) = [line for line in ended.err.splitlines() if line.startswith(f"{name}:")]
         assert "skipped" in line and str(tmp_path) in line

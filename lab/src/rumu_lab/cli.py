@@ -12,7 +12,7 @@ from rumu.cli.outcome import Outcome, ends_well
 from rumu.cli.progress import bar
 
 if TYPE_CHECKING:
-    from rumu_lab.experiments.findings import Setting
+    from rumu_lab.experiments.findings import RunSettings
 
 Name = Literal[
     "all",
@@ -64,16 +64,16 @@ def run(
     as_json: AsJson = False,
 ) -> Outcome:
     """Run one experiment, or all that the report is made of, and print the figures."""
-    from rumu_lab.experiments.findings import Setting
+    from rumu_lab.experiments.findings import RunSettings
 
     if name == "all" and out is None:
         raise typer.BadParameter("'all' needs a folder for its results: -o OUT")
     if (name == "locked") != (seed is not None):
         raise typer.BadParameter("'locked' needs --seed, and nothing else takes it")
-    setting = Setting(data, out, quick)
+    settings = RunSettings(data, out, quick)
     if name == "all":
-        return _run_all(setting)
-    return _run_one(name, setting, {} if seed is None else {"seed": seed, "log": log})
+        return _run_all(settings)
+    return _run_one(name, settings, {} if seed is None else {"seed": seed, "log": log})
 
 
 @ends_well
@@ -82,7 +82,7 @@ def report(
     as_json: AsJson = False,
 ) -> Outcome:
     """Make the figures and one HTML page of the results that a folder holds."""
-    from rumu_lab.experiments.page import write_report
+    from rumu_lab.experiments.html_report import write_report
 
     made = write_report(out)
     facts: dict[str, Any] = {
@@ -97,25 +97,25 @@ def report(
     return Outcome(facts, "\n".join(lines))
 
 
-def _run_one(name: str, setting: Setting, more: dict[str, Any]) -> Outcome:
+def _run_one(name: str, settings: RunSettings, more: dict[str, Any]) -> Outcome:
     from dataclasses import replace
 
     from rumu.errors import CalibrationError
-    from rumu_lab.experiments.registry import find, run_one, why_not
+    from rumu_lab.experiments.runner import find, run_one, why_not
 
-    reason = why_not(find(name), setting)
+    reason = why_not(find(name), settings)
     if reason is not None:
         raise CalibrationError(f"{name}: {reason}")
     with bar(f"Running {name}") as advance:
-        found = run_one(name, replace(setting, progress=advance), **more)
+        found = run_one(name, replace(settings, progress=advance), **more)
     return Outcome(found.summary(), found.text())
 
 
-def _run_all(setting: Setting) -> Outcome:
+def _run_all(settings: RunSettings) -> Outcome:
     import contextlib
     import sys
 
-    from rumu_lab.experiments.registry import run_all
+    from rumu_lab.experiments.runner import run_all
 
     ended, lines = {}, []
     with contextlib.ExitStack() as bars:
@@ -124,7 +124,7 @@ def _run_all(setting: Setting) -> Outcome:
             bars.close()
             return bars.enter_context(bar(f"Running {name}"))
 
-        for one in run_all(setting, announce=announce):
+        for one in run_all(settings, announce=announce):
             bars.close()
             line = (
                 f"{one.name}: {one.status}, {one.seconds:.0f} s"
@@ -135,6 +135,6 @@ def _run_all(setting: Setting) -> Outcome:
             ended[one.name] = {"status": one.status, "seconds": one.seconds, "why": one.why}
             lines.append(line)
     failed = [name for name, how in ended.items() if how["status"] == "failed"]
-    refused = f"{', '.join(failed)} failed; the rest is kept in {setting.out}" if failed else None
-    closing = f"rumu experiments report {setting.out} makes the page."
-    return Outcome({"experiments": ended, "out": setting.out}, "\n".join([*lines, closing]), refused)
+    refused = f"{', '.join(failed)} failed; the rest is kept in {settings.out}" if failed else None
+    closing = f"rumu experiments report {settings.out} makes the page."
+    return Outcome({"experiments": ended, "out": settings.out}, "\n".join([*lines, closing]), refused)

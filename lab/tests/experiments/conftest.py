@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from rumu_lab.baselines.methods import METHODS
-from rumu_lab.experiments.findings import Setting
-from rumu_lab.experiments.measuring import OURS, OWN, Measured, Task
+from rumu_lab.experiments.findings import RunSettings
+from rumu_lab.experiments.measuring import OURS, OWN, GradingTask, Measured
 
 
 @pytest.fixture
-def quick(tmp_path) -> Setting:
+def quick(tmp_path) -> RunSettings:
     """The quick subset, with a place to keep what it finds and no data."""
-    return Setting(tmp_path / "data", tmp_path / "out", quick=True)
+    return RunSettings(tmp_path / "data", tmp_path / "out", quick=True)
 
 
-def _graded(task: Task, quality: float, *, noise: float = 0.02) -> Measured:
+def _graded(task: GradingTask, quality: float, *, noise: float = 0.02) -> Measured:
     """Ours says `quality` (0 to 1); the others say it with noise of their own."""
     rng = np.random.default_rng(zlib.crc32(task.key.encode()))
     raw = {name: float(np.clip(quality + noise * rng.normal(), 0, 1)) for name in (*OWN, *METHODS)}

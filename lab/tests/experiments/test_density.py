@@ -6,16 +6,16 @@ import pytest
 
 from rumu.gallery.works import find_work
 from rumu_lab.experiments import density
-from rumu_lab.experiments.made import Faulty
-from rumu_lab.experiments.measuring import Measured, Task
+from rumu_lab.experiments.measuring import GradingTask, Measured
 from rumu_lab.experiments.severities import starter_subjects
+from rumu_lab.experiments.simulated_copies import Faulty
 
 MASTER = find_work("regular-ren").path
 
 
 def test_blots_show_in_the_darkness_and_both_are_measured():
     near, far = (
-        density.measure_density(Task("k", "c", MASTER, Faulty(MASTER, "dry", severity, 11))).raw
+        density.measure_density(GradingTask("k", "c", MASTER, Faulty(MASTER, "dry", severity, 11))).raw
         for severity in (1, 5)
     )
     assert set(near) == set(far) == set(density.METHODS)

@@ -24,7 +24,7 @@ FOUND = Findings("levels", {"n": np.int64(3), "bad": float("nan")}, (TABLE,), (B
 
 
 def test_it_comes_back(quick):
-    f.keep(FOUND, setting=quick, seconds=1.25)
+    f.keep(FOUND, settings=quick, seconds=1.25)
     plain = f.kept("levels", out=quick.out)
     again = f.findings_of(plain)
     assert again.facts == {"n": 3, "bad": None}
@@ -34,7 +34,7 @@ def test_it_comes_back(quick):
 
 
 def test_every_table_carries_the_protocol(quick):
-    f.keep(FOUND, setting=quick, seconds=1)
+    f.keep(FOUND, settings=quick, seconds=1)
     with (quick.out / "tables" / "levels.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert rows[0] == {
@@ -48,14 +48,14 @@ def test_every_table_carries_the_protocol(quick):
 
 @pytest.mark.parametrize("changed", ["code", "quick", "protocol"])
 def test_it_holds_as_long_as_what_it_rests_on(quick, monkeypatch, changed):
-    f.keep(FOUND, setting=quick, seconds=1)
+    f.keep(FOUND, settings=quick, seconds=1)
     plain = f.kept("levels", out=quick.out)
-    assert f.still_holds(plain, setting=quick)
+    assert f.still_holds(plain, settings=quick)
     if changed == "code":
         monkeypatch.setattr(f, "code_hash", lambda parts: "f" * 64)
     elif changed == "protocol":
         plain |= {"protocol_sha256": "f" * 64}
-    assert not f.still_holds(plain, setting=replace(quick, quick=changed != "quick"))
+    assert not f.still_holds(plain, settings=replace(quick, quick=changed != "quick"))
 
 
 def test_a_broken_result_is_none(quick):
@@ -72,6 +72,6 @@ def test_for_a_reader():
 
 
 def test_json_is_strict(quick):
-    f.keep(FOUND, setting=quick, seconds=1)
+    f.keep(FOUND, settings=quick, seconds=1)
     text = (quick.out / "results" / "levels.json").read_text("utf-8")
     json.loads(text, parse_constant=pytest.fail)

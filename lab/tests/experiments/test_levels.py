@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rumu_lab.experiments import human, levels
+from rumu_lab.experiments import human_marks, levels
 from rumu_lab.experiments.levels import DEGREES
 
 MIDDLES = dict(zip(DEGREES, (0.2, 0.48, 0.62, 0.85), strict=True))
@@ -43,9 +43,11 @@ def test_without_people_it_says_so(measured, quick):
 
 
 def test_with_people(measured, quick, e3c_data, graded, monkeypatch):
-    copies = {f"human/{c.image.name}": c.mark / 100 for c in human.chosen_copies(quick)}
+    copies = {f"human/{c.image.name}": c.mark / 100 for c in human_marks.chosen_copies(quick)}
     monkeypatch.setattr(
-        human, "measure_all", lambda tasks, *, store, progress: [graded(t, copies[t.key]) for t in tasks]
+        human_marks,
+        "measure_all",
+        lambda tasks, *, store, progress: [graded(t, copies[t.key]) for t in tasks],
     )
     found = levels.run(quick)
     ours, rater, common = found.facts["human"]

@@ -11,13 +11,13 @@ import pytest
 from rumu.gallery.works import find_work
 from rumu_lab.baselines.methods import METHODS
 from rumu_lab.experiments import measuring
-from rumu_lab.experiments.made import Faulty, Written
-from rumu_lab.experiments.measuring import OURS, OWN, Measured, Task
+from rumu_lab.experiments.measuring import OURS, OWN, GradingTask, Measured
+from rumu_lab.experiments.simulated_copies import Faulty, Written
 
 MASTER = find_work("regular-ren").path
 
 
-def numbered(task: Task, *, pictures=None) -> Measured:
+def numbered(task: GradingTask, *, pictures=None) -> Measured:
     """Work that tells how often it was done."""
     asked.append(task.key)
     return Measured(task.key, task.cluster, {OURS: float(task.key) / 10})
@@ -27,7 +27,7 @@ asked: list[str] = []
 
 
 def tasks(count):
-    return [Task(str(k), "c", MASTER, Written(MASTER)) for k in range(count)]
+    return [GradingTask(str(k), "c", MASTER, Written(MASTER)) for k in range(count)]
 
 
 @pytest.fixture(autouse=True)
@@ -40,7 +40,7 @@ def here(monkeypatch):
 
 def test_a_pair_is_measured_by_every_method():
     bad = Faulty(MASTER, "angle", 5, 11)
-    pair = [Task("good", "c", MASTER, Written(MASTER)), Task("bad", "c", MASTER, bad)]
+    pair = [GradingTask("good", "c", MASTER, Written(MASTER)), GradingTask("bad", "c", MASTER, bad)]
     good, worse = measuring.measure_all(pair)
     assert set(good.raw) == {*OWN, *METHODS}
     assert good.mark == pytest.approx(100, abs=1) and worse.mark < good.mark
@@ -51,7 +51,7 @@ def test_a_refused_copy_says_why(tmp_path):
     from PIL import Image
 
     Image.new("L", (200, 200), 255).save(tmp_path / "blank.png")
-    (measured,) = measuring.measure_all([Task("k", "c", MASTER, Written(tmp_path / "blank.png"))])
+    (measured,) = measuring.measure_all([GradingTask("k", "c", MASTER, Written(tmp_path / "blank.png"))])
     assert measured.refused and measured.raw == {} and np.isnan(measured.mark)
 
 

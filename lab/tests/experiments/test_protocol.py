@@ -38,7 +38,7 @@ def test_the_works_are_those_of_the_starter_gallery():
 def test_every_script_meets_every_fault():
     by_script = {}
     for number, work in enumerate(FULL.works):
-        by_script.setdefault(work.split("-")[0], set()).update(protocol.faults_of(number, protocol=FULL))
+        by_script.setdefault(work.split("-")[0], set()).update(protocol.share_faults(number, protocol=FULL))
     assert set(by_script) == set(FULL.scripts)
     assert all(found == set(FULL.faults) for found in by_script.values())
 

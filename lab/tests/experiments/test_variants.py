@@ -6,8 +6,8 @@ import pytest
 
 from rumu.gallery.works import find_work
 from rumu_lab.experiments import variants
-from rumu_lab.experiments.made import Faulty, Written
-from rumu_lab.experiments.measuring import Task
+from rumu_lab.experiments.measuring import GradingTask
+from rumu_lab.experiments.simulated_copies import Faulty, Written
 
 MASTER = find_work("regular-shui").path
 
@@ -21,7 +21,7 @@ def test_the_variant_that_the_mark_uses_is_among_them():
 @pytest.mark.parametrize("perfect", [True, False])
 def test_one_copy_by_every_variant(perfect):
     copy = Written(MASTER) if perfect else Faulty(MASTER, "missing", 3, 11)
-    raw = variants.measure_variants(Task("k", "c", MASTER, copy)).raw
+    raw = variants.measure_variants(GradingTask("k", "c", MASTER, copy)).raw
     assert set(raw) == {
         *(variants.variant(*w) for w in variants.weights()),
         *(variants.FORWARD, variants.BACKWARD, variants.DENSITY),
@@ -37,4 +37,4 @@ def test_a_blank_copy_is_refused(tmp_path):
     from PIL import Image
 
     Image.new("L", (200, 200), 255).save(tmp_path / "blank.png")
-    assert variants.measure_variants(Task("k", "c", MASTER, Written(tmp_path / "blank.png"))).refused
+    assert variants.measure_variants(GradingTask("k", "c", MASTER, Written(tmp_path / "blank.png"))).refused

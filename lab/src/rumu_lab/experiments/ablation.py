@@ -15,10 +15,10 @@ import numpy as np
 from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.agreement import Graded, held_out, side_by_side
 from rumu_lab.experiments.density import density_table
-from rumu_lab.experiments.findings import Cell, Column, Findings, Setting, Table
-from rumu_lab.experiments.human import chosen_copies
-from rumu_lab.experiments.made import Written
-from rumu_lab.experiments.measuring import Measured, Task, measure_by
+from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
+from rumu_lab.experiments.human_marks import chosen_copies
+from rumu_lab.experiments.measuring import GradingTask, Measured, measure_by
+from rumu_lab.experiments.simulated_copies import Written
 from rumu_lab.experiments.statistics import cluster_interval, spearman, within
 from rumu_lab.experiments.variants import (
     BACKWARD,
@@ -32,19 +32,21 @@ from rumu_lab.experiments.variants import (
 )
 
 
-def run(setting: Setting) -> Findings:
+def run(settings: RunSettings) -> Findings:
     """Every variant on the marked copies. Raises CalibrationError when they are not there."""
-    copies = chosen_copies(setting)
-    tasks = [Task(f"ablation/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies]
-    measured = measure_by(measure_variants, tasks, store=setting.store, progress=setting.progress)
+    copies = chosen_copies(settings)
+    tasks = [
+        GradingTask(f"ablation/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies
+    ]
+    measured = measure_by(measure_variants, tasks, store=settings.store, progress=settings.progress)
     kept = [(c, m) for c, m in zip(copies, measured, strict=True) if m.refused is None]
     marks = np.array([c.mark for c, _ in kept])
     characters = [c.character for c, _ in kept]
     raw = {name: _column([m for _, m in kept], name) for name in kept[0][1].raw}
     density = raw.pop(DENSITY)
-    rows = variant_rows(raw, marks, characters, setting)
-    gains = gain_rows(raw, marks, characters, setting)
-    groups, group_gains = ([], []) if setting.quick else _groups(setting)
+    rows = variant_rows(raw, marks, characters, settings)
+    gains = gain_rows(raw, marks, characters, settings)
+    groups, group_gains = ([], []) if settings.quick else _groups(settings)
     facts: dict[str, Any] = {
         "copies": len(copies),
         "characters": len(set(characters)),
@@ -55,18 +57,18 @@ def run(setting: Setting) -> Findings:
         "density_measurable": int(np.isfinite(density).sum()),
         "third_dimension": next(g for g in gains if g["what"] == _height_gain(*base_weights())),
     }
-    ink = density_table(setting)
+    ink = density_table(settings)
     facts["density"] = list(ink.rows)
     return Findings("ablation", facts, (*_tables(facts), ink), _sentences(facts))
 
 
-def _groups(setting: Setting) -> tuple[list[dict[str, Cell]], list[dict[str, Cell]]]:
+def _groups(settings: RunSettings) -> tuple[list[dict[str, Cell]], list[dict[str, Cell]]]:
     """Groups of evidence left out of the fitted mark; a quick run has too few copies to fit it."""
     from rumu_lab.experiments.groups import group_rows, predictions
     from rumu_lab.experiments.people import marked_copies
 
-    marked = marked_copies(setting)
-    return group_rows(predictions(marked), marked, setting)
+    marked = marked_copies(settings)
+    return group_rows(predictions(marked), marked, settings)
 
 
 def _column(measured: Sequence[Measured], name: str) -> FloatArray:
@@ -74,18 +76,18 @@ def _column(measured: Sequence[Measured], name: str) -> FloatArray:
 
 
 def variant_rows(
-    raw: Mapping[str, FloatArray], marks: FloatArray, characters: Sequence[str], setting: Setting
+    raw: Mapping[str, FloatArray], marks: FloatArray, characters: Sequence[str], settings: RunSettings
 ) -> list[dict[str, Cell]]:
     """One row a variant, as in Table 2, beside the variant that the mark uses."""
     graded = [Graded(name, values, held_out(values, marks, characters)) for name, values in raw.items()]
-    fewest = int(setting.protocol.plain["human"]["fewest_within"])
+    fewest = int(settings.protocol.plain["human"]["fewest_within"])
     return side_by_side(
-        graded, marks, characters, ours=base_variant(), protocol=setting.protocol, fewest=fewest
+        graded, marks, characters, ours=base_variant(), protocol=settings.protocol, fewest=fewest
     )
 
 
 def gain_rows(
-    raw: Mapping[str, FloatArray], marks: FloatArray, characters: Sequence[str], setting: Setting
+    raw: Mapping[str, FloatArray], marks: FloatArray, characters: Sequence[str], settings: RunSettings
 ) -> list[dict[str, Cell]]:
     """What a part adds to the mean Spearman within a character, its interval, and whether it is clear."""
     height, direction = base_weights()
@@ -96,7 +98,7 @@ def gain_rows(
     questions += [("both ways, against copy to master", base, FORWARD)]
     questions += [("both ways, against master to copy", base, BACKWARD)]
     return [
-        _gain(what, (raw[more], raw[less]), marks, characters, setting=setting)
+        _gain(what, (raw[more], raw[less]), marks, characters, settings=settings)
         for what, more, less in questions
         if more in raw and less in raw
     ]
@@ -112,9 +114,9 @@ def _gain(
     marks: FloatArray,
     characters: Sequence[str],
     *,
-    setting: Setting,
+    settings: RunSettings,
 ) -> dict[str, Cell]:
-    protocol = setting.protocol
+    protocol = settings.protocol
     fewest = int(protocol.plain["human"]["fewest_within"])
     with_it, without = (within(spearman, r, marks, characters, fewest=fewest) for r in pair)
     gain = np.array([with_it[c] - without[c] for c in with_it])

@@ -11,7 +11,7 @@ import numpy as np
 from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.findings import Cell, Column
 from rumu_lab.experiments.measuring import Measured
-from rumu_lab.experiments.protocol import Protocol
+from rumu_lab.experiments.protocol import ExperimentProtocol
 from rumu_lab.experiments.statistics import (
     Labels,
     cluster_interval,
@@ -71,7 +71,7 @@ def side_by_side(
     clusters: Labels,
     *,
     ours: str,
-    protocol: Protocol,
+    protocol: ExperimentProtocol,
     fewest: int = 2,
 ) -> list[dict[str, Cell]]:
     """One row a method, least error first.

@@ -12,8 +12,8 @@ from typing import Literal
 import numpy as np
 
 from rumu.values import Bilingual
-from rumu_lab.experiments.findings import Cell, Column, Setting, Table
-from rumu_lab.experiments.measuring import Measured, Task, drawn, measure_by, residual_grade
+from rumu_lab.experiments.findings import Cell, Column, RunSettings, Table
+from rumu_lab.experiments.measuring import GradingTask, Measured, drawn, measure_by, residual_grade
 from rumu_lab.experiments.severities import Subject, key_of, starter_subjects, task_of
 from rumu_lab.experiments.statistics import spearman
 
@@ -21,7 +21,7 @@ FAULTS = ("pale", "dry", "blot")
 METHODS: tuple[Literal["inflation", "density"], ...] = ("inflation", "density")
 
 
-def measure_density(task: Task, *, pictures: Path | None = None) -> Measured:
+def measure_density(task: GradingTask, *, pictures: Path | None = None) -> Measured:
     """One copy by the 5-D residual, once with each kind of height; 0 where there is no relief to compare."""
     from rumu.errors import RefusedImage, RumuError
     from rumu.registration.icp import register_points
@@ -40,22 +40,24 @@ def measure_density(task: Task, *, pictures: Path | None = None) -> Measured:
     return Measured(task.key, task.cluster, grades)
 
 
-def density_table(setting: Setting) -> Table:
+def density_table(settings: RunSettings) -> Table:
     """Mean Spearman with falling severity, fault by fault, for both kinds of height."""
     subjects = [
         replace(s, faults=tuple(f for f in s.faults if f in FAULTS))
-        for s in starter_subjects(setting.protocol)
+        for s in starter_subjects(settings.protocol)
     ]
-    return _table(density_rows([s for s in subjects if s.faults], setting))
+    return _table(density_rows([s for s in subjects if s.faults], settings))
 
 
-def density_rows(subjects: list[Subject], setting: Setting) -> list[dict[str, Cell]]:
+def density_rows(subjects: list[Subject], settings: RunSettings) -> list[dict[str, Cell]]:
     """One row a fault: series, how many could be measured, and each kind's mean Spearman, best 1."""
-    protocol = setting.protocol
+    protocol = settings.protocol
     severities = (0, *protocol.severities)
     plan = [(s, fault, k) for s in subjects for fault in s.faults for k in severities]
     tasks = {key_of(*step): task_of(*step, seed=protocol.simulation_seed) for step in plan}
-    found = measure_by(measure_density, list(tasks.values()), store=setting.store, progress=setting.progress)
+    found = measure_by(
+        measure_density, list(tasks.values()), store=settings.store, progress=settings.progress
+    )
     by_key = {m.key: m for m in found}
     rows: list[dict[str, Cell]] = []
     for fault in dict.fromkeys(f for s in subjects for f in s.faults):

@@ -14,7 +14,7 @@ from typing import Any
 
 from rumu.values import Bilingual
 from rumu_lab.experiments.measuring import BEHIND, code_hash
-from rumu_lab.experiments.protocol import Protocol, declared
+from rumu_lab.experiments.protocol import ExperimentProtocol, declared
 
 Cell = str | float | int | None
 
@@ -48,7 +48,7 @@ def _silent(done: int, total: int) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class RunSettings:
     """Where an experiment finds its data and keeps what it measures.
 
     data: folder of the data sets, with e3c/ in it. out: None keeps nothing. quick: the small subset.
@@ -60,7 +60,7 @@ class Setting:
     progress: Progress = _silent
 
     @property
-    def protocol(self) -> Protocol:
+    def protocol(self) -> ExperimentProtocol:
         """The declaration, cut down when quick."""
         return declared(quick=self.quick)
 
@@ -124,36 +124,36 @@ class Findings:
         return "\n\n".join([*words, *(t.text() for t in self.tables), *(s.en for s in self.sentences)])
 
 
-def keep(findings: Findings, *, setting: Setting, seconds: float) -> dict[str, Any]:
+def keep(findings: Findings, *, settings: RunSettings, seconds: float) -> dict[str, Any]:
     """Write OUT/results/NAME.json and a CSV a table; returns what was written.
 
     Raises OutputError when OUT cannot be written.
     """
     from rumu.outputs import whole_file
 
-    assert setting.out is not None
+    assert settings.out is not None
     kept = {
-        **origin(setting),
+        **origin(settings),
         "seconds": round(seconds, 1),
         **asdict(findings),
     }
-    with whole_file(setting.out / "results" / f"{findings.name}.json") as part:
+    with whole_file(settings.out / "results" / f"{findings.name}.json") as part:
         part.write_text(
             json.dumps(_plain(kept), ensure_ascii=False, indent=1, allow_nan=False) + "\n", "utf-8"
         )
     for table in findings.tables:
-        write_csv(table, setting.out / "tables" / f"{table.name}.csv", setting=setting)
+        write_csv(table, settings.out / "tables" / f"{table.name}.csv", settings=settings)
     return kept
 
 
-def origin(setting: Setting) -> dict[str, Any]:
+def origin(settings: RunSettings) -> dict[str, Any]:
     """What a result rests on: protocol, code, commit, time, and whether it is the quick subset."""
     return {
-        "protocol_sha256": setting.protocol.sha256,
+        "protocol_sha256": settings.protocol.sha256,
         "code_sha256": code_hash(RESULTS),
         "commit": commit(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "quick": setting.quick,
+        "quick": settings.quick,
     }
 
 
@@ -188,17 +188,17 @@ def findings_of(plain: Mapping[str, Any]) -> Findings:
     )
 
 
-def still_holds(plain: Mapping[str, Any], *, setting: Setting) -> bool:
+def still_holds(plain: Mapping[str, Any], *, settings: RunSettings) -> bool:
     """Whether a kept result was measured by this very code under this very protocol."""
     now = {
-        "protocol_sha256": setting.protocol.sha256,
+        "protocol_sha256": settings.protocol.sha256,
         "code_sha256": code_hash(RESULTS),
-        "quick": setting.quick,
+        "quick": settings.quick,
     }
     return all(plain.get(key) == value for key, value in now.items())
 
 
-def write_csv(table: Table, path: Path, *, setting: Setting) -> None:
+def write_csv(table: Table, path: Path, *, settings: RunSettings) -> None:
     """One table as CSV, full precision; every row ends with the protocol's hash and whether it was quick."""
     from rumu.outputs import whole_file
 
@@ -208,7 +208,7 @@ def write_csv(table: Table, path: Path, *, setting: Setting) -> None:
         writer.writerow([*keys, "protocol_sha256", "quick"])
         for row in table.rows:
             cells = ["" if row.get(key) is None else row[key] for key in keys]
-            writer.writerow([*cells, setting.protocol.sha256, int(setting.quick)])
+            writer.writerow([*cells, settings.protocol.sha256, int(settings.quick)])
 
 
 def method_name(name: str) -> str:

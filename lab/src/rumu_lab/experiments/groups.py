@@ -12,7 +12,7 @@ import numpy as np
 
 from rumu.values import FloatArray
 from rumu_lab.experiments.agreement import Graded, side_by_side
-from rumu_lab.experiments.findings import Cell, Setting
+from rumu_lab.experiments.findings import Cell, RunSettings
 from rumu_lab.experiments.people import Marked
 from rumu_lab.experiments.statistics import cluster_interval, spearman, within
 
@@ -67,11 +67,11 @@ def predictions(
 
 
 def group_rows(
-    given: Mapping[str, FloatArray], marked: Marked, setting: Setting
+    given: Mapping[str, FloatArray], marked: Marked, settings: RunSettings
 ) -> tuple[list[dict[str, Cell]], list[dict[str, Cell]]]:
     """Rows of all variants as in Table 2, and what each group adds to the Spearman within a character."""
     marks, characters = np.array(marked.panel), list(marked.characters)
-    protocol = setting.protocol
+    protocol = settings.protocol
     fewest = int(protocol.plain["human"]["fewest_within"])
     graded = [Graded(name, values, values) for name, values in given.items()]
     rows = side_by_side(graded, marks, characters, ours=WHOLE, protocol=protocol, fewest=fewest)
@@ -80,13 +80,13 @@ def group_rows(
     for name in given:
         if name.startswith("without "):
             group = name.removeprefix("without ")
-            gains.append({"what": f"group {group}", **_gain(ranks[WHOLE], ranks[name], setting)})
+            gains.append({"what": f"group {group}", **_gain(ranks[WHOLE], ranks[name], settings)})
     return rows, gains
 
 
-def _gain(more: Mapping[str, float], less: Mapping[str, float], setting: Setting) -> dict[str, Cell]:
+def _gain(more: Mapping[str, float], less: Mapping[str, float], settings: RunSettings) -> dict[str, Cell]:
     gain = np.array([more[c] - less[c] for c in more])
-    draw = {"resamples": setting.protocol.resamples, "seed": setting.protocol.resampling_seed}
+    draw = {"resamples": settings.protocol.resamples, "seed": settings.protocol.resampling_seed}
     low, high = cluster_interval(gain, list(more), **draw)
     clear = "helps" if low > 0 else "harms" if high < 0 else "not shown"
     return {"n": len(gain), "gain": float(gain.mean()), "low": low, "high": high, "clear": clear}

@@ -15,11 +15,11 @@ import numpy as np
 
 from rumu.errors import CalibrationError
 from rumu.values import Bilingual, FloatArray
-from rumu_lab.experiments import human
+from rumu_lab.experiments import human_marks
 from rumu_lab.experiments.agreement import CONSTANT, constant, held_out, raw_of
-from rumu_lab.experiments.findings import Cell, Column, Findings, Setting, Table
-from rumu_lab.experiments.made import AtDegree
-from rumu_lab.experiments.measuring import OURS, Measured, Task, measure_all
+from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
+from rumu_lab.experiments.measuring import OURS, GradingTask, Measured, measure_all
+from rumu_lab.experiments.simulated_copies import AtDegree
 from rumu_lab.experiments.statistics import clopper_pearson, weighted_kappa
 
 DEGREES = ("bad", "medium", "good", "excellent")
@@ -34,10 +34,10 @@ class Made:
     measured: Measured
 
 
-def run(setting: Setting) -> Findings:
+def run(settings: RunSettings) -> Findings:
     """Table 1 on simulated copies and, where the data is there, on human marks."""
-    made = measure_copies(setting)
-    cuts = setting.protocol.cut_offs
+    made = measure_copies(settings)
+    cuts = settings.protocol.cut_offs
     truth = [DEGREES.index(m.degree) for m in made]
     given = [level_number(m.measured.mark, cuts) for m in made]
     scripts = [m.script for m in made]
@@ -47,10 +47,10 @@ def run(setting: Setting) -> Findings:
             [t for t, s in zip(truth, scripts, strict=True) if s == script],
             [g for g, s in zip(given, scripts, strict=True) if s == script],
         )
-        for script in setting.protocol.scripts
+        for script in settings.protocol.scripts
     ]
     rows.append(level_row("all five", truth, given))
-    people, missing = human_rows(setting)
+    people, missing = human_rows(settings)
     methods = method_rows(made, cuts)
     facts = {
         "copies": len(made),
@@ -65,18 +65,18 @@ def run(setting: Setting) -> Findings:
     return Findings("levels", facts, _tables(facts), _sentences(facts))
 
 
-def measure_copies(setting: Setting) -> list[Made]:
+def measure_copies(settings: RunSettings) -> list[Made]:
     """Every work at the four degrees, for each seed."""
     from rumu.gallery.works import find_work
 
-    works = [find_work(work) for work in setting.protocol.works]
-    seeds = setting.protocol.level_seeds
+    works = [find_work(work) for work in settings.protocol.works]
+    seeds = settings.protocol.level_seeds
     plan = [(w, degree, seed) for w in works for degree in DEGREES for seed in seeds]
     tasks = [
-        Task(f"levels/{w.id}/{degree}/{seed}", w.id, w.path, AtDegree(w.path, degree, seed))
+        GradingTask(f"levels/{w.id}/{degree}/{seed}", w.id, w.path, AtDegree(w.path, degree, seed))
         for w, degree, seed in plan
     ]
-    measured = measure_all(tasks, store=setting.store, progress=setting.progress)
+    measured = measure_all(tasks, store=settings.store, progress=settings.progress)
     return [Made(w.script, degree, m) for (w, degree, _), m in zip(plan, measured, strict=True)]
 
 
@@ -101,16 +101,16 @@ def level_row(name: str, truth: Sequence[int], given: Sequence[int]) -> dict[str
     }
 
 
-def human_rows(setting: Setting) -> tuple[list[dict[str, Cell]], str | None]:
+def human_rows(settings: RunSettings) -> tuple[list[dict[str, Cell]], str | None]:
     """Levels of our held-out marks against levels of the panel's marks; or why there are none."""
     try:
-        copies = human.chosen_copies(setting)
+        copies = human_marks.chosen_copies(settings)
     except CalibrationError as error:
         return [], str(error)
-    measured = human.measure_copies(copies, setting)
+    measured = human_marks.measure_copies(copies, settings)
     pairs = [(c, m) for c, m in zip(copies, measured, strict=True) if m.refused is None]
-    own = human.own_marks([c for c, _ in pairs], [m for _, m in pairs], setting)
-    cuts = setting.protocol.cut_offs
+    own = human_marks.own_marks([c for c, _ in pairs], [m for _, m in pairs], settings)
+    cuts = settings.protocol.cut_offs
     truth = [level_number(c.mark, cuts) for c, _ in pairs]
     return [
         level_row("regular script, human marks", truth, [level_number(s, cuts) for s in own]),

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rumu_lab.experiments.made import Picture, Recipe, Written
+from rumu_lab.experiments.simulated_copies import Picture, Recipe, Written
 
 if TYPE_CHECKING:
     from rumu.assessment.measurement import PreparedMaster
@@ -38,7 +38,7 @@ less the mean of the upper quartiles both ways, in rms radii), and the two simil
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class GradingTask:
     """One copy to be measured. key: unique in its experiment. cluster: its character or work."""
 
     key: str
@@ -67,7 +67,7 @@ class Measured:
         return 100.0 * self.raw[OURS] if self.raw else float("nan")
 
 
-def measure_ours(task: Task, *, pictures: Path | None = None) -> Measured:
+def measure_ours(task: GradingTask, *, pictures: Path | None = None) -> Measured:
     """One copy by our mark, and the grades that come with our registration."""
     from rumu import pipeline
 
@@ -83,7 +83,7 @@ def measure_ours(task: Task, *, pictures: Path | None = None) -> Measured:
     return Measured(task.key, task.cluster, own)
 
 
-def measure_others(task: Task, *, pictures: Path | None = None) -> Measured:
+def measure_others(task: GradingTask, *, pictures: Path | None = None) -> Measured:
     """One copy by every other method."""
     from rumu import pipeline
     from rumu.errors import RumuError
@@ -150,7 +150,7 @@ def _cell(master: Path) -> Cell:
 
 
 def measure_all(
-    tasks: Sequence[Task], *, store: Path | None = None, progress: Progress | None = None
+    tasks: Sequence[GradingTask], *, store: Path | None = None, progress: Progress | None = None
 ) -> list[Measured]:
     """All tasks by our mark and by every other method, in order. A copy that either refuses is refused."""
     total = 2 * len(tasks)
@@ -175,7 +175,7 @@ def _together(ours: Measured, others: Measured) -> Measured:
 
 
 def measure_by(
-    work: Work, tasks: Sequence[Task], *, store: Path | None = None, progress: Progress | None = None
+    work: Work, tasks: Sequence[GradingTask], *, store: Path | None = None, progress: Progress | None = None
 ) -> list[Measured]:
     """work(task) of all tasks, in order, on all cores.
 
@@ -199,7 +199,7 @@ def measure_by(
     return [known[task.key] for task in tasks]
 
 
-def _in_parallel(work: Callable[[Task], Measured], tasks: Sequence[Task]) -> Iterator[Measured]:
+def _in_parallel(work: Callable[[GradingTask], Measured], tasks: Sequence[GradingTask]) -> Iterator[Measured]:
     """In order, a few neighbours to a process at a time: they share a master, and often a copy."""
     from rumu.processes import cores, in_order
 
@@ -208,7 +208,7 @@ def _in_parallel(work: Callable[[Task], Measured], tasks: Sequence[Task]) -> Ite
         yield from answers
 
 
-def _each(work: Callable[[Task], Measured], tasks: Sequence[Task]) -> list[Measured]:
+def _each(work: Callable[[GradingTask], Measured], tasks: Sequence[GradingTask]) -> list[Measured]:
     return [work(task) for task in tasks]
 
 

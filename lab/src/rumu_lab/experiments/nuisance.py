@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from rumu.values import Bilingual
-from rumu_lab.experiments.findings import Cell, Column, Findings, Setting, Table
-from rumu_lab.experiments.made import AtDegree, Disturbed
-from rumu_lab.experiments.measuring import OURS, Measured, Task, measure_all
+from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
+from rumu_lab.experiments.measuring import OURS, GradingTask, Measured, measure_all
 from rumu_lab.experiments.severities import starter_subjects, step_of, steps_of, whole_series
+from rumu_lab.experiments.simulated_copies import AtDegree, Disturbed
 
 PLAIN = "as it is"
 
@@ -30,13 +30,13 @@ class Shot:
     measured: Measured
 
 
-def run(setting: Setting) -> Findings:
+def run(settings: RunSettings) -> Findings:
     """How far each method drifts, and which nuisances move our mark."""
-    steps = steps_of(starter_subjects(setting.protocol), setting)
+    steps = steps_of(starter_subjects(settings.protocol), settings)
     series = whole_series(steps)
-    shots = measure_shots(setting)
+    shots = measure_shots(settings)
     by_nuisance = nuisance_rows(shots)
-    wanted = float(setting.protocol.plain["nuisances"]["wanted"])
+    wanted = float(settings.protocol.plain["nuisances"]["wanted"])
     methods = method_rows(shots, {m: -step_of(series, m) for m in series[0][0].measured.raw}, wanted=wanted)
     step = -100.0 * step_of(series, OURS)
     facts: dict[str, Any] = {
@@ -53,26 +53,26 @@ def run(setting: Setting) -> Findings:
     return Findings("nuisance", facts, _tables(facts), (_sentence(facts),))
 
 
-def measure_shots(setting: Setting) -> list[Shot]:
+def measure_shots(settings: RunSettings) -> list[Shot]:
     """Every copy as it is and under every nuisance."""
     from rumu.gallery.works import find_work
 
-    plain = setting.protocol.plain["nuisances"]
-    quick = setting.protocol.plain["quick"]
-    names = quick["nuisance_works"] if setting.quick else plain["works"]
-    kinds = plain["kinds"][: quick["nuisance_kinds"]] if setting.quick else plain["kinds"]
-    plan: list[tuple[str, str, Task]] = []
+    plain = settings.protocol.plain["nuisances"]
+    quick = settings.protocol.plain["quick"]
+    names = quick["nuisance_works"] if settings.quick else plain["works"]
+    kinds = plain["kinds"][: quick["nuisance_kinds"]] if settings.quick else plain["kinds"]
+    plan: list[tuple[str, str, GradingTask]] = []
     for work in map(find_work, names):
         for degree in plain["degrees"]:
             copy, name = AtDegree(work.path, degree, plain["seed"]), f"{work.id} {degree}"
-            plan.append((name, PLAIN, Task(f"nuisance/{name}", work.id, work.path, copy)))
+            plan.append((name, PLAIN, GradingTask(f"nuisance/{name}", work.id, work.path, copy)))
             for kind in kinds:
                 amount = kind["amount"]
                 amount = tuple(amount) if isinstance(amount, list) else amount
                 made = Disturbed(copy, kind["kind"], amount, plain["seed"])
                 key = f"nuisance/{name}/{kind['name']}"
-                plan.append((name, kind["name"], Task(key, work.id, work.path, made)))
-    measured = measure_all([t for *_, t in plan], store=setting.store, progress=setting.progress)
+                plan.append((name, kind["name"], GradingTask(key, work.id, work.path, made)))
+    measured = measure_all([t for *_, t in plan], store=settings.store, progress=settings.progress)
     return [Shot(copy, nuisance, m) for (copy, nuisance, _), m in zip(plan, measured, strict=True)]
 
 

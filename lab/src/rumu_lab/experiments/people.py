@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from rumu_lab.experiments.findings import Findings, Setting
+from rumu_lab.experiments.findings import Findings, RunSettings
 from rumu_lab.experiments.measuring import BEHIND, code_hash
 
 
@@ -30,31 +30,31 @@ class Marked:
     words: str
 
 
-def run(setting: Setting) -> Findings:
+def run(settings: RunSettings) -> Findings:
     """Agreement of the mark with the panel, whole characters held out."""
-    marked = marked_copies(setting)
+    marked = marked_copies(settings)
     return Findings("e3c", marked.facts, words=marked.words)
 
 
-def marked_copies(setting: Setting) -> Marked:
+def marked_copies(settings: RunSettings) -> Marked:
     """All marked copies; kept like what is measured. Raises CalibrationError when the data is not there."""
     file = None
-    if setting.store is not None:
+    if settings.store is not None:
         code = code_hash((*BEHIND["measure_ours"], "rumu_lab/experiments/e3c.py"))
-        file = setting.store / f"marked-{code[:16]}.json"
+        file = settings.store / f"marked-{code[:16]}.json"
         if file.is_file():
             return _marked(json.loads(file.read_text("utf-8")))
-    marked = _measured(setting)
+    marked = _measured(settings)
     if file is not None:
         _write(marked, file)
     return marked
 
 
-def _measured(setting: Setting) -> Marked:
+def _measured(settings: RunSettings) -> Marked:
     from rumu_lab.experiments import e3c
 
-    tables = None if setting.out is None else setting.out / "tables"
-    result = e3c.run(setting.data, out=tables, progress=setting.progress)
+    tables = None if settings.out is None else settings.out / "tables"
+    result = e3c.run(settings.data, out=tables, progress=settings.progress)
     kept = [(m.copy, m.features) for m in result.measured if m.features is not None]
     return Marked(
         images=tuple(copy.image.name for copy, _ in kept),

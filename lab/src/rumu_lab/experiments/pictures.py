@@ -12,9 +12,9 @@ from rumu.errors import OutputError
 from rumu.values import Bilingual, Surface
 from rumu_lab.experiments.e3c import Copy, read_copies
 from rumu_lab.experiments.figures import sheet
-from rumu_lab.experiments.findings import Findings, Setting
+from rumu_lab.experiments.findings import Findings, RunSettings
 from rumu_lab.experiments.levels import DEGREES, level_number
-from rumu_lab.experiments.made import AtDegree
+from rumu_lab.experiments.simulated_copies import AtDegree
 
 LANTING = "masters/running-lantingxu"
 _CHARACTER = "天"  # in all five scripts, and open enough to be read small
@@ -35,26 +35,26 @@ class Example(NamedTuple):
     copy: Any
 
 
-def run(setting: Setting) -> Findings:
+def run(settings: RunSettings) -> Findings:
     """Write the three figures under OUT/figures. Raises OutputError when there is no OUT."""
-    if setting.out is None:
+    if settings.out is None:
         raise OutputError("the pictures need a folder to be written to: -o OUT")
-    folder = setting.out / "figures"
+    folder = settings.out / "figures"
     steps = (_figure_4, _figure_5, _figure_6)
     shown = []
     for number, step in enumerate(steps, start=1):
-        shown.append(step(folder, setting))
-        setting.progress(number, len(steps))
+        shown.append(step(folder, settings))
+        settings.progress(number, len(steps))
     facts = {"figures": [{"file": s.file, "zh": s.caption.zh, "en": s.caption.en} for s in shown]}
-    words = "\n".join(f"{setting.out / s.file}: {s.caption.en}" for s in shown)
+    words = "\n".join(f"{settings.out / s.file}: {s.caption.en}" for s in shown)
     return Findings("pictures", facts, words=words)
 
 
-def _figure_4(folder: Path, setting: Setting) -> Shown:
+def _figure_4(folder: Path, settings: RunSettings) -> Shown:
     """A photograph of ink on old paper where there is one, else a starter work."""
     from rumu import pipeline
 
-    path, zh, en = _photograph(setting)
+    path, zh, en = _photograph(settings)
     tiles = _views(pipeline.surface_of(path))
     sheet([tiles], folder / "figure-4.png", above=("picture", "surface", "texture, lit", "mesh"))
     return Shown(
@@ -67,10 +67,10 @@ def _figure_4(folder: Path, setting: Setting) -> Shown:
     )
 
 
-def _photograph(setting: Setting) -> tuple[Path, str, str]:
+def _photograph(settings: RunSettings) -> tuple[Path, str, str]:
     from rumu.gallery.works import find_work
 
-    photos = sorted((setting.data / LANTING).glob("shenlong/*永*.jpg"))
+    photos = sorted((settings.data / LANTING).glob("shenlong/*永*.jpg"))
     if photos:
         return (
             photos[0],
@@ -80,7 +80,7 @@ def _photograph(setting: Setting) -> tuple[Path, str, str]:
     return find_work("running-shui").path, "行書「水」（館藏起始作品）", "a starter work in running script"
 
 
-def _figure_5(folder: Path, setting: Setting) -> Shown:
+def _figure_5(folder: Path, settings: RunSettings) -> Shown:
     from rumu import pipeline
     from rumu.gallery.works import starter_works
 
@@ -101,13 +101,13 @@ def _figure_5(folder: Path, setting: Setting) -> Shown:
     )
 
 
-def _figure_6(folder: Path, setting: Setting) -> Shown:
+def _figure_6(folder: Path, settings: RunSettings) -> Shown:
     """Copies that people marked where they are there, else simulated ones, and says which."""
     from rumu import pipeline
     from rumu.gallery.works import find_work
 
-    copies = read_copies(setting.data) if (setting.data / "e3c/scores.csv").is_file() else []
-    chosen = four_levels(copies, setting.protocol.cut_offs)
+    copies = read_copies(settings.data) if (settings.data / "e3c/scores.csv").is_file() else []
+    chosen = four_levels(copies, settings.protocol.cut_offs)
     if chosen:
         template, examples = chosen
         about = Bilingual("真人臨作，分數為評委平均分", "copies by learners, with the mark of the panel")

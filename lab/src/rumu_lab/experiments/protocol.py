@@ -17,7 +17,7 @@ from typing import Any
 
 
 @dataclass(frozen=True)
-class Protocol:
+class ExperimentProtocol:
     """The declaration as it was read.
 
     plain: the file's content. sha256: of its bytes, in hex. quick: a small subset is run, to see that
@@ -88,13 +88,13 @@ class Protocol:
 
 
 @lru_cache(maxsize=2)
-def declared(*, quick: bool = False) -> Protocol:
+def declared(*, quick: bool = False) -> ExperimentProtocol:
     """The protocol that comes with the package."""
     content = (resources.files("rumu_lab.experiments") / "protocol.json").read_bytes()
-    return Protocol(json.loads(content), hashlib.sha256(content).hexdigest(), quick)
+    return ExperimentProtocol(json.loads(content), hashlib.sha256(content).hexdigest(), quick)
 
 
-def faults_of(number: int, *, protocol: Protocol, each: int | None = None) -> tuple[str, ...]:
+def share_faults(number: int, *, protocol: ExperimentProtocol, each: int | None = None) -> tuple[str, ...]:
     """The fault families of work `number`, counted from 0: `each` of them, shared out in turn."""
     each = protocol.faults_for_each_work if each is None else each
     faults = protocol.faults

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 
 from rumu.values import Bilingual
-from rumu_lab.experiments.findings import Cell, Column, Findings, Setting, Table
-from rumu_lab.experiments.made import AtDegree
+from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
 from rumu_lab.experiments.measuring import OURS
+from rumu_lab.experiments.simulated_copies import AtDegree
 
 
-def run(setting: Setting) -> Findings:
+def run(settings: RunSettings) -> Findings:
     """Median times, methods taken in turn so that a busy machine slows all alike."""
-    plain = setting.protocol.plain
-    repeats = int(plain["quick"]["repeats"] if setting.quick else plain["runtime"]["repeats"])
+    plain = settings.protocol.plain
+    repeats = int(plain["quick"]["repeats"] if settings.quick else plain["runtime"]["repeats"])
     jobs = _jobs(plain["runtime"])
     times: dict[str, list[float]] = {name: [] for name in jobs}
     for job in jobs.values():
@@ -27,7 +27,7 @@ def run(setting: Setting) -> Findings:
             start = time.perf_counter()
             job()
             times[name].append(time.perf_counter() - start)
-        setting.progress(turn + 1, repeats)
+        settings.progress(turn + 1, repeats)
     rows = time_rows(times)
     facts: dict[str, Any] = {"repeats": repeats, "methods": rows, "side": plain["runtime"]["side"]}
     return Findings("runtime", facts, (_table(facts),))

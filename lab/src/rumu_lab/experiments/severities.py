@@ -25,10 +25,10 @@ from rumu_lab.experiments.agreement import (
     verdict,
     verdict_sentence,
 )
-from rumu_lab.experiments.findings import Cell, Column, Findings, Setting, Table
-from rumu_lab.experiments.made import Faulty, Written
-from rumu_lab.experiments.measuring import OURS, OWN, Measured, Task, measure_all
-from rumu_lab.experiments.protocol import Protocol, faults_of
+from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
+from rumu_lab.experiments.measuring import OURS, OWN, GradingTask, Measured, measure_all
+from rumu_lab.experiments.protocol import ExperimentProtocol, share_faults
+from rumu_lab.experiments.simulated_copies import Faulty, Written
 from rumu_lab.experiments.statistics import kendall, order_accuracy, spearman, violations
 
 SHIPPED = "rumu, as shipped"
@@ -55,39 +55,41 @@ class Step:
     measured: Measured
 
 
-def run(setting: Setting) -> Findings:
+def run(settings: RunSettings) -> Findings:
     """The series of the starter works."""
-    return found_on(starter_subjects(setting.protocol), setting, name="severities", where="the starter works")
+    return found_on(
+        starter_subjects(settings.protocol), settings, name="severities", where="the starter works"
+    )
 
 
-def starter_subjects(protocol: Protocol) -> list[Subject]:
+def starter_subjects(protocol: ExperimentProtocol) -> list[Subject]:
     """The starter works with the faults that each was given; quick keeps the numbers of the whole list."""
     from rumu.gallery.works import find_work
 
     works = [find_work(work) for work in protocol.works]
     everyone = list(protocol.plain["works"])
     return [
-        Subject(w.id, w.script, w.path, faults_of(everyone.index(w.id), protocol=protocol)) for w in works
+        Subject(w.id, w.script, w.path, share_faults(everyone.index(w.id), protocol=protocol)) for w in works
     ]
 
 
-def steps_of(subjects: Sequence[Subject], setting: Setting) -> list[Step]:
+def steps_of(subjects: Sequence[Subject], settings: RunSettings) -> list[Step]:
     """Every series of every subject, severity 0 to 5, measured."""
-    protocol = setting.protocol
+    protocol = settings.protocol
     plan = [
         (s, fault, severity) for s in subjects for fault in s.faults for severity in (0, *protocol.severities)
     ]
     tasks = {key_of(*step): task_of(*step, seed=protocol.simulation_seed) for step in plan}
-    measured = measure_all(list(tasks.values()), store=setting.store, progress=setting.progress)
+    measured = measure_all(list(tasks.values()), store=settings.store, progress=settings.progress)
     by_key = {m.key: m for m in measured}
     return [Step(*step, by_key[key_of(*step)]) for step in plan]
 
 
-def found_on(subjects: Sequence[Subject], setting: Setting, *, name: str, where: str) -> Findings:
+def found_on(subjects: Sequence[Subject], settings: RunSettings, *, name: str, where: str) -> Findings:
     """All that the series of some subjects show."""
-    steps = steps_of(subjects, setting)
+    steps = steps_of(subjects, settings)
     series = whole_series(steps)
-    protocol = setting.protocol
+    protocol = settings.protocol
     declared, *others = protocol.expected_scores.items()
     rows = _rows(steps, declared[1], protocol)
     besides = (SHIPPED, *OWN[1:])
@@ -165,10 +167,10 @@ def key_of(subject: Subject, fault: str, severity: int) -> str:
     return f"severities/{subject.name}/{fault}/{severity}"
 
 
-def task_of(subject: Subject, fault: str, severity: int, *, seed: int) -> Task:
+def task_of(subject: Subject, fault: str, severity: int, *, seed: int) -> GradingTask:
     """What is measured of it."""
     recipe = Faulty(subject.master, fault, severity, seed) if severity else Written(subject.master)
-    return Task(key_of(subject, fault, severity), subject.name, subject.master, recipe)
+    return GradingTask(key_of(subject, fault, severity), subject.name, subject.master, recipe)
 
 
 def _marked(steps: Sequence[Step]) -> list[Step]:
@@ -177,7 +179,9 @@ def _marked(steps: Sequence[Step]) -> list[Step]:
     return list(once.values())
 
 
-def _rows(steps: Sequence[Step], expected: Sequence[float], protocol: Protocol) -> list[dict[str, Cell]]:
+def _rows(
+    steps: Sequence[Step], expected: Sequence[float], protocol: ExperimentProtocol
+) -> list[dict[str, Cell]]:
     once = _marked(steps)
     marks = np.array([expected[s.severity] for s in once])
     folds, clusters = [s.subject.fold for s in once], [s.subject.name for s in once]
@@ -203,7 +207,7 @@ def _worst_fold(steps: Sequence[Step], expected: Sequence[float]) -> dict[str, A
     return {"fold": worst, "mae": by_fold[worst], "all": by_fold}
 
 
-def _marks_by_severity(steps: Sequence[Step], protocol: Protocol) -> list[float]:
+def _marks_by_severity(steps: Sequence[Step], protocol: ExperimentProtocol) -> list[float]:
     once = _marked(steps)
     levels = (0, *protocol.severities)
     return [float(np.mean([s.measured.mark for s in once if s.severity == k])) for k in levels]
@@ -213,7 +217,7 @@ def _sensitivity(
     steps: Sequence[Step],
     rows: Sequence[Mapping[str, Cell]],
     tables: Mapping[str, Sequence[float]],
-    protocol: Protocol,
+    protocol: ExperimentProtocol,
     besides: Sequence[str],
 ) -> dict[str, Any]:
     """The order of the methods by error under other tables of expected scores, and whether it changes."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from rumu.values import Registration, Surface
-from rumu_lab.experiments.measuring import Measured, Task, drawn, residual_grade
+from rumu_lab.experiments.measuring import GradingTask, Measured, drawn, residual_grade
 from rumu_lab.experiments.protocol import declared
 
 FORWARD, BACKWARD = "copy to master only", "master to copy only"
@@ -43,7 +43,7 @@ def weights() -> list[tuple[float, float]]:
     return list(dict.fromkeys([*pairs, base_weights(), (0.0, base_weights()[1])]))
 
 
-def measure_variants(task: Task, *, pictures: Path | None = None) -> Measured:
+def measure_variants(task: GradingTask, *, pictures: Path | None = None) -> Measured:
     """One copy by every variant; density is NaN (kept as None) where the picture has but one tone of ink."""
     from rumu import pipeline
     from rumu.errors import RumuError
@@ -68,7 +68,7 @@ def _registered(copy: Surface, master: Surface, height: float, direction: float)
     return register_points(*points, settings=IcpSettings(direction_weight=direction))
 
 
-def _by_density(task: Task) -> float:
+def _by_density(task: GradingTask) -> float:
     """The base variant on heights from the darkness of the ink; NaN where there is no such relief."""
     from rumu.errors import RumuError
     from rumu.surface.relief import relief

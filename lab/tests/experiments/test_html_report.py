@@ -8,9 +8,9 @@ import pytest
 from PIL import Image
 
 from rumu.errors import OutputError
-from rumu_lab.experiments import human, nuisance, page, severities
+from rumu_lab.experiments import html_report, human_marks, nuisance, severities
 from rumu_lab.experiments.findings import Findings, keep
-from rumu_lab.experiments.registry import EXPERIMENTS
+from rumu_lab.experiments.runner import EXPERIMENTS
 
 
 @pytest.fixture
@@ -20,20 +20,20 @@ def results(quick, e3c_data, graded, monkeypatch):
     def measure(tasks, *, store, progress):
         return [graded(t, 0.9 - 0.1 * int(t.key[-1]) if t.key[-1].isdigit() else 0.5) for t in tasks]
 
-    for module in (human, severities, nuisance):
+    for module in (human_marks, severities, nuisance):
         monkeypatch.setattr(module, "measure_all", measure)
-        keep(module.run(quick), setting=quick, seconds=1)
+        keep(module.run(quick), settings=quick, seconds=1)
     rows = [
         {"method": name, "median": t, "least": t, "most": t, "ratio": 1.0} for name, t in (("rumu", 9.0),)
     ]
-    keep(Findings("runtime", {"methods": rows, "repeats": 2, "side": 512}), setting=quick, seconds=1)
-    keep(Findings("gaming", {"above": []}, words="none <above> 40"), setting=quick, seconds=1)
+    keep(Findings("runtime", {"methods": rows, "repeats": 2, "side": 512}), settings=quick, seconds=1)
+    keep(Findings("gaming", {"above": []}, words="none <above> 40"), settings=quick, seconds=1)
     return quick
 
 
 def test_the_page_needs_nothing_and_hides_nothing(results):
-    made = page.write_report(results.out)
-    text = made.page.read_text("utf-8")
+    made = html_report.write_report(results.out)
+    text = made.html_report.read_text("utf-8")
     assert not re.findall(r"""(?:src|href)=["'](?!data:|#)""", text)
     assert "<script" not in text and "@import" not in text
     assert text.count(results.protocol.sha256) > len(made.figures) / 2  # on the page and under every table
@@ -41,19 +41,19 @@ def test_the_page_needs_nothing_and_hides_nothing(results):
     assert all(f"<code>{name}</code>" in text for name in made.missing)
     assert "no result" in text and "小樣快跑" in text
     assert "none &lt;above&gt; 40" in text
-    for sentence in human.run(results).sentences:
+    for sentence in human_marks.run(results).sentences:
         assert sentence.zh in text
 
 
 def test_the_paper_s_numbers_stand_apart(results):
-    text = page.write_report(results.out).page.read_text("utf-8")
+    text = html_report.write_report(results.out).html_report.read_text("utf-8")
     tables = "".join(re.findall(r"<table.*?</table>", text, flags=re.DOTALL))
     assert "1.78" in text and "1.78" not in tables
     assert "Not comparable" in text and "不可比" in text
 
 
 def test_figures_are_files_with_something_on_them(results):
-    made = page.write_report(results.out)
+    made = html_report.write_report(results.out)
     assert {"figures/figure-7-human.png", "figures/figure-7-human.svg"} < set(made.figures)
     for name in made.figures:
         file = results.out / name
@@ -66,17 +66,17 @@ def test_figures_are_files_with_something_on_them(results):
 
 def test_nothing_yet(tmp_path):
     with pytest.raises(OutputError, match="experiments run all"):
-        page.write_report(tmp_path)
+        html_report.write_report(tmp_path)
 
 
 def test_results_of_several_versions_are_flagged():
     from rumu_lab.experiments.protocol import declared
 
     whole = {"quick": False, "protocol_sha256": declared().sha256, "code_sha256": "a"}
-    assert page.warnings_of({"a": whole, "b": whole}) == ()
-    (mixed,) = page.warnings_of({"a": whole, "b": {**whole, "code_sha256": "b"}})
+    assert html_report.warnings_of({"a": whole, "b": whole}) == ()
+    (mixed,) = html_report.warnings_of({"a": whole, "b": {**whole, "code_sha256": "b"}})
     assert "same version" in mixed.en
-    (other,) = page.warnings_of({"a": {**whole, "protocol_sha256": "x"}})
+    (other,) = html_report.warnings_of({"a": {**whole, "protocol_sha256": "x"}})
     assert "protocol" in other.en
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from rumu.gallery.works import find_work
-from rumu_lab.experiments.made import AtDegree, Disturbed, Faulty, Written
 from rumu_lab.experiments.protocol import declared
+from rumu_lab.experiments.simulated_copies import AtDegree, Disturbed, Faulty, Written
 
 MASTER = find_work("regular-tian").path
 COPY = Faulty(MASTER, "lean", 2, 11)

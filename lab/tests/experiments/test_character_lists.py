@@ -9,15 +9,15 @@ from dataclasses import replace
 import pytest
 
 from rumu.errors import CalibrationError
-from rumu_lab.experiments import locked
+from rumu_lab.experiments import character_lists
 from rumu_lab.experiments.findings import Findings
-from rumu_lab.experiments.protocol import Protocol, declared
+from rumu_lab.experiments.protocol import ExperimentProtocol, declared
 
 SEED = "a seed for tests"
 
 
 @pytest.fixture
-def protocol() -> Protocol:
+def protocol() -> ExperimentProtocol:
     """The declared one, locked with a seed that the tests know."""
     plain = json.loads(json.dumps(declared(quick=True).plain))
     plain["characters"]["locked"]["seed_sha256"] = hashlib.sha256(SEED.encode()).hexdigest()
@@ -38,16 +38,16 @@ def masters(tmp_path):
 
 def test_the_declared_lock_is_a_hash_and_not_a_seed():
     with pytest.raises(CalibrationError, match="SHA-256"):
-        locked.locked_characters(SEED, {}, declared())
+        character_lists.locked_characters(SEED, {}, declared())
 
 
 def test_the_seed_draws_what_no_other_list_holds(protocol, masters):
-    pictures = locked.pictures_of(masters)
-    drawn = locked.locked_characters(SEED, pictures, protocol)
+    pictures = character_lists.pictures_of(masters)
+    drawn = character_lists.locked_characters(SEED, pictures, protocol)
     lists = protocol.plain["characters"]
     assert len(drawn) == len(set(drawn)) == lists["locked"]["count"]
     assert not set(drawn) & set(lists["development"] + lists["validation"])
-    assert drawn == locked.locked_characters(SEED, pictures, protocol)
+    assert drawn == character_lists.locked_characters(SEED, pictures, protocol)
     assert pictures[lists["development"][0]].name == "0.png"  # the first row of a character
 
 
@@ -56,18 +56,18 @@ def test_every_opening_is_logged_before_it_is_measured(protocol, masters, quick,
     monkeypatch.setattr(type(quick), "protocol", property(lambda self: protocol))
     seen = []
 
-    def found_on(subjects, setting, *, name, where):
-        seen.append((len(subjects), {s.fold for s in subjects}, len(locked.read_log(log))))
+    def found_on(subjects, settings, *, name, where):
+        seen.append((len(subjects), {s.fold for s in subjects}, len(character_lists.read_log(log))))
         return Findings(name, {"verdict": {"rank": 1}, "worst_fold": {}})
 
-    monkeypatch.setattr(locked, "found_on", found_on)
-    first = locked.run(quick, name="locked", seed=SEED, log=log)
-    second = locked.run(quick, name="locked", seed=SEED, log=log)
+    monkeypatch.setattr(character_lists, "found_on", found_on)
+    first = character_lists.run(quick, name="locked", seed=SEED, log=log)
+    second = character_lists.run(quick, name="locked", seed=SEED, log=log)
     assert seen == [
         (100, {f"group {k}" for k in range(1, 6)}, 1),
         (100, {f"group {k}" for k in range(1, 6)}, 3),
     ]
-    assert [line["event"] for line in locked.read_log(log)] == ["opened", "result"] * 2
+    assert [line["event"] for line in character_lists.read_log(log)] == ["opened", "result"] * 2
     assert len(first.facts["openings"]) == 1 and len(second.facts["openings"]) == 2
     assert "Only the first counts" in second.sentences[-1].en
     assert "Only the first counts" not in first.sentences[-1].en
@@ -75,7 +75,7 @@ def test_every_opening_is_logged_before_it_is_measured(protocol, masters, quick,
 
 def test_a_wrong_seed_opens_nothing(protocol, masters, quick, tmp_path):
     with pytest.raises(CalibrationError, match="another"):
-        locked.run(quick, name="locked", seed="guess", log=tmp_path / "log.jsonl")
+        character_lists.run(quick, name="locked", seed="guess", log=tmp_path / "log.jsonl")
     assert not (tmp_path / "log.jsonl").exists()
 
 
@@ -83,17 +83,19 @@ def test_a_wrong_seed_opens_nothing(protocol, masters, quick, tmp_path):
 def test_a_log_that_was_touched_is_seen(tmp_path, harm):
     log = tmp_path / "log.jsonl"
     for k in range(3):
-        locked.write_line(log, {"event": "opened", "k": k})
+        character_lists.write_line(log, {"event": "opened", "k": k})
     lines = log.read_text().splitlines()
     lines = [lines[0], lines[2]] if harm == "drop" else [lines[0].replace('"k": 0', '"k": 9'), *lines[1:]]
     log.write_text("\n".join(lines) + "\n")
     with pytest.raises(CalibrationError, match="line 2"):
-        locked.write_line(log, {"event": "opened"})
+        character_lists.write_line(log, {"event": "opened"})
 
 
 def test_other_lists_need_no_seed(masters, quick, monkeypatch):
     monkeypatch.setattr(
-        locked, "found_on", lambda subjects, setting, *, name, where: Findings(name, {"n": len(subjects)})
+        character_lists,
+        "found_on",
+        lambda subjects, settings, *, name, where: Findings(name, {"n": len(subjects)}),
     )
-    assert locked.run(quick, name="validation").facts == {"n": 100}
-    assert locked.run(quick, name="development").facts == {"n": 200}
+    assert character_lists.run(quick, name="validation").facts == {"n": 100}
+    assert character_lists.run(quick, name="development").facts == {"n": 200}

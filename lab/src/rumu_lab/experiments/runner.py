@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from rumu.errors import RumuError
 from rumu.values import Bilingual
-from rumu_lab.experiments.findings import Findings, Setting, keep, kept, still_holds
+from rumu_lab.experiments.findings import Findings, RunSettings, keep, kept, still_holds
 
 Status = Literal["ran", "kept", "skipped", "failed"]
 
@@ -38,7 +38,7 @@ _MASTERS = ("masters/regular/labels.csv",)
 EXPERIMENTS: tuple[Experiment, ...] = (
     Experiment("e3c", "people", Bilingual("分數與真人評分", "The mark against people"), _E3C, in_quick=False),
     Experiment(
-        "human", "human", Bilingual("表二、圖七：真人評分", "Table 2 and Figure 7: human marks"), _E3C
+        "human", "human_marks", Bilingual("表二、圖七：真人評分", "Table 2 and Figure 7: human marks"), _E3C
     ),
     Experiment("levels", "levels", Bilingual("表一：定級", "Table 1: levels")),
     Experiment("severities", "severities", Bilingual("表二：模擬毛病", "Table 2: simulated severities")),
@@ -51,9 +51,13 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     Experiment("identity", "identity", Bilingual("同字與異字", "Same character or another"), _MASTERS, False),
     Experiment("pictures", "pictures", Bilingual("圖四、圖五、圖六", "Figures 4, 5 and 6")),
     Experiment("runtime", "runtime", Bilingual("所需時間", "Runtime")),
-    Experiment("development", "locked", Bilingual("開發字表", "Development list"), _MASTERS, False, True),
-    Experiment("validation", "locked", Bilingual("驗證字表", "Validation list"), _MASTERS, False, True),
-    Experiment("locked", "locked", Bilingual("封存測試", "The locked test"), _MASTERS, False, True),
+    Experiment(
+        "development", "character_lists", Bilingual("開發字表", "Development list"), _MASTERS, False, True
+    ),
+    Experiment(
+        "validation", "character_lists", Bilingual("驗證字表", "Validation list"), _MASTERS, False, True
+    ),
+    Experiment("locked", "character_lists", Bilingual("封存測試", "The locked test"), _MASTERS, False, True),
 )
 
 
@@ -72,7 +76,7 @@ def find(name: str) -> Experiment:
     return next(experiment for experiment in EXPERIMENTS if experiment.name == name)
 
 
-def run_one(name: str, setting: Setting, **more: Any) -> Findings:
+def run_one(name: str, settings: RunSettings, **more: Any) -> Findings:
     """Run one experiment, and keep what it found when there is a place for it.
 
     more: what only this experiment takes. Raises what the experiment raises.
@@ -80,64 +84,66 @@ def run_one(name: str, setting: Setting, **more: Any) -> Findings:
     start = time.perf_counter()
     experiment = find(name)
     run: Callable[..., Any] = import_module(f"rumu_lab.experiments.{experiment.module}").run
-    found = _as_findings(name, _called(run, name, setting, more))
-    if setting.out is not None:
-        keep(found, setting=setting, seconds=time.perf_counter() - start)
+    found = _as_findings(name, _called(run, name, settings, more))
+    if settings.out is not None:
+        keep(found, settings=settings, seconds=time.perf_counter() - start)
     return found
 
 
-def run_all(setting: Setting, *, announce: Callable[[str], Callable[[int, int], None]]) -> Iterator[Ended]:
+def run_all(
+    settings: RunSettings, *, announce: Callable[[str], Callable[[int, int], None]]
+) -> Iterator[Ended]:
     """Every experiment that `all` means, one after the other; what still holds is not run again.
 
     announce: name -> the progress of that experiment.
     """
     for experiment in EXPERIMENTS:
         if not experiment.alone:
-            yield _ended(experiment, replace(setting, progress=announce(experiment.name)))
+            yield _ended(experiment, replace(settings, progress=announce(experiment.name)))
 
 
-def why_not(experiment: Experiment, setting: Setting) -> str | None:
+def why_not(experiment: Experiment, settings: RunSettings) -> str | None:
     """One line when an experiment cannot be run here."""
-    if setting.quick and not experiment.in_quick:
+    if settings.quick and not experiment.in_quick:
         return "not in the quick subset"
-    absent = [name for name in experiment.needs if not (setting.data / name).is_file()]
+    absent = [name for name in experiment.needs if not (settings.data / name).is_file()]
     if absent:
-        return f"needs {absent[0]} under {setting.data} (set RUMU_DATA or --data)"
+        return f"needs {absent[0]} under {settings.data} (set RUMU_DATA or --data)"
     return None
 
 
-def _ended(experiment: Experiment, setting: Setting) -> Ended:
-    assert setting.out is not None
-    reason = why_not(experiment, setting)
+def _ended(experiment: Experiment, settings: RunSettings) -> Ended:
+    assert settings.out is not None
+    reason = why_not(experiment, settings)
     if reason is not None:
         return Ended(experiment.name, "skipped", why=reason)
-    before = kept(experiment.name, out=setting.out)
-    if before is not None and still_holds(before, setting=setting):
+    before = kept(experiment.name, out=settings.out)
+    if before is not None and still_holds(before, settings=settings):
         return Ended(experiment.name, "kept", float(before["seconds"]))
     start = time.perf_counter()
     try:
-        run_one(experiment.name, setting)
+        run_one(experiment.name, settings)
     except RumuError as error:
         return Ended(experiment.name, "failed", time.perf_counter() - start, " ".join(str(error).split()))
     return Ended(experiment.name, "ran", time.perf_counter() - start)
 
 
-def _called(run: Callable[..., Any], name: str, setting: Setting, more: Mapping[str, Any]) -> Any:
+def _called(run: Callable[..., Any], name: str, settings: RunSettings, more: Mapping[str, Any]) -> Any:
     """An experiment takes a Setting, or what it names of data, out, quick and progress."""
     takes = inspect.signature(run).parameters
-    if "setting" in takes:
-        return run(setting, **({"name": name} if "name" in takes else {}), **more)
+    if "settings" in takes:
+        return run(settings, **({"name": name} if "name" in takes else {}), **more)
     offered = {
-        "data": setting.data,
-        "out": _tables(setting),
-        "quick": setting.quick,
-        "progress": setting.progress,
+        "data": settings.data,
+        "out": _tables(settings),
+        "quick": settings.quick,
+        "progress": settings.progress,
     }
     return run(**{key: value for key, value in offered.items() if key in takes}, **more)
 
 
-def _tables(setting: Setting) -> Path | None:
-    return None if setting.out is None else setting.out / "tables"
+def _tables(settings: RunSettings) -> Path | None:
+    return None if settings.out is None else settings.out / "tables"
 
 
 def _as_findings(name: str, found: Any) -> Findings:

@@ -5,19 +5,21 @@ from __future__ import annotations
 import pytest
 
 from rumu.errors import CalibrationError
-from rumu_lab.experiments import human
-from rumu_lab.experiments.human import OWN_SCALE, SHARED
+from rumu_lab.experiments import human_marks
+from rumu_lab.experiments.human_marks import OWN_SCALE, SHARED
 from rumu_lab.experiments.measuring import Measured
 
 
 @pytest.fixture
 def measured(monkeypatch, graded, quick, e3c_data):
     """Ours knows the panel's mark; the others nearly."""
-    marks = {f"human/{c.image.name}": c.mark / 100 for c in human.chosen_copies(quick)}
+    marks = {f"human/{c.image.name}": c.mark / 100 for c in human_marks.chosen_copies(quick)}
 
     def use(measure):
         monkeypatch.setattr(
-            human, "measure_all", lambda tasks, *, store, progress: [measure(t, marks[t.key]) for t in tasks]
+            human_marks,
+            "measure_all",
+            lambda tasks, *, store, progress: [measure(t, marks[t.key]) for t in tasks],
         )
 
     use(lambda task, mark: graded(task, mark, noise=0.3))
@@ -25,7 +27,7 @@ def measured(monkeypatch, graded, quick, e3c_data):
 
 
 def test_every_method_is_there_and_ours_is_right(measured, quick):
-    found = human.run(quick)
+    found = human_marks.run(quick)
     rows = {row["method"]: row for row in found.facts["methods"]}
     assert {SHARED, OWN_SCALE, "constant", "MBSE", "IoU (cell)", "the paper's SIM"} < set(rows)
     assert rows[OWN_SCALE]["mae"] == pytest.approx(0.0) and rows[SHARED]["within"] == pytest.approx(1.0)
@@ -41,7 +43,7 @@ def test_a_refused_copy_is_named_and_counts_for_nobody(measured, graded, quick):
         return graded(task, mark)
 
     measured(one_refused)
-    facts = human.run(quick).facts
+    facts = human_marks.run(quick).facts
     assert facts["refused"] == ["human/十0.png"]
     assert all(row["n"] == 17 for row in facts["methods"])
 
@@ -50,15 +52,15 @@ def test_a_method_that_could_not_grade_is_counted(measured, graded, quick):
     from dataclasses import replace
 
     measured(lambda task, mark: replace(graded(task, mark), failed=("VICP",)))
-    assert human.run(quick).facts["could_not_grade"] == {"VICP": 18}
+    assert human_marks.run(quick).facts["could_not_grade"] == {"VICP": 18}
 
 
 def test_data_that_is_not_there(quick):
     with pytest.raises(CalibrationError, match=r"scores\.csv"):
-        human.run(quick)
+        human_marks.run(quick)
 
 
 def test_one_rater(e3c_data, quick):
-    copies = human.chosen_copies(quick)
-    assert human.one_rater(copies)["n"] == 18 * 4
-    assert 2 < human.one_rater(copies)["mae"] < 20
+    copies = human_marks.chosen_copies(quick)
+    assert human_marks.one_rater(copies)["n"] == 18 * 4
+    assert 2 < human_marks.one_rater(copies)["mae"] < 20

@@ -13,7 +13,7 @@ from rumu.values import Bilingual
 from rumu_lab.experiments import figures
 from rumu_lab.experiments.findings import Findings, findings_of, kept
 from rumu_lab.experiments.protocol import declared
-from rumu_lab.experiments.registry import EXPERIMENTS
+from rumu_lab.experiments.runner import EXPERIMENTS
 
 PAPER_SAYS: tuple[tuple[str, str], ...] = (
     ("level accuracy, over the five scripts", "83.33 % and up (5 of 6, or 20 of 24; N is not given)"),
@@ -99,7 +99,7 @@ def _charted(paths: Sequence[Path], out: Path, zh: str, en: str) -> Figure:
 
 
 def _paint_human(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
-    from rumu_lab.experiments.human import OWN_SCALE, SHARED
+    from rumu_lab.experiments.human_marks import OWN_SCALE, SHARED
 
     rows, ours = facts["methods"], (OWN_SCALE, SHARED)
     error = figures.error_bars(

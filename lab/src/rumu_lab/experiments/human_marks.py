@@ -20,30 +20,30 @@ from rumu_lab.experiments.agreement import (
     verdict_sentence,
 )
 from rumu_lab.experiments.e3c import Copy, read_copies
-from rumu_lab.experiments.findings import Cell, Findings, Setting, Table
-from rumu_lab.experiments.made import Written
-from rumu_lab.experiments.measuring import OURS, OWN, Measured, Task, measure_all
+from rumu_lab.experiments.findings import Cell, Findings, RunSettings, Table
+from rumu_lab.experiments.measuring import OURS, OWN, GradingTask, Measured, measure_all
 from rumu_lab.experiments.people import marked_copies
+from rumu_lab.experiments.simulated_copies import Written
 
 OWN_SCALE = "rumu, its own calibration"
 SHARED = "rumu, the shared calibrator"
 
 
-def run(setting: Setting) -> Findings:
+def run(settings: RunSettings) -> Findings:
     """Table 2 on human marks. Raises CalibrationError when the marked copies are not there."""
-    copies = chosen_copies(setting)
-    measured = measure_copies(copies, setting)
+    copies = chosen_copies(settings)
+    measured = measure_copies(copies, settings)
     pairs = [(c, m) for c, m in zip(copies, measured, strict=True) if m.refused is None]
     marks = np.array([c.mark for c, _ in pairs])
     characters = [c.character for c, _ in pairs]
-    own = own_marks([c for c, _ in pairs], [m for _, m in pairs], setting)
+    own = own_marks([c for c, _ in pairs], [m for _, m in pairs], settings)
     methods = [Graded(OWN_SCALE, own, own), *_graded([m for _, m in pairs], own, marks, characters)]
-    fewest = int(setting.protocol.plain["human"]["fewest_within"])
-    rows = side_by_side(methods, marks, characters, ours=SHARED, protocol=setting.protocol, fewest=fewest)
+    fewest = int(settings.protocol.plain["human"]["fewest_within"])
+    rows = side_by_side(methods, marks, characters, ours=SHARED, protocol=settings.protocol, fewest=fewest)
     besides = (OWN_SCALE, *OWN[1:])
     found = verdict(rows, ours=SHARED, besides=besides)
     as_used = side_by_side(
-        methods, marks, characters, ours=OWN_SCALE, protocol=setting.protocol, fewest=fewest
+        methods, marks, characters, ours=OWN_SCALE, protocol=settings.protocol, fewest=fewest
     )
     counts = {c: characters.count(c) for c in dict.fromkeys(characters)}
     facts = {
@@ -62,33 +62,33 @@ def run(setting: Setting) -> Findings:
     return Findings("human", facts, (_table(rows, facts),), _sentences(facts))
 
 
-def chosen_copies(setting: Setting) -> list[Copy]:
+def chosen_copies(settings: RunSettings) -> list[Copy]:
     """The marked copies; a few of a few characters when quick."""
-    copies = read_copies(setting.data)
-    if not setting.quick:
+    copies = read_copies(settings.data)
+    if not settings.quick:
         return copies
-    quick = setting.protocol.plain["quick"]
+    quick = settings.protocol.plain["quick"]
     chosen = []
     for character in quick["characters"]:
         chosen += [c for c in copies if c.character == character][: quick["copies_of_each"]]
     return chosen
 
 
-def measure_copies(copies: list[Copy], setting: Setting) -> list[Measured]:
+def measure_copies(copies: list[Copy], settings: RunSettings) -> list[Measured]:
     """Every copy by every method, in order."""
-    tasks = [Task(f"human/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies]
-    return measure_all(tasks, store=setting.store, progress=setting.progress)
+    tasks = [GradingTask(f"human/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies]
+    return measure_all(tasks, store=settings.store, progress=settings.progress)
 
 
-def own_marks(copies: list[Copy], measured: list[Measured], setting: Setting) -> FloatArray:
+def own_marks(copies: list[Copy], measured: list[Measured], settings: RunSettings) -> FloatArray:
     """(N,) our marks by a calibration that saw no copy of the character.
 
     Quick runs take the marks as shipped, whose calibration saw them all: one more reason why their figures
     are no result.
     """
-    if setting.quick:
+    if settings.quick:
         return np.array([m.mark for m in measured])
-    marked = marked_copies(setting)
+    marked = marked_copies(settings)
     scores = dict(zip(marked.images, marked.scores, strict=True))
     return np.array([scores[c.image.name] for c in copies])
 

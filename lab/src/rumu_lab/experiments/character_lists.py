@@ -19,32 +19,32 @@ import numpy as np
 
 from rumu.errors import CalibrationError
 from rumu.values import Bilingual
-from rumu_lab.experiments.findings import Findings, Setting, commit
-from rumu_lab.experiments.protocol import Protocol, faults_of
+from rumu_lab.experiments.findings import Findings, RunSettings, commit
+from rumu_lab.experiments.protocol import ExperimentProtocol, share_faults
 from rumu_lab.experiments.severities import Subject, found_on
 
 MASTERS = "masters/regular"
 _GROUPS = 5  # characters are held out by group
 
 
-def run(setting: Setting, *, name: str, seed: str | None = None, log: Path | None = None) -> Findings:
+def run(settings: RunSettings, *, name: str, seed: str | None = None, log: Path | None = None) -> Findings:
     """The series of one list: 'development', 'validation', or 'locked' with its seed and log.
 
     Raises CalibrationError for a wrong seed, or a log that was changed.
     """
-    pictures = pictures_of(setting.data)
+    pictures = pictures_of(settings.data)
     if name != "locked":
-        characters = setting.protocol.plain["characters"][name]
+        characters = settings.protocol.plain["characters"][name]
         return found_on(
-            _subjects(characters, pictures, setting), setting, name=name, where=f"the {name} list"
+            _subjects(characters, pictures, settings), settings, name=name, where=f"the {name} list"
         )
     if seed is None or log is None:
         raise CalibrationError("the locked test needs its seed and a log")
-    characters = locked_characters(seed, pictures, setting.protocol)
-    write_line(log, {"event": "opened", **_now(setting)})
-    found = found_on(_subjects(characters, pictures, setting), setting, name=name, where="the locked test")
+    characters = locked_characters(seed, pictures, settings.protocol)
+    write_line(log, {"event": "opened", **_now(settings)})
+    found = found_on(_subjects(characters, pictures, settings), settings, name=name, where="the locked test")
     result = {"verdict": found.facts["verdict"], "worst_fold": found.facts["worst_fold"]}
-    write_line(log, {"event": "result", **_now(setting), "seed": seed, "result": result})
+    write_line(log, {"event": "result", **_now(settings), "seed": seed, "result": result})
     openings = [line for line in read_log(log) if line["event"] == "opened"]
     times = len(openings)
     said = Bilingual(
@@ -69,7 +69,7 @@ def pictures_of(data: Path) -> dict[str, Path]:
     return pictures
 
 
-def locked_characters(seed: str, pictures: Mapping[str, Path], protocol: Protocol) -> str:
+def locked_characters(seed: str, pictures: Mapping[str, Path], protocol: ExperimentProtocol) -> str:
     """The characters that a seed locks. Raises CalibrationError unless its hash is the declared one."""
     lists = protocol.plain["characters"]
     if hashlib.sha256(seed.encode()).hexdigest() != lists["locked"]["seed_sha256"]:
@@ -114,14 +114,14 @@ def read_log(log: Path) -> list[dict[str, Any]]:
     return lines
 
 
-def _subjects(characters: str, pictures: Mapping[str, Path], setting: Setting) -> list[Subject]:
-    protocol = setting.protocol
+def _subjects(characters: str, pictures: Mapping[str, Path], settings: RunSettings) -> list[Subject]:
+    protocol = settings.protocol
     absent = [c for c in characters if c not in pictures]
     if absent:
         raise CalibrationError(f"expected masters of {''.join(absent)} under {MASTERS}, found none")
     each = int(protocol.plain["characters"]["faults_for_each_character"])
     return [
-        Subject(c, f"group {k % _GROUPS + 1}", pictures[c], faults_of(k, protocol=protocol, each=each))
+        Subject(c, f"group {k % _GROUPS + 1}", pictures[c], share_faults(k, protocol=protocol, each=each))
         for k, c in enumerate(characters)
     ]
 
@@ -132,9 +132,9 @@ def _starter_characters() -> set[str]:
     return {work.character for work in starter_works()}
 
 
-def _now(setting: Setting) -> dict[str, Any]:
+def _now(settings: RunSettings) -> dict[str, Any]:
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "commit": commit(),
-        "protocol_sha256": setting.protocol.sha256,
+        "protocol_sha256": settings.protocol.sha256,
     }
