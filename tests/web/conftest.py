@@ -17,7 +17,7 @@ from rumu.studio.classes import create_class
 from rumu.studio.people import create_person, identity
 from rumu.studio.place import Place
 from rumu.web.app import create_app
-from rumu.web.guard import COOKIE
+from rumu.web.security import COOKIE
 from rumu.web.settings import ServiceSettings
 
 PASSWORD = "a long password"

@@ -10,7 +10,7 @@ import pytest
 
 from rumu.database.tables import Work
 from rumu.studio.samples import put_samples
-from rumu.web.answers import FOR_EVER
+from rumu.web.caching import FOR_EVER
 
 
 @pytest.mark.parametrize(

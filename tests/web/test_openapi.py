@@ -10,7 +10,7 @@ import schemathesis
 from hypothesis import HealthCheck, Phase, settings
 from starlette.testclient import TestClient
 
-from rumu.web.guard import COOKIE
+from rumu.web.security import COOKIE
 from rumu.web.openapi import example, page
 from rumu.web.settings import Rates
 

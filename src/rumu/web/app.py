@@ -10,10 +10,10 @@ from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
 from rumu import __version__
-from rumu.web import openapi, pages, refusals
-from rumu.web.answers import Fresh
-from rumu.web.doors import REFUSALS
-from rumu.web.guard import Guard
+from rumu.web import error_handlers, openapi, pages
+from rumu.web.caching import Fresh
+from rumu.web.dependencies import REFUSALS
+from rumu.web.security import Guard
 from rumu.web.routes import annotations as said
 from rumu.web.routes import (
     attempts,
@@ -68,7 +68,7 @@ def create_app(settings: ServiceSettings) -> FastAPI:
         responses=REFUSALS,
     )
     app.state.service = service
-    refusals.register(app)
+    error_handlers.register(app)
     for room in _ROOMS:
         app.include_router(room.router)
     openapi.register(app)

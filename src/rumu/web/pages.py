@@ -11,7 +11,7 @@ from pathlib import Path
 from fastapi import FastAPI, Request, Response
 
 from rumu.studio.errors import Missing
-from rumu.web.answers import FOR_EVER, file_answer
+from rumu.web.caching import FOR_EVER, file_answer
 from rumu.web.files import Sent
 
 _TYPES = {

@@ -13,7 +13,7 @@ from rumu.studio.people import Identity, current, owner_exists
 from rumu.studio.tickets import Ticket, open_tickets
 from rumu.studio.workers import Workers
 from rumu.web.files import Files
-from rumu.web.rates import RateLimits
+from rumu.web.rate_limits import RateLimits
 from rumu.web.settings import ServiceSettings
 
 MARKING = 48  # that wait for a mark in threads of their own; further ones wait without

@@ -139,7 +139,7 @@ def test_every_route_is_in_one_of_these_lists(world):
         re.sub(r"regular-shui|seal-none", "{work}", re.sub(r"\{\w+\}|none", "{x}", url)) for url in listed
     }
     plain = {re.sub(r"\{\w+\}", "{x}", url) for url in known}
-    elsewhere = {  # in test_app, test_jobs and test_guard
+    elsewhere = {  # in test_app, test_jobs and test_security
         *("/api/login", "/api/logout", "/api/password", "/api/invitations/{x}", "/api/marks", "/api/imports"),
         *(
             "/api/collections/{x}",

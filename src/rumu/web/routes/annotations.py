@@ -10,10 +10,10 @@ from rumu.database.tables import Annotation
 from rumu.gallery import annotations as said
 from rumu.studio.errors import Missing
 from rumu.web.cards import annotation_facts
-from rumu.web.doors import Owner, PathId, Running
+from rumu.web.dependencies import Owner, PathId, Running
 from rumu.web.routes.works import columns, found_work
 from rumu.web.service import Service
-from rumu.web.shapes import AnnotationChange, AnnotationFacts, AnnotationNew
+from rumu.web.schemas import AnnotationChange, AnnotationFacts, AnnotationNew
 
 router = APIRouter(tags=["annotations"])
 

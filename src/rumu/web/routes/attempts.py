@@ -15,14 +15,14 @@ from rumu.studio.access import seen_attempt
 from rumu.studio.errors import Missing
 from rumu.studio.people import Identity
 from rumu.studio.pictures import media_type
-from rumu.web.answers import file_answer, known_tag
+from rumu.web.caching import file_answer, known_tag
 from rumu.web.cards import attempt_facts
-from rumu.web.doors import Limit, Offset, PathId, QueryId, Running, Somebody, Teacher
+from rumu.web.dependencies import Limit, Offset, PathId, QueryId, Running, Somebody, Teacher
 from rumu.web.files import Sent
 from rumu.web.routes.works import Kind, viewer_shape
 from rumu.web.service import Service
-from rumu.web.shapes import ViewerFacts
-from rumu.web.studio_shapes import AttemptFacts, AttemptPage, TeacherMarkFacts, TeacherMarkOrder
+from rumu.web.schemas import ViewerFacts
+from rumu.web.studio_schemas import AttemptFacts, AttemptPage, TeacherMarkFacts, TeacherMarkOrder
 
 router = APIRouter(tags=["attempts"])
 

@@ -15,9 +15,9 @@ from rumu.studio.errors import NotAllowed, Unusable
 from rumu.studio.people import Identity
 from rumu.studio.teacher_table import given_marks, marks_csv, marks_zip
 from rumu.web.cards import person_facts, task_facts, writer
-from rumu.web.doors import PathId, Running, Somebody, Teacher
+from rumu.web.dependencies import PathId, Running, Somebody, Teacher
 from rumu.web.routes.practice import csv_answer
-from rumu.web.studio_shapes import ClassCard, ClassFacts, ClassOrder, TaskFacts, TaskOrder, TaskTable
+from rumu.web.studio_schemas import ClassCard, ClassFacts, ClassOrder, TaskFacts, TaskOrder, TaskTable
 
 router = APIRouter(tags=["classes"])
 

@@ -9,9 +9,9 @@ from fastapi import APIRouter, Response
 from rumu.studio import attempts, comparisons
 from rumu.studio.practice import written
 from rumu.web.cards import attempt_facts, work_card
-from rumu.web.doors import QueryId, Running, Somebody, Teacher
+from rumu.web.dependencies import QueryId, Running, Somebody, Teacher
 from rumu.web.routes.practice import csv_answer
-from rumu.web.studio_shapes import PairFacts, Verdict, VerdictFacts
+from rumu.web.studio_schemas import PairFacts, Verdict, VerdictFacts
 
 router = APIRouter(tags=["comparisons"])
 COLUMNS = ("judge", "work", "left", "right", "winner", "seconds")

@@ -15,8 +15,8 @@ from rumu.gallery.iiif_image import BadImageRequest, image_info
 from rumu.gallery.single_page import single_page
 from rumu.studio import worker
 from rumu.studio.errors import Missing
-from rumu.web.answers import file_answer
-from rumu.web.doors import PathId, Running
+from rumu.web.caching import file_answer
+from rumu.web.dependencies import PathId, Running
 from rumu.web.files import Sent
 from rumu.web.routes.works import found_work
 

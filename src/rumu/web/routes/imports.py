@@ -13,10 +13,10 @@ from rumu.studio.handlers import upload_key
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import folder_name
 from rumu.web.cards import job_facts
-from rumu.web.doors import Line, Running, Said, Teacher
+from rumu.web.dependencies import Line, Running, Said, Teacher
 from rumu.web.routes.works import found_work, told
-from rumu.web.shapes import WorkFacts
-from rumu.web.studio_shapes import JobStarted
+from rumu.web.schemas import WorkFacts
+from rumu.web.studio_schemas import JobStarted
 
 router = APIRouter(tags=["imports"])
 

@@ -15,9 +15,9 @@ from fastapi.responses import StreamingResponse
 from rumu.studio import jobs
 from rumu.studio.people import Identity
 from rumu.web.cards import job_facts
-from rumu.web.doors import PathId, Running, Somebody
+from rumu.web.dependencies import PathId, Running, Somebody
 from rumu.web.service import Service
-from rumu.web.studio_shapes import JobFacts
+from rumu.web.studio_schemas import JobFacts
 
 router = APIRouter(tags=["jobs"])
 _LOOK = 0.25  # seconds between two looks at the job

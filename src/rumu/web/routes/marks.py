@@ -14,11 +14,11 @@ from rumu.studio.people import Identity
 from rumu.studio.pictures import MOST_BYTES, looked_at
 from rumu.studio.worker import Marked
 from rumu.web.cards import attempt_facts, work_card
-from rumu.web.doors import IdText, Running, Visitor, caller
-from rumu.web.refusals import LoginNeededError
+from rumu.web.dependencies import IdText, Running, Visitor, caller
+from rumu.web.error_handlers import LoginNeededError
 from rumu.web.routes.works import found_work
 from rumu.web.service import Service
-from rumu.web.studio_shapes import AttemptFacts
+from rumu.web.studio_schemas import AttemptFacts
 
 router = APIRouter(tags=["marks"])
 

@@ -8,8 +8,8 @@ from fastapi import APIRouter
 
 from rumu.studio import people
 from rumu.web.cards import person_facts
-from rumu.web.doors import Owner, PathId, Running
-from rumu.web.shapes import PersonChange, PersonFacts
+from rumu.web.dependencies import Owner, PathId, Running
+from rumu.web.schemas import PersonChange, PersonFacts
 
 router = APIRouter(tags=["people"])
 

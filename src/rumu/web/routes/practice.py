@@ -12,10 +12,10 @@ from rumu.studio import practice
 from rumu.studio.access import seen_person
 from rumu.studio.printing import Sheet, practice_pdf, shown_attempts
 from rumu.web.cards import work_card
-from rumu.web.doors import QueryId, Running, Somebody
+from rumu.web.dependencies import QueryId, Running, Somebody
 from rumu.web.service import Service
-from rumu.web.shapes import LanguageName
-from rumu.web.studio_shapes import PracticeFacts
+from rumu.web.schemas import LanguageName
+from rumu.web.studio_schemas import PracticeFacts
 
 router = APIRouter(tags=["practice"])
 WorkId = Annotated[str, Query(pattern=r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$", examples=["regular-shui"])]

@@ -13,11 +13,11 @@ from rumu.studio.passwords import outdated
 from rumu.studio.people import LANGUAGES
 from rumu.studio.tickets import Ticket
 from rumu.web.cards import person_facts
-from rumu.web.doors import Running, Somebody, caller, give_ticket, ticket_of
-from rumu.web.guard import COOKIE
-from rumu.web.refusals import WrongLoginError
+from rumu.web.dependencies import Running, Somebody, caller, give_ticket, ticket_of
+from rumu.web.security import COOKIE
+from rumu.web.error_handlers import WrongLoginError
 from rumu.web.service import Service
-from rumu.web.shapes import (
+from rumu.web.schemas import (
     Credentials,
     InvitationFacts,
     InvitationLink,

@@ -11,10 +11,10 @@ from rumu.errors import GalleryError
 from rumu.gallery import tours
 from rumu.studio.errors import Missing
 from rumu.web.cards import tour_facts
-from rumu.web.doors import Owner, PathId, Running
+from rumu.web.dependencies import Owner, PathId, Running
 from rumu.web.routes.works import columns
 from rumu.web.service import Service
-from rumu.web.shapes import TourChange, TourFacts, TourNew
+from rumu.web.schemas import TourChange, TourFacts, TourNew
 
 router = APIRouter(tags=["tours"])
 

@@ -14,12 +14,12 @@ from rumu.gallery import annotations as said
 from rumu.gallery import catalog
 from rumu.gallery.derived import KINDS, MESHES, viewer_facts
 from rumu.studio.errors import Missing, Unusable
-from rumu.web.answers import file_answer, known_tag
+from rumu.web.caching import file_answer, known_tag
 from rumu.web.cards import collection_facts, file_version, work_card, work_facts
-from rumu.web.doors import Asked, Limit, Offset, Owner, PathId, Running
+from rumu.web.dependencies import Asked, Limit, Offset, Owner, PathId, Running
 from rumu.web.files import Sent
 from rumu.web.service import Service
-from rumu.web.shapes import CollectionFacts, FacetFacts, ViewerFacts, WorkChange, WorkFacts, WorkPage
+from rumu.web.schemas import CollectionFacts, FacetFacts, ViewerFacts, WorkChange, WorkFacts, WorkPage
 
 router = APIRouter(tags=["works"])
 Kind = Literal[

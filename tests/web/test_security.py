@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from starlette.testclient import TestClient
 
-from rumu.web.guard import COOKIE
+from rumu.web.security import COOKIE
 from rumu.web.settings import Bodies, Rates
 
 UNSAFE = [

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from rumu.studio.passwords import LONGEST
-from rumu.web.doors import IdText, Line, Prose
+from rumu.web.dependencies import IdText, Line, Prose
 
 RoleName = Literal["owner", "teacher", "pupil"]
 LanguageName = Literal["zh", "en"]

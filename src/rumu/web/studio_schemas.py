@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from rumu.web.doors import IdText, Line, Prose
-from rumu.web.shapes import PersonFacts, Shape, Text, WorkCard
+from rumu.web.dependencies import IdText, Line, Prose
+from rumu.web.schemas import PersonFacts, Shape, Text, WorkCard
 
 Point = list[float]
 

@@ -17,7 +17,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rumu.studio.tickets import Ticket
-from rumu.web.rates import TooOften
+from rumu.web.rate_limits import TooOften
 from rumu.web.service import Service
 
 COOKIE = "rumu_session"

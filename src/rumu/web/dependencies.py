@@ -11,8 +11,8 @@ from pydantic import AfterValidator, StringConstraints
 from rumu.studio.errors import NotAllowed
 from rumu.studio.people import Identity
 from rumu.studio.tickets import DAYS, Ticket
-from rumu.web.guard import COOKIE, address
-from rumu.web.refusals import LoginNeededError
+from rumu.web.security import COOKIE, address
+from rumu.web.error_handlers import LoginNeededError
 from rumu.web.service import Service
 
 _ID = r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$"

@@ -12,7 +12,7 @@ from starlette.exceptions import HTTPException
 
 from rumu.errors import RumuError
 from rumu.studio.errors import Busy, Clash, Missing, NotAllowed, StudioError, Unusable
-from rumu.web.rates import TooOften
+from rumu.web.rate_limits import TooOften
 
 _log = logging.getLogger(__name__)
 
