@@ -10,7 +10,7 @@ import pytest
 
 from rumu.database.tables import Work
 from rumu.studio.samples import put_samples
-from rumu.web.caching import FOR_EVER
+from rumu.web.caching import IMMUTABLE
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_works_are_found_and_lead_on(world):
     viewer = browser("GET", "/api/works/regular-shui/viewer").json()
     heights = browser("GET", viewer["heights"]["url"])
     assert len(heights.content) == 4 * viewer["heights"]["width"] * viewer["heights"]["height"]
-    assert heights.headers["content-encoding"] == "gzip" and heights.headers["cache-control"] == FOR_EVER
+    assert heights.headers["content-encoding"] == "gzip" and heights.headers["cache-control"] == IMMUTABLE
     assert viewer["source"] == "inflation" and "not measured" in viewer["source_text"]["en"]
 
 

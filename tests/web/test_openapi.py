@@ -10,11 +10,11 @@ import schemathesis
 from hypothesis import HealthCheck, Phase, settings
 from starlette.testclient import TestClient
 
-from rumu.web.security import COOKIE
 from rumu.web.openapi import example, page
-from rumu.web.settings import Rates
+from rumu.web.security import COOKIE
+from rumu.web.settings import RateLimitSettings
 
-ENDLESS = Rates(
+ENDLESS = RateLimitSettings(
     **dict.fromkeys(("login", "login_name", "marks", "tries", "uploads", "all"), "1000000/second")
 )
 NOT_ASKED = ("events",)  # it ends with its job, and there is none to end
@@ -24,7 +24,7 @@ NOT_ASKED = ("events",)  # it ends with its job, and there is none to end
 def test_nothing_that_can_be_asked_ends_in_a_fault(own_world, who):
     """Made-up questions to every route, by a visitor, a pupil and the owner; bounded, so that it stays
     short."""
-    world = own_world(rates=ENDLESS)
+    world = own_world(rate_limits=ENDLESS)
     schema = schemathesis.openapi.from_dict(world.app.openapi())
     faults, answers = [], Counter()
     browser = world.browser(who)

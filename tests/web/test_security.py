@@ -6,7 +6,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from rumu.web.security import COOKIE
-from rumu.web.settings import Bodies, Rates
+from rumu.web.settings import BodyLimits, RateLimitSettings
 
 UNSAFE = [
     ("POST", "/api/login"), ("POST", "/api/logout"), ("POST", "/api/marks"), ("POST", "/api/works"),
@@ -76,7 +76,7 @@ def test_only_the_gallery_for_viewers_is_open_to_other_sites(world):
 
 
 def test_a_body_is_bounded_by_what_it_announces_and_by_what_comes(own_world, code_of):
-    world = own_world(bodies=Bodies(usual=1000, mark=2000, work=3000, zip=4000))
+    world = own_world(body_limits=BodyLimits(default=1000, mark=2000, work=3000, zip=4000))
     browser = world.browser("館主")
 
     def chunks(size):
@@ -131,7 +131,11 @@ def test_a_forged_or_damaged_cookie_is_a_visitor(world):
 
 
 def test_rates(own_world, code_of):
-    world = own_world(rates=Rates(login="5/minute", login_name="3/minute", tries="1/minute", all="30/minute"))
+    world = own_world(
+        rate_limits=RateLimitSettings(
+            login="5/minute", login_name="3/minute", tries="1/minute", all="30/minute"
+        )
+    )
     browser = world.browser()
     wrong = {"name": "林", "password": "wrong password"}
     codes = [code_of(browser("POST", "/api/login", json=wrong)) for _ in range(4)]

@@ -11,9 +11,8 @@ from starlette.middleware.gzip import GZipMiddleware
 
 from rumu import __version__
 from rumu.web import error_handlers, openapi, pages
-from rumu.web.caching import Fresh
-from rumu.web.dependencies import REFUSALS
-from rumu.web.security import Guard
+from rumu.web.caching import ETagMiddleware
+from rumu.web.dependencies import ERROR_RESPONSES
 from rumu.web.routes import annotations as said
 from rumu.web.routes import (
     attempts,
@@ -29,6 +28,7 @@ from rumu.web.routes import (
     tours,
     works,
 )
+from rumu.web.security import SecurityMiddleware
 from rumu.web.service import Service
 from rumu.web.settings import ServiceSettings
 
@@ -65,7 +65,7 @@ def create_app(settings: ServiceSettings) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         lifespan=lifespan,
-        responses=REFUSALS,
+        responses=ERROR_RESPONSES,
     )
     app.state.service = service
     error_handlers.register(app)
@@ -74,6 +74,6 @@ def create_app(settings: ServiceSettings) -> FastAPI:
     openapi.register(app)
     pages.register(app, settings.static)
     app.add_middleware(GZipMiddleware, minimum_size=800, compresslevel=5)
-    app.add_middleware(Fresh)  # outside, so that what it holds is packed already
-    app.add_middleware(Guard, service=service)
+    app.add_middleware(ETagMiddleware)  # outside, so that what it holds is packed already
+    app.add_middleware(SecurityMiddleware, service=service)
     return app

@@ -1,4 +1,4 @@
-"""Answers that a browser need not fetch twice: names for contents, and nothing sent where they are known."""
+"""HTTP caching: ETags and conditional requests for files and for open JSON (RFC 9110 and 9111)."""
 
 from __future__ import annotations
 
@@ -11,133 +11,130 @@ from fastapi import Request, Response
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rumu.web.files import Sent
+from rumu.web.files import FileContent
 
-FOR_EVER = "public, max-age=31536000, immutable"
-ASK_FIRST = "no-cache"
+IMMUTABLE = "public, max-age=31536000, immutable"
+REVALIDATE = "no-cache"
 
-
-def known_tag(request: Request) -> str | None:
-    """The tag that the asker holds."""
-    tags = _tags(request.headers.get("if-none-match", ""))
-    return tags[0] if len(tags) == 1 else None
+_MAX_AGE = 1.0  # seconds; a list may be this old when another process has changed the gallery
+_MAX_RESPONSES = 500
+_MAX_BODY = 2**20  # bytes of one response that is kept in memory
 
 
-def file_answer(request: Request, sent: Sent, *, name: str | None = None, private: bool = False) -> Response:
-    """A file, packed where both sides like it; 304 where the asker has it. name: to be saved as.
+def requested_etags(headers: Headers) -> list[str]:
+    """The ETags that a client has already, from If-None-Match."""
+    header = headers.get("if-none-match", "")
+    return [etag.strip().removeprefix("W/").strip('"') for etag in header.split(",")]
 
-    One that is asked for with its version is the asker's for ever.
+
+def file_response(
+    request: Request, content: FileContent, *, filename: str | None = None, private: bool = False
+) -> Response:
+    """A file, compressed if the client accepts gzip; 304 if the client has it.
+
+    filename: what the browser is to save it as. private: shared caches must not store it. A file that is
+    requested with its version (`?v=`) is immutable.
     """
     versioned = "v" in request.query_params and not private
     headers = {
-        "ETag": f'"{sent.tag}"',
-        "Cache-Control": FOR_EVER if versioned else f"private, {ASK_FIRST}" if private else ASK_FIRST,
+        "ETag": f'"{content.etag}"',
+        "Cache-Control": IMMUTABLE if versioned else f"private, {REVALIDATE}" if private else REVALIDATE,
         "Vary": "Accept-Encoding",
     }
-    if sent.tag in _tags(request.headers.get("if-none-match", "")):
+    if content.etag in requested_etags(request.headers):
         return Response(status_code=304, headers=headers)
-    if name is not None:
-        headers["Content-Disposition"] = f'attachment; filename="{name}"'
-    if sent.packed is not None and "gzip" in request.headers.get("accept-encoding", ""):
-        return Response(
-            sent.packed, media_type=sent.media_type, headers=headers | {"Content-Encoding": "gzip"}
-        )
-    return Response(sent.data, media_type=sent.media_type, headers=headers)
-
-
-def _tags(text: str) -> Sequence[str]:
-    return [tag.strip().removeprefix("W/").strip('"') for tag in text.split(",")]
-
-
-_LASTS = 1.0  # seconds: as old as an open list may be where another process changed the gallery
-_MOST = 500  # answers in memory
-_LARGEST = 2**20
+    if filename is not None:
+        headers["Content-Disposition"] = f'attachment; filename="{filename}"'
+    body = content.data
+    if content.gzipped is not None and "gzip" in request.headers.get("accept-encoding", ""):
+        body, headers["Content-Encoding"] = content.gzipped, "gzip"
+    return Response(body, media_type=content.media_type, headers=headers)
 
 
 @dataclass(frozen=True, slots=True)
-class _Held:
-    """An answer as it went out."""
+class _CachedResponse:
+    """A response as it was sent. expires: on the monotonic clock. start: the ASGI message of its head."""
 
-    until: float
+    expires: float
     start: Message
     body: bytes
-    tag: str
+    etag: str
 
 
-class Fresh:
-    """Open JSON gets a name from its content, so that a list that has not changed is not sent again.
+class ETagMiddleware:
+    """Gives open JSON an ETag made from its content, and answers 304 if the client has it.
 
-    What many ask for at once is made once: it stays for a second, or until something is changed here.
+    Responses stay in memory for a second, or until a request with another method than GET has been served,
+    so that a list which many clients request at once is made once.
     """
 
     OPEN = ("/api/works", "/api/facets", "/api/collections", "/api/tours", "/iiif/", "/api/openapi.json")
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
-        self._held: dict[tuple[object, ...], _Held] = {}
+        self._responses: dict[tuple[object, ...], _CachedResponse] = {}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
         elif scope["method"] != "GET":
             await self._app(scope, receive, send)
-            self._held.clear()
+            self._responses.clear()
         elif scope["path"].startswith(self.OPEN):
-            await self._open(scope, receive, send)
+            await self._get(scope, receive, send)
         else:
             await self._app(scope, receive, send)
 
-    async def _open(self, scope: Scope, receive: Receive, send: Send) -> None:
-        asked = Headers(scope=scope)
-        packed = "gzip" in asked.get("accept-encoding", "")
-        key = (scope["path"], scope["query_string"], packed, asked.get("host"), scope["scheme"])
-        held = self._held.get(key)
-        if held is not None and held.until > time.monotonic():
-            await _sent_once(held, asked, send)
+    async def _get(self, scope: Scope, receive: Receive, send: Send) -> None:
+        headers = Headers(scope=scope)
+        gzip = "gzip" in headers.get("accept-encoding", "")
+        key = (scope["path"], scope["query_string"], gzip, headers.get("host"), scope["scheme"])
+        cached = self._responses.get(key)
+        if cached is not None and cached.expires > time.monotonic():
+            await _send_cached(cached, headers, send)
             return
-        parts: list[Message] = []
+        messages: list[Message] = []
 
-        async def gathered(message: Message) -> None:
-            if parts or _nameable(message):
-                parts.append(message)
-                if not message.get("more_body") and message["type"] == "http.response.body":
-                    made = _named(parts)
-                    self._keep(key, made)
-                    await _sent_once(made, asked, send)
-            else:
+        async def collect(message: Message) -> None:
+            if not messages and not _needs_etag(message):
                 await send(message)
+                return
+            messages.append(message)
+            if message["type"] == "http.response.body" and not message.get("more_body"):
+                response = _add_etag(messages)
+                self._store(key, response)
+                await _send_cached(response, headers, send)
 
-        await self._app(scope, receive, gathered)
+        await self._app(scope, receive, collect)
 
-    def _keep(self, key: tuple[object, ...], made: _Held) -> None:
-        if len(self._held) >= _MOST:
-            self._held.clear()
-        if len(made.body) <= _LARGEST:
-            self._held[key] = made
+    def _store(self, key: tuple[object, ...], response: _CachedResponse) -> None:
+        if len(self._responses) >= _MAX_RESPONSES:
+            self._responses.clear()
+        if len(response.body) <= _MAX_BODY:
+            self._responses[key] = response
 
 
-def _nameable(message: Message) -> bool:
+def _needs_etag(message: Message) -> bool:
     if message["type"] != "http.response.start" or message["status"] != 200:
         return False
     headers = Headers(raw=message["headers"])
     return "json" in headers.get("content-type", "") and "etag" not in headers
 
 
-def _named(parts: Sequence[Message]) -> _Held:
-    start, *rest = parts
-    body = b"".join(part.get("body", b"") for part in rest)
-    tag = hashlib.sha256(body).hexdigest()[:20]
-    more = [(b"etag", f'W/"{tag}"'.encode())]
-    if "cache-control" not in Headers(raw=start["headers"]):
-        more.append((b"cache-control", ASK_FIRST.encode()))
-    named = {**start, "headers": [*start["headers"], *more]}
-    return _Held(time.monotonic() + _LASTS, named, body, tag)
+def _add_etag(messages: Sequence[Message]) -> _CachedResponse:
+    start, *rest = messages
+    body = b"".join(message.get("body", b"") for message in rest)
+    etag = hashlib.sha256(body).hexdigest()[:20]
+    headers = [*start["headers"], (b"etag", f'W/"{etag}"'.encode())]
+    if "cache-control" not in Headers(raw=headers):
+        headers.append((b"cache-control", REVALIDATE.encode()))
+    return _CachedResponse(time.monotonic() + _MAX_AGE, {**start, "headers": headers}, body, etag)
 
 
-async def _sent_once(held: _Held, asked: Headers, send: Send) -> None:
-    start, body = held.start, held.body
-    headers = list(start["headers"])  # others may add to theirs
-    if held.tag in _tags(asked.get("if-none-match", "")):
+async def _send_cached(response: _CachedResponse, request_headers: Headers, send: Send) -> None:
+    start, body = response.start, response.body
+    headers = list(start["headers"])  # middleware outside of this one adds to the list
+    if response.etag in requested_etags(request_headers):
         of_body = (b"content-length", b"content-type", b"content-encoding")
         headers = [pair for pair in headers if pair[0] not in of_body]
         start, body = {**start, "status": 304}, b""

@@ -26,7 +26,7 @@ def file_version(work: Work) -> str:
 
 
 def work_card(work: Work) -> dict[str, Any]:
-    """See shapes.WorkCard."""
+    """See shapes.WorkSummary."""
     return {
         "id": work.id,
         **{name: both(work, name) for name in ("title", "hand", "period")},
@@ -58,7 +58,7 @@ def work_facts(
     annotations: Sequence[Annotation],
     neighbours: tuple[str | None, str | None],
 ) -> dict[str, Any]:
-    """See shapes.WorkFacts."""
+    """See shapes.WorkRead."""
     files = {name: file_address(work, kind) for name, kind in _FILES.items()}
     return work_card(work) | {
         "material": both(work, "material"),
@@ -76,18 +76,18 @@ def work_facts(
 
 
 def annotation_facts(row: Annotation) -> dict[str, Any]:
-    """See shapes.AnnotationFacts."""
+    """See shapes.AnnotationRead."""
     return {"id": row.id, "x": row.x, "y": row.y, "title": both(row, "title"), "text": both(row, "text")}
 
 
 def collection_facts(row: Collection, count: int) -> dict[str, Any]:
-    """See shapes.CollectionFacts."""
+    """See shapes.CollectionRead."""
     told = {"id": row.id, "source": row.source, "licence": row.licence, "works": count}
     return told | {"title": both(row, "title"), "note": both(row, "note")}
 
 
 def tour_facts(row: Tour) -> dict[str, Any]:
-    """See shapes.TourFacts."""
+    """See shapes.TourRead."""
     steps = [
         {
             "work": step["work"],
@@ -103,7 +103,7 @@ def tour_facts(row: Tour) -> dict[str, Any]:
 
 
 def person_facts(row: Person) -> dict[str, Any]:
-    """See shapes.PersonFacts."""
+    """See shapes.PersonRead."""
     return {
         "id": row.id,
         "name": row.name,
@@ -119,7 +119,7 @@ def writer(row: Person | None) -> dict[str, str] | None:
 
 
 def attempt_facts(shown: Shown, *, residual: dict[str, Any] | None = None) -> dict[str, Any]:
-    """See studio_shapes.AttemptFacts."""
+    """See studio_shapes.AttemptRead."""
     attempt = shown.attempt
     return {
         "id": attempt.id,
@@ -141,7 +141,7 @@ def attempt_facts(shown: Shown, *, residual: dict[str, Any] | None = None) -> di
 
 
 def task_facts(task: Task, work: Work) -> dict[str, Any]:
-    """See studio_shapes.TaskFacts."""
+    """See studio_shapes.TaskRead."""
     return {
         "id": task.id,
         "class_id": task.class_id,
@@ -154,7 +154,7 @@ def task_facts(task: Task, work: Work) -> dict[str, Any]:
 
 
 def job_facts(job: Job) -> dict[str, Any]:
-    """See studio_shapes.JobFacts."""
+    """See studio_shapes.JobRead."""
     names = ("id", "kind", "state", "done", "total", "message", "result")
     error = both(job, "error") if job.error_en or job.error_zh else None
     return {name: getattr(job, name) for name in names} | {"error": error}

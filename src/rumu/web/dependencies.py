@@ -1,4 +1,4 @@
-"""What routes ask for: the service, who asks, and texts and ids that can be trusted to be such."""
+"""FastAPI dependencies: the service, the current user, and types of parameters that can be trusted."""
 
 from __future__ import annotations
 
@@ -11,77 +11,73 @@ from pydantic import AfterValidator, StringConstraints
 from rumu.studio.errors import NotAllowed
 from rumu.studio.people import Identity
 from rumu.studio.tickets import DAYS, Ticket
-from rumu.web.security import COOKIE, address
 from rumu.web.error_handlers import LoginNeededError
+from rumu.web.security import COOKIE
 from rumu.web.service import Service
 
-_ID = r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$"
+ID_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$"
 
 
-async def service_of(request: Request) -> Service:
+async def get_service(request: Request) -> Service:
     """The running service."""
     service: Service = request.app.state.service
     return service
 
 
-Running = Annotated[Service, Depends(service_of)]
+ServiceDep = Annotated[Service, Depends(get_service)]
 
 
-def ticket_of(request: Request) -> Ticket | None:
-    """The session, as the guard read it."""
-    ticket: Ticket | None = request.scope["state"].get("ticket")
+async def get_ticket(request: Request) -> Ticket | None:
+    """The ticket of the session, as the security middleware read it; None where there was none."""
+    ticket: Ticket | None = request.scope["state"]["ticket"]
     return ticket
 
 
-async def anybody(request: Request, service: Running) -> Identity | None:
-    """Who asks, or None for a visitor."""
-    ticket = ticket_of(request)
+TicketDep = Annotated[Ticket | None, Depends(get_ticket)]
+
+
+async def get_user(ticket: TicketDep, service: ServiceDep) -> Identity | None:
+    """The person who is logged in, or None for a visitor."""
     if ticket is None or ticket.person_id is None:
-        return None  # most who browse: no thread and no question to the database
-    return await run_sync(service.who, ticket)
+        return None  # most requests of the gallery: neither a thread nor a query
+    return await run_sync(service.identify, ticket)
 
 
-Visitor = Annotated[Identity | None, Depends(anybody)]
+OptionalUser = Annotated[Identity | None, Depends(get_user)]
 
 
-async def somebody(who: Visitor) -> Identity:
-    """Who asks; a visitor is sent to log in."""
-    if who is None:
+async def require_login(user: OptionalUser) -> Identity:
+    """The person who is logged in. Raises LoginNeededError for a visitor."""
+    if user is None:
         raise LoginNeededError
-    return who
+    return user
 
 
-Somebody = Annotated[Identity, Depends(somebody)]
+CurrentUser = Annotated[Identity, Depends(require_login)]
 
 
-async def a_teacher(who: Somebody) -> Identity:
-    """A teacher or an owner."""
-    if not who.teaches:
+async def require_teacher(user: CurrentUser) -> Identity:
+    """A teacher or an owner. Raises NotAllowed for others."""
+    if not user.teaches:
         raise NotAllowed
-    return who
+    return user
 
 
-Teacher = Annotated[Identity, Depends(a_teacher)]
+TeacherUser = Annotated[Identity, Depends(require_teacher)]
 
 
-async def an_owner(who: Somebody) -> Identity:
-    """An owner."""
-    if not who.owns:
+async def require_owner(user: CurrentUser) -> Identity:
+    """An owner. Raises NotAllowed for others."""
+    if not user.owns:
         raise NotAllowed
-    return who
+    return user
 
 
-Owner = Annotated[Identity, Depends(an_owner)]
+OwnerUser = Annotated[Identity, Depends(require_owner)]
 
 
-def caller(request: Request) -> str:
-    """The address that asks, for rates."""
-    return address(request.scope)
-
-
-def give_ticket(request: Request, response: Response, service: Service, ticket: Ticket) -> None:
-    """Set the cookie: out of reach of scripts, and of other sites' forms."""
-    request.scope["state"]["ticket"] = ticket
+def set_session_cookie(request: Request, response: Response, service: Service, ticket: Ticket) -> None:
+    """Set the cookie of a session; neither scripts nor forms of other sites can use it."""
     response.set_cookie(
         COOKIE,
         service.tickets.written(ticket),
@@ -93,27 +89,28 @@ def give_ticket(request: Request, response: Response, service: Service, ticket: 
     )
 
 
-def speakable(text: str) -> str:
-    """A text that a database can hold: no control characters but line breaks and tabs, no halves of
-    letters."""
+def reject_control_characters(text: str) -> str:
+    """A text that every database can store: no control characters but line breaks and tabs, no surrogates.
+
+    Raises ValueError for others.
+    """
     if any((ord(c) < 32 and c not in "\n\r\t") or ord(c) == 127 or 0xD800 <= ord(c) <= 0xDFFF for c in text):
         raise ValueError("expected text without control characters")
     return text
 
 
-Said = Annotated[str, AfterValidator(speakable)]
-Line = Annotated[str, StringConstraints(max_length=200, strip_whitespace=True), AfterValidator(speakable)]
-Prose = Annotated[str, StringConstraints(max_length=8000), AfterValidator(speakable)]
-IdText = Annotated[str, StringConstraints(pattern=_ID)]
-PathId = Annotated[str, Path(pattern=_ID, description="An id that the service gave.")]
-QueryId = Annotated[str | None, Query(pattern=_ID, description="An id that the service gave.")]
-Asked = Annotated[
-    str | None, Query(max_length=200), AfterValidator(lambda v: v if v is None else speakable(v))
-]
+_CLEAN = AfterValidator(reject_control_characters)
+CleanText = Annotated[str, _CLEAN]
+ShortText = Annotated[str, StringConstraints(max_length=200, strip_whitespace=True), _CLEAN]
+LongText = Annotated[str, StringConstraints(max_length=8000), _CLEAN]
+Id = Annotated[str, StringConstraints(pattern=ID_PATTERN)]
+PathId = Annotated[str, Path(pattern=ID_PATTERN, description="An id that the service gave.")]
+QueryId = Annotated[str | None, Query(pattern=ID_PATTERN, description="An id that the service gave.")]
+SearchText = Annotated[CleanText | None, Query(max_length=200)]
 Offset = Annotated[int, Query(ge=0, le=10_000_000)]
 Limit = Annotated[int, Query(ge=1, le=200)]
 
-REFUSALS: dict[int | str, dict[str, Any]] = {
+ERROR_RESPONSES: dict[int | str, dict[str, Any]] = {
     "4XX": {
         "description": "Refused, with the reason in both languages.",
         "content": {

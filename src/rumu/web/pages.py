@@ -11,8 +11,8 @@ from pathlib import Path
 from fastapi import FastAPI, Request, Response
 
 from rumu.studio.errors import Missing
-from rumu.web.caching import FOR_EVER, file_answer
-from rumu.web.files import Sent
+from rumu.web.caching import IMMUTABLE, file_response
+from rumu.web.files import FileContent
 
 _TYPES = {
     ".js": "text/javascript; charset=utf-8",
@@ -34,7 +34,7 @@ NOT_BUILT = """<!doctype html>
 """
 
 
-def read_pages(folder: Path) -> dict[str, Sent]:
+def read_pages(folder: Path) -> dict[str, FileContent]:
     """Every file by its address; empty where nothing was built."""
     if not (folder / "index.html").is_file():
         return {}
@@ -53,21 +53,21 @@ def register(app: FastAPI, folder: Path) -> None:
             return Response(
                 NOT_BUILT, media_type="text/html; charset=utf-8", headers={"Cache-Control": "no-store"}
             )
-        return file_answer(request, page)
+        return file_response(request, page)
 
     @app.get("/{address:path}", include_in_schema=False)
     def page(request: Request, address: str) -> Response:
         found = pages.get(f"/{address}")
         if found is None or address.startswith("api/"):
             raise Missing
-        answer = file_answer(request, found)
+        answer = file_response(request, found)
         if address.startswith("assets/"):  # their names change with their content
-            answer.headers["Cache-Control"] = FOR_EVER
+            answer.headers["Cache-Control"] = IMMUTABLE
         return answer
 
 
-def _page(path: Path) -> Sent:
+def _page(path: Path) -> FileContent:
     data = path.read_bytes()
     kind = _TYPES.get(path.suffix) or mimetypes.guess_type(path.name)[0] or "application/octet-stream"
     packed = None if path.suffix in _PACKED_ALREADY or len(data) < 1000 else gzip.compress(data, 9)
-    return Sent(data, packed, kind, hashlib.sha256(data).hexdigest()[:20])
+    return FileContent(data, packed, kind, hashlib.sha256(data).hexdigest()[:20])

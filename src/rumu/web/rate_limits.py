@@ -1,6 +1,10 @@
-"""How often somebody may ask, counted in memory: a service is one process."""
+"""Rate limits, counted in memory: a service is one process."""
 
 from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
 
 from limits import RateLimitItem, parse
 from limits.storage import MemoryStorage
@@ -9,8 +13,8 @@ from limits.strategies import SlidingWindowCounterRateLimiter
 from rumu.studio.errors import StudioError
 
 
-class TooOften(StudioError):  # noqa: N818
-    """Asked more often than is allowed. seconds: until it may be asked again."""
+class TooManyRequests(StudioError):  # noqa: N818
+    """More requests than a limit allows. seconds: until the next one is allowed."""
 
     def __init__(self, seconds: int) -> None:
         super().__init__(
@@ -21,19 +25,37 @@ class TooOften(StudioError):  # noqa: N818
         self.seconds = seconds
 
 
-class RateLimits:
-    """One window a rule and person or address."""
+@dataclass(frozen=True, slots=True)
+class RateLimitSettings:
+    """Requests in a time, in the notation of the library `limits`.
+
+    login: of each address, for logins and invitations; login_name: for each name.
+    marks: of each person; tries: of each address without a login.
+    uploads: of each person.
+    all: of each address, whatever it requests.
+    """
+
+    login: str = "60/minute"
+    login_name: str = "10/minute"
+    marks: str = "120/minute"
+    tries: str = "60/minute"
+    uploads: str = "60/hour"
+    all: str = "30000/minute"
+
+
+class RateLimiter:
+    """Counts the requests of each limit in a sliding window."""
 
     def __init__(self) -> None:
         self._limiter = SlidingWindowCounterRateLimiter(MemoryStorage())
-        self._rules: dict[str, RateLimitItem] = {}
+        self._limits: dict[str, RateLimitItem] = {}
 
-    def count(self, rule: str, *whose: str) -> None:
-        """Count one more. Raises TooOften beyond the rule, such as '10/minute'."""
-        item = self._rules.get(rule) or self._rules.setdefault(rule, parse(rule))
-        if not self._limiter.hit(item, *whose):
-            import math
-            import time
+    def hit(self, limit: str, *identifiers: str) -> None:
+        """Count a request. limit: such as '10/minute'. identifiers: what is counted, and whose it is.
 
-            stats = self._limiter.get_window_stats(item, *whose)
-            raise TooOften(max(1, math.ceil(stats.reset_time - time.time())))
+        Raises TooManyRequests beyond the limit.
+        """
+        item = self._limits.get(limit) or self._limits.setdefault(limit, parse(limit))
+        if not self._limiter.hit(item, *identifiers):
+            stats = self._limiter.get_window_stats(item, *identifiers)
+            raise TooManyRequests(max(1, math.ceil(stats.reset_time - time.time())))

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from rumu.studio.passwords import LONGEST
-from rumu.web.dependencies import IdText, Line, Prose
+from rumu.web.dependencies import Id, LongText, ShortText
 
 RoleName = Literal["owner", "teacher", "pupil"]
 LanguageName = Literal["zh", "en"]
@@ -16,38 +16,38 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 
 
-class Shape(BaseModel):
+class Schema(BaseModel):
     """Base: unknown fields are refused, so that a slip of the pen is told."""
 
     model_config = ConfigDict(extra="forbid")
 
 
-class Text(Shape):
+class BilingualText(Schema):
     """The same in traditional Chinese and in English."""
 
     zh: str = Field(examples=["水"])
     en: str = Field(examples=["Water"])
 
 
-class Said(Shape):
+class BilingualInput(Schema):
     """A text in both languages, as somebody sends it."""
 
-    zh: Prose = ""
-    en: Prose = ""
+    zh: LongText = ""
+    en: LongText = ""
 
 
-class Title(Shape):
+class ShortBilingualInput(Schema):
     """A short text in both languages, as somebody sends it."""
 
-    zh: Line = ""
-    en: Line = ""
+    zh: ShortText = ""
+    en: ShortText = ""
 
 
 # --- people ----------------------------------------------------------------------------------------
 
 
-class PersonFacts(Shape):
-    """Somebody with a login."""
+class PersonRead(Schema):
+    """CurrentUser with a login."""
 
     id: str
     name: str = Field(examples=["林老師"])
@@ -56,31 +56,31 @@ class PersonFacts(Shape):
     active: bool = True
 
 
-class SessionFacts(Shape):
+class SessionRead(Schema):
     """Who is logged in. csrf: to be sent back as X-CSRF-Token with everything that changes something."""
 
-    person: PersonFacts | None
+    person: PersonRead | None
     csrf: str
     owner_exists: bool
     languages: list[str]
     version: str
 
 
-class Credentials(Shape):
+class Credentials(Schema):
     """Name and password."""
 
-    name: Line = Field(examples=["林老師"])
+    name: ShortText = Field(examples=["林老師"])
     password: str = Field(max_length=2 * LONGEST, examples=["a long password"])
 
 
-class InvitationOrder(Shape):
+class InvitationCreate(Schema):
     """For whom a link is. class_id: the class that a pupil joins with it."""
 
     role: RoleName = "pupil"
-    class_id: IdText | None = None
+    class_id: Id | None = None
 
 
-class InvitationLink(Shape):
+class InvitationLink(Schema):
     """link: path of the page, to be put behind this service's address. Works once."""
 
     link: str = Field(examples=["/#/join/TOKEN"])
@@ -89,40 +89,40 @@ class InvitationLink(Shape):
     expires: datetime
 
 
-class ClassName(Shape):
-    """A class by id and name."""
+class Reference(Schema):
+    """A person or a class by id and name."""
 
     id: str
     name: str
 
 
-class InvitationFacts(Shape):
+class InvitationRead(Schema):
     """What an invitation is for."""
 
     model_config = ConfigDict(populate_by_name=True, extra="forbid")
 
     role: RoleName
-    school_class: ClassName | None = Field(alias="class")
+    school_class: Reference | None = Field(alias="class")
     expires: datetime
 
 
-class PersonChange(Shape):
+class PersonUpdate(Schema):
     """What an owner changes of a person; password: a new one for somebody who forgot theirs."""
 
-    name: Line | None = None
+    name: ShortText | None = None
     role: RoleName | None = None
     language: LanguageName | None = None
     active: bool | None = None
     password: str | None = Field(default=None, max_length=2 * LONGEST)
 
 
-class OwnChange(Shape):
+class SessionUpdate(Schema):
     """What people change of themselves."""
 
     language: LanguageName
 
 
-class PasswordChange(Shape):
+class PasswordUpdate(Schema):
     """old: as it was."""
 
     old: str = Field(max_length=2 * LONGEST)
@@ -132,16 +132,16 @@ class PasswordChange(Shape):
 # --- works -----------------------------------------------------------------------------------------
 
 
-class WorkCard(Shape):
+class WorkSummary(Schema):
     """What a list shows of a work. thumb, thumb_normals: addresses of pictures."""
 
     id: str = Field(examples=["regular-shui"])
-    title: Text
+    title: BilingualText
     character: str = Field(examples=["水"])
     script: str = Field(examples=["regular"])
-    hand: Text
+    hand: BilingualText
     dynasty: str
-    period: Text
+    period: BilingualText
     collection: str = Field(examples=["starter"])
     kind: str = Field(examples=["image"])
     height_source: Literal["photometric", "inflation", "density"]
@@ -151,75 +151,75 @@ class WorkCard(Shape):
     thumb_normals: str
 
 
-class WorkPage(Shape):
+class WorkPage(Schema):
     """A part of all that match."""
 
     total: int
-    items: list[WorkCard]
+    items: list[WorkSummary]
 
 
-class AnnotationFacts(Shape):
+class AnnotationRead(Schema):
     """Something said of a point. x, y: fractions of the picture, origin top left."""
 
     id: str
     x: float
     y: float
-    title: Text
-    text: Text
+    title: BilingualText
+    text: BilingualText
 
 
-class AnnotationNew(Shape):
-    """As AnnotationFacts; one of the texts must say something."""
+class AnnotationCreate(Schema):
+    """As AnnotationRead; one of the texts must say something."""
 
     x: Share = Field(examples=[0.42])
     y: Share = Field(examples=[0.3])
-    title: Title = Title()
-    text: Said = Said()
+    title: ShortBilingualInput = ShortBilingualInput()
+    text: BilingualInput = BilingualInput()
 
 
-class AnnotationChange(Shape):
+class AnnotationUpdate(Schema):
     """What is left out stays."""
 
     x: Share | None = None
     y: Share | None = None
-    title: Title | None = None
-    text: Said | None = None
+    title: ShortBilingualInput | None = None
+    text: BilingualInput | None = None
 
 
-class WorkFacts(WorkCard):
+class WorkRead(WorkSummary):
     """All that is known of a work. files: addresses. previous, next: ids in the same collection."""
 
-    material: Text
+    material: BilingualText
     source: str
     licence: str
     attribution: str
-    collection_title: Text
+    collection_title: BilingualText
     files: dict[str, str]
-    annotations: list[AnnotationFacts]
+    annotations: list[AnnotationRead]
     spacing: float | None
     created: datetime
     previous: str | None
     next: str | None
 
 
-class WorkChange(Shape):
+class WorkUpdate(Schema):
     """What is left out stays. spacing: millimetres for each pixel; null where it is not known any more."""
 
-    title: Title | None = None
-    hand: Title | None = None
-    period: Title | None = None
-    material: Said | None = None
-    character: Annotated[Line, Field(max_length=16)] | None = None
+    title: ShortBilingualInput | None = None
+    hand: ShortBilingualInput | None = None
+    period: ShortBilingualInput | None = None
+    material: BilingualInput | None = None
+    character: Annotated[ShortText, Field(max_length=16)] | None = None
     script: Literal["", "seal", "clerical", "regular", "running", "cursive"] | None = None
-    dynasty: Annotated[Line, Field(max_length=40)] | None = None
-    source: Prose | None = None
-    licence: Line | None = None
-    attribution: Prose | None = None
+    dynasty: Annotated[ShortText, Field(max_length=40)] | None = None
+    source: LongText | None = None
+    licence: ShortText | None = None
+    attribution: LongText | None = None
     position: Annotated[int, Field(ge=0, le=10**6)] | None = None
     spacing: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
 
 
-class FacetFacts(Shape):
+class FacetValueRead(Schema):
     """One choice and how many works it leaves."""
 
     value: str
@@ -228,18 +228,18 @@ class FacetFacts(Shape):
     count: int
 
 
-class CollectionFacts(Shape):
+class CollectionRead(Schema):
     """Works that belong together."""
 
     id: str
-    title: Text
-    note: Text
+    title: BilingualText
+    note: BilingualText
     source: str
     licence: str
     works: int
 
 
-class Heights(Shape):
+class HeightsFile(Schema):
     """url: raw float32, little endian, row by row from the top, in `unit`."""
 
     url: str
@@ -249,7 +249,7 @@ class Heights(Shape):
     max: float
 
 
-class ViewerFacts(Shape):
+class SurfaceRead(Schema):
     """What the viewer needs of a surface. width, height: pixels of normals and albedo; spacing: of those."""
 
     model_config = ConfigDict(extra="allow")
@@ -260,8 +260,8 @@ class ViewerFacts(Shape):
     unit: Literal["mm", "px"]
     spacing: float
     source: Literal["photometric", "inflation", "density"]
-    source_text: Text
-    heights: Heights
+    source_text: BilingualText
+    heights: HeightsFile
     normals: str
     albedo: str
     picture: str
@@ -270,32 +270,32 @@ class ViewerFacts(Shape):
     glb: str
 
 
-class TourStep(Shape):
+class TourStep(Schema):
     """view: the query of the viewer's permalink."""
 
-    work: IdText = Field(examples=["regular-shui"])
-    view: Annotated[Line, Field(max_length=500)] = ""
-    title: Title = Title()
-    text: Said = Said()
+    work: Id = Field(examples=["regular-shui"])
+    view: Annotated[ShortText, Field(max_length=500)] = ""
+    title: ShortBilingualInput = ShortBilingualInput()
+    text: BilingualInput = BilingualInput()
 
 
-class TourNew(Shape):
+class TourCreate(Schema):
     """A walk through works."""
 
-    title: Title
+    title: ShortBilingualInput
     steps: list[TourStep] = Field(max_length=100)
 
 
-class TourChange(Shape):
+class TourUpdate(Schema):
     """What is left out stays."""
 
-    title: Title | None = None
+    title: ShortBilingualInput | None = None
     steps: list[TourStep] | None = Field(default=None, max_length=100)
 
 
-class TourFacts(Shape):
+class TourRead(Schema):
     """A guided walk."""
 
     id: str
-    title: Text
+    title: BilingualText
     steps: list[dict[str, Any]]

@@ -1,4 +1,4 @@
-"""One running service: its gallery, its workers, its queue of jobs, and what it keeps in memory."""
+"""The running service: its gallery, its workers, its queue of jobs, and what it keeps in memory."""
 
 from __future__ import annotations
 
@@ -12,65 +12,69 @@ from rumu.studio.invitations import first_owner
 from rumu.studio.people import Identity, current, owner_exists
 from rumu.studio.tickets import Ticket, open_tickets
 from rumu.studio.workers import Workers
-from rumu.web.files import Files
-from rumu.web.rate_limits import RateLimits
+from rumu.web.files import DerivedFiles
+from rumu.web.rate_limits import RateLimiter
 from rumu.web.settings import ServiceSettings
 
-MARKING = 48  # that wait for a mark in threads of their own; further ones wait without
+MAX_MARKING_THREADS = 48  # threads that wait for marks; further requests wait without a thread
 
 
 class Service:
-    """Opened at once; start() and stop() go with the server's."""
+    """Opens the gallery when it is made; `start` and `stop` are called with the server's."""
 
     def __init__(self, settings: ServiceSettings) -> None:
         place = settings.place
         self.settings = settings
         self.gallery = open_gallery(database=place.database, files=place.files)
         self.tickets = open_tickets(self.gallery.database)
-        self.rates = RateLimits()
+        self.rate_limiter = RateLimiter()
         self.workers = Workers(place, processes=settings.processes)
         self.job_workers = Workers(place, processes=0 if settings.processes == 0 else 1)
-        self.files = Files(self.gallery, self.workers)
-        self.over = False
-        self.marking = CapacityLimiter(MARKING)
+        self.files = DerivedFiles(self.gallery, self.workers)
+        self.stopping = False
+        self.marking_limiter = CapacityLimiter(MAX_MARKING_THREADS)
         self.runner = jobs.Runner(self.gallery.database, self.job_workers)
 
     def start(self) -> None:
-        """Workers first, so that the first mark is as quick as the others."""
+        """Start the workers, so that the first mark is as quick as the others, and the queue of jobs."""
         self.workers.start()
         self.runner.start()
         if self.settings.prepare:
             self.prepare()
 
     def stop(self) -> None:
-        """What is under way is cut off; jobs are taken up at the next start."""
-        self.over = True
+        """Stop everything at once; jobs that are running begin again at the next start."""
+        self.stopping = True
         self.runner.stop()
         self.job_workers.stop()
         self.workers.stop()
         self.gallery.database.close()
 
     def prepare(self) -> str | None:
-        """Queue what makes the first look quick, once for a gallery; the job's id, None when it was done."""
+        """Queue the job that makes thumbnails and samples, once for a gallery.
+
+        Returns the job's id, None if it was done before or there are no works.
+        """
         with self.gallery.database.writing() as session:
-            there = session.scalar(select(Attempt.id).where(Attempt.kind == "simulated").limit(1))
+            sample = session.scalar(select(Attempt.id).where(Attempt.kind == "simulated").limit(1))
             queued = session.scalar(
                 select(Job.id).where(Job.kind == "prepare", Job.state.in_(("queued", "running")))
             )
-            if queued is not None or there is not None or session.scalar(select(Work.id).limit(1)) is None:
+            if queued is not None or sample is not None or session.scalar(select(Work.id).limit(1)) is None:
                 return queued
             job_id = jobs.add(session, "prepare", {}, person_id=None).id
         self.runner.wake()
         return job_id
 
-    def who(self, ticket: Ticket | None) -> Identity | None:
-        """Whose ticket it is, if they may still come in."""
+    def identify(self, ticket: Ticket | None) -> Identity | None:
+        """The person of a ticket; None for a visitor's, and for one that has ended."""
         if ticket is None or ticket.person_id is None:
             return None
         with self.gallery.database.reading() as session:
             return current(session, person_id=ticket.person_id, epoch=ticket.epoch)
 
     def has_owner(self) -> bool:
+        """Whether somebody owns this service."""
         with self.gallery.database.reading() as session:
             return owner_exists(session)
 

@@ -7,27 +7,27 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from rumu.web.dependencies import IdText, Line, Prose
-from rumu.web.schemas import PersonFacts, Shape, Text, WorkCard
+from rumu.web.dependencies import Id, LongText, ShortText
+from rumu.web.schemas import BilingualText, PersonRead, Reference, Schema, WorkSummary
 
 Point = list[float]
 
 
-class PartFacts(Shape):
+class PartRead(Schema):
     """One part of a mark, 0-100."""
 
     name: str = Field(examples=["structure"])
     zh: str = Field(examples=["結體"])
     en: str = Field(examples=["Structure"])
     score: float
-    meaning: Text
+    meaning: BilingualText
 
 
-class RemarkFacts(Shape):
+class RemarkRead(Schema):
     """One thing a teacher would say. region, outline: fractions of the copy's cell, origin top left."""
 
     kind: str = Field(examples=["lean"])
-    name: Text
+    name: BilingualText
     zh: str
     en: str
     severity: float
@@ -37,13 +37,13 @@ class RemarkFacts(Shape):
     outline: list[list[Point]]
 
 
-class RefusedFacts(Text):
+class RefusalRead(BilingualText):
     """Why there is no mark."""
 
     code: str = Field(examples=["blank"])
 
 
-class PoseFacts(Shape):
+class PoseRead(Schema):
     """angle: degrees, positive clockwise. scale: copy over master. shift: fractions of the cell, x right, y
     up."""
 
@@ -52,14 +52,14 @@ class PoseFacts(Shape):
     shift: Point
 
 
-class Align(Shape):
+class Alignment(Schema):
     """matrix: [a, b, c, d, e, f]; x' = a x + c y + e, y' = b x + d y + f takes the copy's cell to the
     master's."""
 
     matrix: list[float]
 
 
-class Residual(Shape):
+class ResidualPoints(Schema):
     """[x, y, r] each: fractions of the own cell; r 0 on the line to 1 far off."""
 
     copy_: list[Point] = Field(alias="copy")
@@ -67,38 +67,31 @@ class Residual(Shape):
     model_config = ConfigDict(populate_by_name=True)
 
 
-class MarkFacts(Shape):
+class MarkRead(Schema):
     """A mark and what it rests on; score, level and interval are null when it was refused."""
 
     model_config = ConfigDict(extra="allow")
 
     score: float | None = Field(examples=[72.4])
     level: Literal["excellent", "good", "medium", "bad"] | None
-    level_text: Text | None
+    level_text: BilingualText | None
     cuts: dict[str, float] = Field(default={}, description="The lowest score of each level.")
     interval: list[float] | None = Field(examples=[[60.1, 83.0]])
-    interval_note: Text | None
-    parts: list[PartFacts]
-    remarks: list[RemarkFacts]
+    interval_note: BilingualText | None
+    parts: list[PartRead]
+    remarks: list[RemarkRead]
     similarity: float | None
     sim_paper: float | None
-    pose: PoseFacts | None
-    refused: RefusedFacts | None
+    pose: PoseRead | None
+    refused: RefusalRead | None
     source: list[str] | None
-    source_text: Text | None
-    align: Align | None
-    residual: Residual | None = None
+    source_text: BilingualText | None
+    align: Alignment | None
+    residual: ResidualPoints | None = None
     seconds: float
 
 
-class Writer(Shape):
-    """Who wrote it."""
-
-    id: str
-    name: str
-
-
-class TeacherMarkFacts(Shape):
+class TeacherMarkRead(Schema):
     """A teacher's own mark, 0-100."""
 
     teacher: str
@@ -106,38 +99,38 @@ class TeacherMarkFacts(Shape):
     note: str
 
 
-class AttemptFacts(Shape):
+class AttemptRead(Schema):
     """One copy with its mark. id, picture: null when it was not kept. person: null where nobody wrote it."""
 
     id: str | None
-    work: WorkCard
-    person: Writer | None
+    work: WorkSummary
+    person: Reference | None
     kind: Literal["pen", "photo", "simulated"]
     grid: Literal["mi", "jiu", "tian", ""]
     created: datetime
     task: str | None
     picture: str | None
     strokes: str | None = None
-    mark: MarkFacts
-    teacher_marks: list[TeacherMarkFacts]
+    mark: MarkRead
+    teacher_marks: list[TeacherMarkRead]
     simulated: bool = False
 
 
-class AttemptPage(Shape):
+class AttemptPage(Schema):
     """A part of all attempts, newest first; residual is left out."""
 
     total: int
-    items: list[AttemptFacts]
+    items: list[AttemptRead]
 
 
-class TeacherMarkOrder(Shape):
+class TeacherMarkCreate(Schema):
     """mark: 0-100."""
 
     mark: float = Field(ge=0, le=100, allow_inf_nan=False, examples=[78])
-    note: Prose = ""
+    note: LongText = ""
 
 
-class CurvePoint(Shape):
+class CurvePoint(Schema):
     """One attempt on a curve."""
 
     id: str
@@ -146,10 +139,10 @@ class CurvePoint(Shape):
     interval: list[float] | None
 
 
-class PracticeWork(Shape):
+class PracticeWork(Schema):
     """One work that a person copied."""
 
-    work: WorkCard
+    work: WorkSummary
     count: int
     best: float | None
     last: float | None
@@ -157,23 +150,23 @@ class PracticeWork(Shape):
     curve: list[CurvePoint]
 
 
-class PracticeFacts(Shape):
+class PracticeRead(Schema):
     """By work, the one last practised first."""
 
-    person: Writer
+    person: Reference
     works: list[PracticeWork]
 
 
 # --- classes ---------------------------------------------------------------------------------------
 
 
-class ClassOrder(Shape):
+class ClassCreate(Schema):
     """name: of the class."""
 
-    name: Annotated[Line, Field(min_length=1, max_length=120)] = Field(examples=["三年二班"])
+    name: Annotated[ShortText, Field(min_length=1, max_length=120)] = Field(examples=["三年二班"])
 
 
-class ClassCard(Shape):
+class ClassSummary(Schema):
     """A class in a list."""
 
     id: str
@@ -183,49 +176,49 @@ class ClassCard(Shape):
     tasks: int
 
 
-class TaskFacts(Shape):
+class TaskRead(Schema):
     """What a class is to write."""
 
     id: str
     class_id: str
-    work: WorkCard
+    work: WorkSummary
     title: str
     note: str
     due: datetime | None
     created: datetime
 
 
-class OpenInvitation(Shape):
+class OpenInvitation(Schema):
     """A link that has not been used; the link itself was shown once."""
 
     expires: datetime
     created: datetime
 
 
-class ClassFacts(Shape):
+class ClassRead(Schema):
     """A class. pupils, invitations: empty to a pupil."""
 
     id: str
     name: str
-    teacher: Writer | None
-    pupils: list[PersonFacts]
-    tasks: list[TaskFacts]
+    teacher: Reference | None
+    pupils: list[PersonRead]
+    tasks: list[TaskRead]
     invitations: list[OpenInvitation]
 
 
-class TaskOrder(Shape):
+class TaskCreate(Schema):
     """due: with its time zone."""
 
-    work: IdText = Field(examples=["regular-shui"])
-    title: Line = ""
-    note: Prose = ""
+    work: Id = Field(examples=["regular-shui"])
+    title: ShortText = ""
+    note: LongText = ""
     due: datetime | None = Field(default=None, examples=["2026-12-01T16:00:00Z"])
 
 
-class TaskRow(Shape):
+class TaskRow(Schema):
     """One pupil. best, last: null where no copy was marked."""
 
-    person: Writer
+    person: Reference
     attempts: int
     best: float | None
     last: float | None
@@ -233,7 +226,7 @@ class TaskRow(Shape):
     teacher_mark: float | None
 
 
-class CommonRemarkFacts(Shape):
+class CommonRemarkRead(Schema):
     """count: in how many pupils' latest copies."""
 
     kind: str
@@ -242,43 +235,43 @@ class CommonRemarkFacts(Shape):
     count: int
 
 
-class TaskTable(Shape):
+class TaskTable(Schema):
     """The table of a task; to a pupil their own row alone."""
 
-    task: TaskFacts
+    task: TaskRead
     rows: list[TaskRow]
-    common: list[CommonRemarkFacts]
+    common: list[CommonRemarkRead]
 
 
 # --- comparisons and jobs --------------------------------------------------------------------------
 
 
-class PairFacts(Shape):
+class PairRead(Schema):
     """done: pairs judged; left_over: still to judge, this one included."""
 
-    work: WorkCard
-    left: AttemptFacts
-    right: AttemptFacts
+    work: WorkSummary
+    left: AttemptRead
+    right: AttemptRead
     done: int
     left_over: int
 
 
-class Verdict(Shape):
+class ComparisonCreate(Schema):
     """left, right: ids of the attempts as they stood. seconds: that it took."""
 
-    left: IdText
-    right: IdText
+    left: Id
+    right: Id
     winner: Literal["left", "right", "same"]
     seconds: float | None = Field(default=None, ge=0, le=86400, allow_inf_nan=False)
 
 
-class VerdictFacts(Shape):
+class ComparisonRead(Schema):
     """That it was kept."""
 
     id: str
 
 
-class JobFacts(Shape):
+class JobRead(Schema):
     """Long work. total: 0 while unknown. error: why it failed."""
 
     id: str
@@ -288,10 +281,10 @@ class JobFacts(Shape):
     total: int
     message: str
     result: dict[str, Any]
-    error: Text | None
+    error: BilingualText | None
 
 
-class JobStarted(Shape):
+class JobStarted(Schema):
     """The job that does it."""
 
-    job: JobFacts
+    job: JobRead

@@ -10,32 +10,32 @@ from rumu.database.tables import Annotation
 from rumu.gallery import annotations as said
 from rumu.studio.errors import Missing
 from rumu.web.cards import annotation_facts
-from rumu.web.dependencies import Owner, PathId, Running
+from rumu.web.dependencies import OwnerUser, PathId, ServiceDep
 from rumu.web.routes.works import columns, found_work
+from rumu.web.schemas import AnnotationCreate, AnnotationRead, AnnotationUpdate
 from rumu.web.service import Service
-from rumu.web.schemas import AnnotationChange, AnnotationFacts, AnnotationNew
 
 router = APIRouter(tags=["annotations"])
 
 
-@router.get("/api/works/{work_id}/annotations", response_model=list[AnnotationFacts])
-def listed(service: Running, work_id: PathId) -> list[dict[str, Any]]:
+@router.get("/api/works/{work_id}/annotations", response_model=list[AnnotationRead])
+def listed(service: ServiceDep, work_id: PathId) -> list[dict[str, Any]]:
     """In order."""
     found_work(service, work_id)
     return [annotation_facts(row) for row in said.said_of(service.gallery, work_id)]
 
 
-@router.post("/api/works/{work_id}/annotations", response_model=AnnotationFacts, status_code=201)
-def add(service: Running, who: Owner, work_id: PathId, told: AnnotationNew) -> dict[str, Any]:
+@router.post("/api/works/{work_id}/annotations", response_model=AnnotationRead, status_code=201)
+def add(service: ServiceDep, user: OwnerUser, work_id: PathId, told: AnnotationCreate) -> dict[str, Any]:
     """Say something of a point."""
     found_work(service, work_id)
     facts = columns(told.model_dump())
-    return annotation_facts(said.add_annotation(service.gallery, work_id, facts, author=who.id))
+    return annotation_facts(said.add_annotation(service.gallery, work_id, facts, author=user.id))
 
 
-@router.patch("/api/works/{work_id}/annotations/{annotation_id}", response_model=AnnotationFacts)
+@router.patch("/api/works/{work_id}/annotations/{annotation_id}", response_model=AnnotationRead)
 def change(
-    service: Running, who: Owner, work_id: PathId, annotation_id: PathId, told: AnnotationChange
+    service: ServiceDep, user: OwnerUser, work_id: PathId, annotation_id: PathId, told: AnnotationUpdate
 ) -> dict[str, Any]:
     """Change it."""
     _found(service, work_id, annotation_id)
@@ -45,7 +45,7 @@ def change(
 
 
 @router.delete("/api/works/{work_id}/annotations/{annotation_id}", status_code=204)
-def delete(service: Running, who: Owner, work_id: PathId, annotation_id: PathId) -> None:
+def delete(service: ServiceDep, user: OwnerUser, work_id: PathId, annotation_id: PathId) -> None:
     """Take it back."""
     _found(service, work_id, annotation_id)
     said.delete_annotation(service.gallery, annotation_id, of=work_id)

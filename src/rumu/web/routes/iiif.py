@@ -15,9 +15,9 @@ from rumu.gallery.iiif_image import BadImageRequest, image_info
 from rumu.gallery.single_page import single_page
 from rumu.studio import worker
 from rumu.studio.errors import Missing
-from rumu.web.caching import file_answer
-from rumu.web.dependencies import PathId, Running
-from rumu.web.files import Sent
+from rumu.web.caching import file_response, requested_etags
+from rumu.web.dependencies import PathId, ServiceDep
+from rumu.web.files import FileContent
 from rumu.web.routes.works import found_work
 
 router = APIRouter(tags=["iiif"])
@@ -27,14 +27,14 @@ Word = Annotated[str, Path(max_length=80)]
 
 
 @router.get("/iiif/works/{work_id}/manifest.json", response_class=JSONResponse)
-def of_work(request: Request, service: Running, work_id: PathId) -> Response:
+def of_work(request: Request, service: ServiceDep, work_id: PathId) -> Response:
     """The manifest of a work."""
     found_work(service, work_id)
     return _told(manifest(service.gallery, work_id, base=_base(request)))
 
 
 @router.get("/iiif/collections/{collection_id}.json", response_class=JSONResponse)
-def of_collection(request: Request, service: Running, collection_id: PathId) -> Response:
+def of_collection(request: Request, service: ServiceDep, collection_id: PathId) -> Response:
     """The manifests of a collection's works."""
     try:
         return _told(collection_manifest(service.gallery, collection_id, base=_base(request)))
@@ -49,7 +49,7 @@ def image(work_id: PathId) -> Response:
 
 
 @router.get("/iiif/image/{work_id}/info.json", response_class=JSONResponse)
-def info(request: Request, service: Running, work_id: PathId) -> Response:
+def info(request: Request, service: ServiceDep, work_id: PathId) -> Response:
     """What sizes and parts a picture is served in."""
     found_work(service, work_id)
     facts = image_info(service.gallery, work_id, base=f"{_base(request)}/iiif/image")
@@ -61,7 +61,7 @@ def info(request: Request, service: Running, work_id: PathId) -> Response:
 def part(
     *,
     request: Request,
-    service: Running,
+    service: ServiceDep,
     work_id: PathId,
     region: Word,
     size: Word,
@@ -73,9 +73,8 @@ def part(
     quality, _, ending = name.rpartition(".")
     asked = "/".join((work.digest, region, size, rotation, name))
     tag = hashlib.sha256(asked.encode("utf-8", "replace")).hexdigest()[:20]
-    known = Sent(b"", None, "", tag)
-    if tag in request.headers.get("if-none-match", ""):
-        answer = file_answer(request, known)
+    if tag in requested_etags(request.headers):
+        answer = file_response(request, FileContent(b"", None, "", tag))
     else:
         try:
             data, kind = service.workers.ask(
@@ -86,13 +85,13 @@ def part(
         except BadImageRequest as error:
             facts = {"error": {"code": "image_request", "zh": "圖像請求不合規範。", "en": str(error)}}
             return JSONResponse(facts, 400, headers=OPEN)
-        answer = file_answer(request, Sent(data, None, kind, tag))
+        answer = file_response(request, FileContent(data, None, kind, tag))
     answer.headers.update(OPEN)
     return answer
 
 
 @router.get("/api/works/{work_id}/export.html", response_class=Response, tags=["works"])
-def export(service: Running, work_id: PathId) -> Response:
+def export(service: ServiceDep, work_id: PathId) -> Response:
     """The work with the viewer inside, in one file that needs no server and no network."""
     found_work(service, work_id)
     page = single_page(service.gallery, work_id, static=service.settings.static)

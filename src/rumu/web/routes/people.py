@@ -8,21 +8,21 @@ from fastapi import APIRouter
 
 from rumu.studio import people
 from rumu.web.cards import person_facts
-from rumu.web.dependencies import Owner, PathId, Running
-from rumu.web.schemas import PersonChange, PersonFacts
+from rumu.web.dependencies import OwnerUser, PathId, ServiceDep
+from rumu.web.schemas import PersonRead, PersonUpdate
 
 router = APIRouter(tags=["people"])
 
 
-@router.get("/api/people", response_model=list[PersonFacts])
-def everybody(service: Running, who: Owner) -> list[dict[str, Any]]:
+@router.get("/api/people", response_model=list[PersonRead])
+def everybody(service: ServiceDep, user: OwnerUser) -> list[dict[str, Any]]:
     """Everybody with a login."""
     with service.gallery.database.reading() as session:
         return [person_facts(person) for person in people.everybody(session)]
 
 
-@router.patch("/api/people/{person_id}", response_model=PersonFacts)
-def change(service: Running, who: Owner, person_id: PathId, told: PersonChange) -> dict[str, Any]:
+@router.patch("/api/people/{person_id}", response_model=PersonRead)
+def change(service: ServiceDep, user: OwnerUser, person_id: PathId, told: PersonUpdate) -> dict[str, Any]:
     """Change name, role, language or password, or put somebody out (active: false)."""
     changes = told.model_dump(exclude_none=True)
     new = changes.pop("password", None)

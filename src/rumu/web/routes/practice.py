@@ -12,20 +12,20 @@ from rumu.studio import practice
 from rumu.studio.access import seen_person
 from rumu.studio.printing import Sheet, practice_pdf, shown_attempts
 from rumu.web.cards import work_card
-from rumu.web.dependencies import QueryId, Running, Somebody
-from rumu.web.service import Service
+from rumu.web.dependencies import CurrentUser, QueryId, ServiceDep
 from rumu.web.schemas import LanguageName
-from rumu.web.studio_schemas import PracticeFacts
+from rumu.web.service import Service
+from rumu.web.studio_schemas import PracticeRead
 
 router = APIRouter(tags=["practice"])
 WorkId = Annotated[str, Query(pattern=r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$", examples=["regular-shui"])]
 
 
-@router.get("/api/practice", response_model=PracticeFacts)
-def curves(service: Running, who: Somebody, person: QueryId = None) -> dict[str, Any]:
-    """A person's curves, one a work; of the one who asks unless somebody else is named."""
+@router.get("/api/practice", response_model=PracticeRead)
+def curves(service: ServiceDep, user: CurrentUser, person: QueryId = None) -> dict[str, Any]:
+    """A person's curves, one a work; of the current user unless somebody else is named."""
     with service.gallery.database.reading() as session:
-        whose = seen_person(session, person or who.id, who=who)
+        whose = seen_person(session, person or user.id, who=user)
         found = practice.curves(session, whose.id)
     return {"person": {"id": whose.id, "name": whose.name}, "works": [_curve(one) for one in found]}
 
@@ -47,21 +47,25 @@ def _curve(one: practice.Curve) -> dict[str, Any]:
 
 
 @router.get("/api/practice.csv", response_class=Response)
-def table(service: Running, who: Somebody, person: QueryId = None) -> Response:
+def table(service: ServiceDep, user: CurrentUser, person: QueryId = None) -> Response:
     """All attempts of a person, one a row."""
     with service.gallery.database.reading() as session:
-        whose = seen_person(session, person or who.id, who=who)
+        whose = seen_person(session, person or user.id, who=user)
         text = practice.as_csv(session, whose.id)
     return csv_answer(text, "practice.csv")
 
 
 @router.get("/api/practice.pdf", response_class=Response)
 def sheet(
-    service: Running, who: Somebody, work: WorkId, person: QueryId = None, language: LanguageName = "zh"
+    service: ServiceDep,
+    user: CurrentUser,
+    work: WorkId,
+    person: QueryId = None,
+    language: LanguageName = "zh",
 ) -> Response:
     """One work's practice on a sheet of paper."""
     with service.gallery.database.reading() as session:
-        whose = seen_person(session, person or who.id, who=who)
+        whose = seen_person(session, person or user.id, who=user)
         curve = practice.curve(session, whose.id, work_id=work)
     data = practice_pdf(_sheet(service, whose, curve, language))
     headers = {"Content-Disposition": f'inline; filename="practice-{work}.pdf"', "Cache-Control": "no-store"}

@@ -13,41 +13,40 @@ from rumu.studio.passwords import outdated
 from rumu.studio.people import LANGUAGES
 from rumu.studio.tickets import Ticket
 from rumu.web.cards import person_facts
-from rumu.web.dependencies import Running, Somebody, caller, give_ticket, ticket_of
-from rumu.web.security import COOKIE
+from rumu.web.dependencies import CurrentUser, ServiceDep, TicketDep, set_session_cookie
 from rumu.web.error_handlers import WrongLoginError
-from rumu.web.service import Service
 from rumu.web.schemas import (
     Credentials,
-    InvitationFacts,
+    InvitationCreate,
     InvitationLink,
-    InvitationOrder,
-    OwnChange,
-    PasswordChange,
-    SessionFacts,
+    InvitationRead,
+    PasswordUpdate,
+    SessionRead,
+    SessionUpdate,
 )
+from rumu.web.security import COOKIE, client_address
+from rumu.web.service import Service
 
 router = APIRouter(tags=["session"])
 Token = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{10,80}$", description="What stands in the link.")]
 
 
-@router.get("/api/session", response_model=SessionFacts)
-def session(request: Request, response: Response, service: Running) -> dict[str, Any]:
+@router.get("/api/session", response_model=SessionRead)
+def session(request: Request, response: Response, service: ServiceDep, ticket: TicketDep) -> dict[str, Any]:
     """Who is logged in, and the token that every change needs; a visitor gets a session too."""
-    ticket = ticket_of(request)
-    who = service.who(ticket)
-    if ticket is None or (ticket.person_id is not None and who is None):
+    user = service.identify(ticket)
+    if ticket is None or (ticket.person_id is not None and user is None):
         ticket = service.tickets.fresh()
-        give_ticket(request, response, service, ticket)
+        set_session_cookie(request, response, service, ticket)
     response.headers["Cache-Control"] = "no-store"
     return _session_facts(service, ticket)
 
 
-@router.post("/api/login", response_model=SessionFacts)
-def login(request: Request, response: Response, service: Running, told: Credentials) -> dict[str, Any]:
+@router.post("/api/login", response_model=SessionRead)
+def login(request: Request, response: Response, service: ServiceDep, told: Credentials) -> dict[str, Any]:
     """Log in; the session and its token change."""
-    service.rates.count(service.settings.rates.login, "login", caller(request))
-    service.rates.count(service.settings.rates.login_name, "name", told.name.casefold())
+    service.rate_limiter.hit(service.settings.rate_limits.login, "login", client_address(request))
+    service.rate_limiter.hit(service.settings.rate_limits.login_name, "name", told.name.casefold())
     with service.gallery.database.reading() as session:
         person = people.known_by(session, name=told.name, password=told.password)
     if person is None:
@@ -58,61 +57,62 @@ def login(request: Request, response: Response, service: Running, told: Credenti
     return _let_in(request, response, service, person)
 
 
-@router.post("/api/logout", response_model=SessionFacts)
-def logout(request: Request, response: Response, service: Running) -> dict[str, Any]:
+@router.post("/api/logout", response_model=SessionRead)
+def logout(request: Request, response: Response, service: ServiceDep) -> dict[str, Any]:
     """Log out on this device."""
     response.delete_cookie(COOKIE, path="/")
     ticket = service.tickets.fresh()
-    give_ticket(request, response, service, ticket)
+    set_session_cookie(request, response, service, ticket)
     return _session_facts(service, ticket)
 
 
-@router.patch("/api/session", response_model=SessionFacts)
-def change_session(request: Request, service: Running, who: Somebody, told: OwnChange) -> dict[str, Any]:
+@router.patch("/api/session", response_model=SessionRead)
+def change_session(
+    service: ServiceDep, user: CurrentUser, ticket: TicketDep, told: SessionUpdate
+) -> dict[str, Any]:
     """Change one's own language."""
     with service.gallery.database.writing() as session:
-        people.change_person(session, who.id, {"language": told.language})
-    ticket = ticket_of(request)
+        people.change_person(session, user.id, {"language": told.language})
     assert ticket is not None
     return _session_facts(service, ticket)
 
 
-@router.post("/api/password", response_model=SessionFacts)
+@router.post("/api/password", response_model=SessionRead)
 def password(
-    request: Request, response: Response, service: Running, who: Somebody, told: PasswordChange
+    request: Request, response: Response, service: ServiceDep, user: CurrentUser, told: PasswordUpdate
 ) -> dict[str, Any]:
     """Change one's own password; every other session of this person ends."""
-    service.rates.count(service.settings.rates.login_name, "password", who.id)
+    service.rate_limiter.hit(service.settings.rate_limits.login_name, "password", user.id)
     with service.gallery.database.writing() as session:
-        person = people.change_password(session, who.id, old=told.old, new=told.new)
+        person = people.change_password(session, user.id, old=told.old, new=told.new)
     return _let_in(request, response, service, person)
 
 
 @router.post("/api/invitations", response_model=InvitationLink, status_code=201)
-def invite(service: Running, who: Somebody, told: InvitationOrder) -> dict[str, Any]:
+def invite(service: ServiceDep, user: CurrentUser, told: InvitationCreate) -> dict[str, Any]:
     """A link that makes one login; a teacher invites pupils into a class of theirs, an owner anybody."""
     with service.gallery.database.writing() as session:
-        token, row = invitations.invite(session, who, role=told.role, class_id=told.class_id)
+        token, row = invitations.invite(session, user, role=told.role, class_id=told.class_id)
     return {"link": f"/#/join/{token}", "token": token, "role": row.role, "expires": row.expires}
 
 
-@router.get("/api/invitations/{token}", response_model=InvitationFacts, response_model_by_alias=True)
-def invitation(request: Request, service: Running, token: Token) -> dict[str, Any]:
+@router.get("/api/invitations/{token}", response_model=InvitationRead, response_model_by_alias=True)
+def invitation(request: Request, service: ServiceDep, token: Token) -> dict[str, Any]:
     """What a link is for."""
-    service.rates.count(service.settings.rates.login, "invitation", caller(request))
+    service.rate_limiter.hit(service.settings.rate_limits.login, "invitation", client_address(request))
     with service.gallery.database.reading() as session:
         row, school_class = invitations.looked_at(session, token)
     joined = school_class and {"id": school_class.id, "name": school_class.name}
     return {"role": row.role, "class": joined, "expires": row.expires}
 
 
-@router.post("/api/invitations/{token}", response_model=SessionFacts, status_code=201)
+@router.post("/api/invitations/{token}", response_model=SessionRead, status_code=201)
 def join(
-    request: Request, response: Response, service: Running, token: Token, told: Credentials
+    request: Request, response: Response, service: ServiceDep, token: Token, told: Credentials
 ) -> dict[str, Any]:
     """Make the login, and log in; a pupil with a login joins one more class with it."""
-    service.rates.count(service.settings.rates.login, "login", caller(request))
-    service.rates.count(service.settings.rates.login_name, "name", told.name.casefold())
+    service.rate_limiter.hit(service.settings.rate_limits.login, "login", client_address(request))
+    service.rate_limiter.hit(service.settings.rate_limits.login_name, "name", told.name.casefold())
     with service.gallery.database.writing() as session:
         person = invitations.accept(session, token, name=told.name, password=told.password)
     return _let_in(request, response, service, person)
@@ -120,7 +120,7 @@ def join(
 
 def _let_in(request: Request, response: Response, service: Service, person: Person) -> dict[str, Any]:
     ticket = service.tickets.fresh(person_id=person.id, epoch=person.epoch)
-    give_ticket(request, response, service, ticket)
+    set_session_cookie(request, response, service, ticket)
     return _session_facts(service, ticket)
 
 

@@ -14,12 +14,12 @@ from rumu.gallery import annotations as said
 from rumu.gallery import catalog
 from rumu.gallery.derived import KINDS, MESHES, viewer_facts
 from rumu.studio.errors import Missing, Unusable
-from rumu.web.caching import file_answer, known_tag
+from rumu.web.caching import file_response, requested_etags
 from rumu.web.cards import collection_facts, file_version, work_card, work_facts
-from rumu.web.dependencies import Asked, Limit, Offset, Owner, PathId, Running
-from rumu.web.files import Sent
+from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep
+from rumu.web.files import FileContent
+from rumu.web.schemas import CollectionRead, FacetValueRead, SurfaceRead, WorkPage, WorkRead, WorkUpdate
 from rumu.web.service import Service
-from rumu.web.schemas import CollectionFacts, FacetFacts, ViewerFacts, WorkChange, WorkFacts, WorkPage
 
 router = APIRouter(tags=["works"])
 Kind = Literal[
@@ -39,12 +39,12 @@ def found_work(service: Service, work_id: str) -> Work:
 
 def asked_for(
     *,
-    script: Asked = None,
-    dynasty: Asked = None,
-    hand: Asked = None,
-    character: Asked = None,
-    collection: Asked = None,
-    q: Asked = None,
+    script: SearchText = None,
+    dynasty: SearchText = None,
+    hand: SearchText = None,
+    character: SearchText = None,
+    collection: SearchText = None,
+    q: SearchText = None,
 ) -> dict[str, Any]:
     """What is asked of works, as the catalogue names it."""
     if script not in (None, "", "none", *SCRIPTS):
@@ -57,14 +57,14 @@ AskedFor = Annotated[dict[str, Any], Depends(asked_for)]
 
 
 @router.get("/api/works", response_model=WorkPage)
-def works(service: Running, asked: AskedFor, offset: Offset = 0, limit: Limit = 60) -> dict[str, Any]:
+def works(service: ServiceDep, asked: AskedFor, offset: Offset = 0, limit: Limit = 60) -> dict[str, Any]:
     """Works that match all that is asked; a character is found in any of its forms."""
     page = catalog.works(service.gallery, **asked, offset=offset, limit=limit)
     return {"total": page.total, "items": [work_card(work) for work in page.items]}
 
 
-@router.get("/api/facets", response_model=dict[str, list[FacetFacts]])
-def facets(service: Running, asked: AskedFor) -> dict[str, Any]:
+@router.get("/api/facets", response_model=dict[str, list[FacetValueRead]])
+def facets(service: ServiceDep, asked: AskedFor) -> dict[str, Any]:
     """What can be chosen further; the counts of a facet heed all choices but its own."""
     found = catalog.facets(service.gallery, **asked)
     return {
@@ -73,14 +73,14 @@ def facets(service: Running, asked: AskedFor) -> dict[str, Any]:
     }
 
 
-@router.get("/api/collections", response_model=list[CollectionFacts])
-def collections(service: Running) -> list[dict[str, Any]]:
+@router.get("/api/collections", response_model=list[CollectionRead])
+def collections(service: ServiceDep) -> list[dict[str, Any]]:
     """Every collection."""
     return [collection_facts(row, count) for row, count in catalog.collections(service.gallery)]
 
 
-@router.get("/api/collections/{collection_id}", response_model=CollectionFacts)
-def collection(service: Running, collection_id: PathId) -> dict[str, Any]:
+@router.get("/api/collections/{collection_id}", response_model=CollectionRead)
+def collection(service: ServiceDep, collection_id: PathId) -> dict[str, Any]:
     """One collection."""
     for row, count in catalog.collections(service.gallery):
         if row.id == collection_id:
@@ -88,14 +88,14 @@ def collection(service: Running, collection_id: PathId) -> dict[str, Any]:
     raise Missing("沒有這個集子。", "There is no such collection.")
 
 
-@router.get("/api/works/{work_id}", response_model=WorkFacts)
-def work(service: Running, work_id: PathId) -> dict[str, Any]:
+@router.get("/api/works/{work_id}", response_model=WorkRead)
+def work(service: ServiceDep, work_id: PathId) -> dict[str, Any]:
     """All that is known of a work."""
     return told(service, found_work(service, work_id))
 
 
-@router.get("/api/works/{work_id}/viewer", response_model=ViewerFacts)
-def viewer(service: Running, work_id: PathId) -> dict[str, Any]:
+@router.get("/api/works/{work_id}/viewer", response_model=SurfaceRead)
+def viewer(service: ServiceDep, work_id: PathId) -> dict[str, Any]:
     """What the viewer needs of a work; the addresses in it may be kept for ever."""
     found_work(service, work_id)
     service.files.of_work(work_id, "facts")
@@ -106,7 +106,7 @@ def viewer(service: Running, work_id: PathId) -> dict[str, Any]:
 async def file(
     *,
     request: Request,
-    service: Running,
+    service: ServiceDep,
     work_id: PathId,
     kind: Kind,
     v: Annotated[str | None, Query(max_length=80, description="The version, as addresses have it.")] = None,
@@ -115,32 +115,34 @@ async def file(
 ) -> Response:
     """A picture, map or mesh. exaggeration: of a mesh's height. download: to be saved."""
     name = f"{work_id}.{kind}" if kind in MESHES else f"{work_id}-{kind}{KINDS[kind].suffix}"
-    sent = service.files.quick((work_id, kind, exaggeration, v or ""))
+    sent = service.files.at_address((work_id, kind, exaggeration, v or ""))
     if sent is None:
         sent = await run_sync(_file, request, service, work_id, kind, exaggeration)
-    return file_answer(request, sent, name=name if download else None)
+    return file_response(request, sent, filename=name if download else None)
 
 
-def _file(request: Request, service: Service, work_id: str, kind: str, exaggeration: float) -> Sent:
+def _file(request: Request, service: Service, work_id: str, kind: str, exaggeration: float) -> FileContent:
     if exaggeration != 1.0 and kind not in MESHES:
         raise Unusable(zh="只有立體模型可以放大高度。", en="Only a mesh has an exaggeration.")
     work = found_work(service, work_id)
-    sent = service.files.of_work(work_id, kind, exaggeration=exaggeration, known=known_tag(request))
+    sent = service.files.of_work(
+        work_id, kind, exaggeration=exaggeration, client_etags=requested_etags(request.headers)
+    )
     version = request.query_params.get("v")
-    if version is not None and version in (sent.tag, file_version(work)):
-        service.files.remember((work_id, kind, exaggeration, version), sent)
+    if version is not None and version in (sent.etag, file_version(work)):
+        service.files.set_address((work_id, kind, exaggeration, version), sent)
     return sent
 
 
-@router.patch("/api/works/{work_id}", response_model=WorkFacts)
-def change(service: Running, who: Owner, work_id: PathId, changes: WorkChange) -> dict[str, Any]:
+@router.patch("/api/works/{work_id}", response_model=WorkRead)
+def change(service: ServiceDep, user: OwnerUser, work_id: PathId, changes: WorkUpdate) -> dict[str, Any]:
     """Change what is known of a work. A spacing of null is one taken back."""
     found = found_work(service, work_id)
     given = columns(changes.model_dump())
     if "spacing" in changes.model_fields_set:
         given["spacing"] = _spacing(found, changes.spacing)
     changed = catalog.change_work(service.gallery, work_id, given)
-    service.files.forget()
+    service.files.forget_addresses()
     return told(service, changed)
 
 
@@ -156,11 +158,11 @@ def _spacing(work: Work, told: float | None) -> float | None:
 
 
 @router.delete("/api/works/{work_id}", status_code=204)
-def delete(service: Running, who: Owner, work_id: PathId) -> None:
+def delete(service: ServiceDep, user: OwnerUser, work_id: PathId) -> None:
     """Forget a work with everything that hangs on it, attempts too."""
     found_work(service, work_id)
     catalog.delete_work(service.gallery, work_id)
-    service.files.forget()
+    service.files.forget_addresses()
 
 
 def told(service: Service, work: Work) -> dict[str, Any]:
