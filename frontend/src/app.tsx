@@ -2,7 +2,8 @@ import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
 import { post, refreshSession, session } from "./api";
 import { language, t } from "./i18n";
-import { go, match, place, routes, type PageProps } from "./router";
+import { go, match, place, type PageProps } from "./router";
+import { routes } from "./routes";
 import { PageTrouble, Waiting } from "./ui";
 
 type Shown = { Page: ComponentType<PageProps>; path: string } | { error: unknown; path: string };

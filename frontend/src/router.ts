@@ -1,32 +1,8 @@
-// The page is chosen by what stands after the hash, so that every view has a link and any static server will do.
+// The part of the address after the hash selects the page, so that every view has a link and any static server will do.
 
 import { computed, signal } from "@preact/signals";
-import type { ComponentType } from "preact";
 
 export type PageProps = { params: Record<string, string>; query: URLSearchParams };
-type Load = () => Promise<{ default: ComponentType<PageProps> }>;
-
-/** Path patterns, `:name` for a part; the first that fits is shown. Each page is loaded when it is first asked for. */
-export const routes: [string, Load][] = [
-  ["/", () => import("./gallery/Browse")],
-  ["/works/:id", () => import("./gallery/WorkPage")],
-  ["/collections", () => import("./gallery/Collections")],
-  ["/tours", () => import("./gallery/Tours")],
-  ["/tours/:id", () => import("./gallery/TourPage")],
-  ["/add", () => import("./gallery/AddWork")],
-  ["/studio", () => import("./studio/Choose")],
-  ["/studio/:id", () => import("./studio/Write")],
-  ["/attempts/:id", () => import("./studio/AttemptPage")],
-  ["/practice", () => import("./studio/Practice")],
-  ["/classes", () => import("./studio/Classes")],
-  ["/classes/:id", () => import("./studio/ClassPage")],
-  ["/tasks/:id", () => import("./studio/TaskPage")],
-  ["/judge", () => import("./studio/Judge")],
-  ["/login", () => import("./account/Login")],
-  ["/join/:token", () => import("./account/Join")],
-  ["/people", () => import("./account/People")],
-  ["/account", () => import("./account/Password")],
-];
 
 const hash = signal(location.hash);
 addEventListener("hashchange", () => (hash.value = location.hash));

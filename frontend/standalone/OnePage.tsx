@@ -4,7 +4,7 @@ import { language, say, t } from "../src/i18n";
 import type { ViewerFacts, Work } from "../src/types";
 import { ViewerPanel } from "../src/viewer/panel";
 import { stateFromQuery } from "../src/viewer/state";
-import type { Viewer } from "../src/viewer/viewer";
+import type { Viewer } from "../src/viewer/types";
 import "../src/gallery/work.css";
 import "./page.css";
 

@@ -4,7 +4,7 @@ import "../src/style/tokens.css";
 import "../src/style/base.css";
 import { render } from "preact";
 import { jsx } from "preact/jsx-runtime";
-import type { Viewer } from "../src/viewer/viewer";
+import type { Viewer } from "../src/viewer/types";
 import { OnePage, type PageFacts } from "./OnePage";
 
 let meet: (viewer: Viewer) => void;

@@ -8,7 +8,7 @@ import { PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { Icon } from "../viewer/icons";
 import { ViewerPanel } from "../viewer/panel";
 import { START, stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
-import type { Viewer } from "../viewer/viewer";
+import type { Viewer } from "../viewer/types";
 import { licenceName } from "./scripts";
 import { unnumbered } from "./titles";
 import { TourEditor } from "./TourEditor";

@@ -8,7 +8,7 @@ import { PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
 import { Icon } from "../viewer/icons";
 import { ViewerPanel, type Shown } from "../viewer/panel";
 import { stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
-import type { Place, Viewer } from "../viewer/viewer";
+import type { Place, Viewer } from "../viewer/types";
 import { forgetList } from "./lastlist";
 import { NoteForm } from "./NoteForm";
 import { WorkFacts } from "./WorkFacts";

@@ -5,7 +5,7 @@ import { words } from "../i18n";
 import { viewer as table } from "../i18n/viewer";
 import { ANCHORS, cssColour, levels, niceStep } from "./colours";
 import { length } from "./figures";
-import type { Viewer } from "./viewer";
+import type { Viewer } from "./types";
 
 const t = words(table);
 const STOPS = ANCHORS.map((_, k) => cssColour(k / (ANCHORS.length - 1))).join(", ");

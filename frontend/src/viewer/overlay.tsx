@@ -6,7 +6,7 @@ import { viewer as table } from "../i18n/viewer";
 import type { Annotation } from "../types";
 import { length } from "./figures";
 import type { Line } from "./state";
-import type { Viewer } from "./viewer";
+import type { Viewer } from "./types";
 
 const t = words(table);
 const PIECES = 96;

@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import { say, words } from "../i18n";
 import { viewer as table } from "../i18n/viewer";
-import type { Text, ViewerFacts, Work } from "../types";
+import type { Text, ViewerFacts } from "../types";
 import { Trouble, Waiting } from "../ui";
 import { LightDial } from "./dial";
 import { KeysHelp } from "./keys";
@@ -13,17 +13,18 @@ import { Overlay, type Pins } from "./overlay";
 import { Profile } from "./profile";
 import { MODES, type Mode, type ViewState } from "./state";
 import { Tools } from "./tools";
-import { createViewer, type Place, type Tool, type Viewer } from "./viewer";
+import type { Downloads, Place, Tool, Viewer } from "./types";
+import { createViewer } from "./viewer";
 
 const t = words(table);
 
 export type Shown = { facts: ViewerFacts; title: Text };
-export type PanelProps = {
+type PanelProps = {
   shown: Shown;
   initial: ViewState;
   /** A second work beside the first, with the same light and the same eye. */
   beside?: Shown | null;
-  files?: (Partial<Work["files"]> & { page?: string }) | null;
+  files?: Downloads | null;
   pins?: Pins | null;
   onState?: (state: ViewState) => void;
   onViewer?: (viewer: Viewer | null) => void;

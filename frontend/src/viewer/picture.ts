@@ -5,7 +5,7 @@ import { words } from "../i18n";
 import { viewer as table } from "../i18n/viewer";
 import type { ViewerFacts } from "../types";
 import { START } from "./state";
-import type { Viewer } from "./viewer";
+import type { Viewer } from "./types";
 
 const t = words(table);
 

@@ -7,8 +7,7 @@ import { viewer as table } from "../i18n/viewer";
 import { Icon, type IconName } from "./icons";
 import { immersions, type Immersion } from "./immersion-kinds";
 import { LENSES, LOOKS, MODES, MOST_EXAGGERATION, type Lens, type Look, type Mode, type ViewState } from "./state";
-import type { PanelProps } from "./panel";
-import type { Tool, Viewer } from "./viewer";
+import type { Downloads, Tool, Viewer } from "./types";
 
 const t = words(table);
 const LENS_NAMES: Record<Lens, Parameters<typeof t>[0]> = {
@@ -27,7 +26,7 @@ type Props = {
   canPin: boolean;
   mode: (mode: Mode) => void;
   setTool: (tool: Tool) => void;
-  files: PanelProps["files"];
+  files: Downloads | null;
   onPair?: (() => void) | undefined;
   link?: (() => string) | undefined;
   onHelp: () => void;
@@ -84,7 +83,7 @@ export function Tools({ viewer, state, tool, pairing, canPin, mode, setTool, fil
         {link && <CopyLink link={link} />}
         <Button icon="full" label={t("full")} off={off} act={onFull} />
         <Menu icon="save" label={t("download")}>
-          <Downloads viewer={viewer} files={files} />
+          <DownloadList viewer={viewer} files={files} />
         </Menu>
         <Button icon="help" label={t("help")} act={onHelp} />
       </div>
@@ -100,7 +99,7 @@ function Few({ viewer, pairing, onPair, files }: Pick<Props, "viewer" | "pairing
       <div class="tools-end">
         {onPair && <Toggle icon="pair" label={t("pair")} on={pairing} act={onPair} />}
         <Menu icon="save" label={t("download")}>
-          <Downloads viewer={viewer} files={files} />
+          <DownloadList viewer={viewer} files={files} />
         </Menu>
       </div>
     </div>
@@ -184,7 +183,7 @@ function Menu({ icon, label, children }: { icon: IconName; label: string; childr
 
 const FILES = ["picture", "glb", "stl", "ply", "height", "normals16", "manifest", "page"] as const;
 
-function Downloads({ viewer, files }: { viewer: Viewer | null; files: PanelProps["files"] }) {
+function DownloadList({ viewer, files }: { viewer: Viewer | null; files: Downloads | null }) {
   const take = async (made: Promise<Blob>, name: string) => {
     const blob = await made;
     const anchor = document.createElement("a");

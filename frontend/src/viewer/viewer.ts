@@ -10,51 +10,8 @@ import { between, orbit, pan, zoom } from "./orbit";
 import { hasWebGL2, pictureOnly } from "./picture";
 import { Stage } from "./stage";
 import { sane, START, type Camera, type Line, type ViewState } from "./state";
+import type { Place, Tool, Viewer, ViewerOptions } from "./types";
 import "./viewer.css"; // here, so that a viewer has its size in any page
-
-export type Tool = "light" | "move" | "section" | "ruler" | "pin";
-export type Place = { x: number; y: number; height: number };
-
-export type ViewerOptions = Partial<Omit<ViewState, "camera">> & {
-  camera?: Camera | null;
-  /** false: no pointer, no keys; a picture that others move. */
-  interactive?: boolean;
-  onChange?: (state: ViewState) => void;
-  /** With the tool `pin`: where a point was set, as fractions of the sheet. */
-  onPoint?: (place: Place) => void;
-  signal?: AbortSignal;
-};
-
-export interface Viewer {
-  readonly facts: ViewerFacts;
-  readonly state: ViewState;
-  /** null where there is no WebGL2: the host then shows the picture and says so. */
-  readonly field: HeightField | null;
-  readonly canvas: HTMLCanvasElement | null;
-  /** Units of height between two contour lines. */
-  readonly interval: number;
-  tool: Tool;
-  set(partial: Partial<ViewState>): void;
-  /** As `set`, but gently; at once for those who asked for less motion. */
-  glide(partial: Partial<ViewState>, milliseconds?: number): void;
-  /** Shares mode, light, look, exaggeration and camera with another, both ways; null parts them. */
-  link(other: Viewer | null): void;
-  /** The view as a PNG. */
-  snapshot(): Promise<Blob>;
-  /** The whole flat sheet under the present light, at the size of its maps, as a PNG. */
-  relit(): Promise<Blob>;
-  resize(): void;
-  dispose(): void;
-  /** What lies under (x, y), CSS pixels from the host's top left: fractions of the sheet and the height there. */
-  pick(x: number, y: number): Place | null;
-  section(line: Line): ProfilePoint[];
-  /** CSS pixels from the host's top left of a point of the sheet. */
-  project(u: number, v: number): { x: number; y: number } | null;
-  /** Called after each drawing; the answer stops it. */
-  onDraw(listener: () => void): () => void;
-  /** Enters immersive VR or AR where the browser has it. */
-  immerse(kind: "immersive-vr" | "immersive-ar"): Promise<void>;
-}
 
 const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera", "look"] as const;
 const KEY_STEP = 5;
