@@ -54,8 +54,8 @@ def bump(side: int, rng: np.random.Generator) -> Surface:
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
     return Surface(
         height=height.astype(np.float32),
-        normals=normals.astype(np.float32),
-        albedo=rng.uniform(0.05, 1.0, (side, side, 3)).astype(np.float32),
+        normals_from=normals.astype(np.float32),
+        albedo_from=rng.uniform(0.05, 1.0, (side, side, 3)).astype(np.float32),
         mask=np.ones((side, side), dtype=np.bool_),
         confidence=np.ones((side, side), dtype=np.float32),
         spacing=1.0,

@@ -23,8 +23,8 @@ def flat_normals(calls: list[int]) -> np.ndarray:
 def surface(**changes) -> Surface:
     given = {
         "height": np.zeros(SHAPE, np.float32),
-        "normals": partial(flat_normals, []),
-        "albedo": partial(np.ones, SHAPE, np.float32),
+        "normals_from": partial(flat_normals, []),
+        "albedo_from": partial(np.ones, SHAPE, np.float32),
         "mask": np.ones(SHAPE, bool),
         "confidence": np.ones(SHAPE, np.float32),
         "spacing": 1.0,
@@ -36,7 +36,7 @@ def surface(**changes) -> Surface:
 
 def test_a_recipe_is_followed_once_and_only_when_asked():
     calls: list[int] = []
-    made = surface(normals=partial(flat_normals, calls))
+    made = surface(normals_from=partial(flat_normals, calls))
     assert not calls
     assert made.normals is made.normals
     assert len(calls) == 1
@@ -55,12 +55,12 @@ def test_a_recipe_is_followed_once_and_only_when_asked():
 )
 def test_what_is_made_later_is_checked_like_what_is_given(later, name, array, words):
     if later:
-        made = surface(**{name: lambda: array})
+        made = surface(**{f"{name}_from": lambda: array})
         with pytest.raises(SurfaceError, match=words):
             getattr(made, name)
     else:
         with pytest.raises(SurfaceError, match=words):
-            surface(**{name: array})
+            surface(**{f"{name}_from": array})
 
 
 def test_a_surface_travels_before_and_after():

@@ -1,4 +1,4 @@
-"""The values that travel between the rooms; shape, unit and frame are checked here, once.
+"""The values that pass from one package to the next; shape, unit and frame are checked here, once.
 
 Frame: x right, y up, z toward the camera. Arrays are indexed [row, column]; rows grow downward, so
 dz/drow = -q where q = dz/dy. Values are frozen: nothing is changed after it is made.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
@@ -34,26 +35,51 @@ class Bilingual(NamedTuple):
     en: str
 
 
-def _require(ok: bool, error: type[Exception], expected: str, came: object) -> None:
-    if not ok:
+Array = FloatArray | Callable[[], FloatArray]
+"""An array, or a function without arguments that computes it when it is first asked for."""
+
+
+def _require(error: type[Exception], holds: bool, expected: str, came: object) -> None:
+    """Raise `error` with what was expected and what came, unless the condition holds."""
+    if not holds:
         raise error(f"expected {expected}, got {came}")
 
 
-def _require_finite(array: FloatArray, error: type[Exception], name: str) -> None:
+def _require_finite(error: type[Exception], array: FloatArray, name: str) -> None:
     bad = int(array.size - np.count_nonzero(np.isfinite(array)))
-    _require(bad == 0, error, f"{name} to be finite", f"{bad} values that are NaN or infinite")
+    _require(error, bad == 0, f"{name} to be finite", f"{bad} values that are NaN or infinite")
+
+
+def _require_unit_range(error: type[Exception], array: FloatArray, name: str) -> None:
+    _require_finite(error, array, name)
+    low, high = float(array.min()), float(array.max())
+    _require(error, low >= 0 and high <= 1 + 1e-5, f"{name} in [0, 1]", (low, high))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Capture:
     """N photographs of one sheet from one camera, each lit by one lamp.
 
-    images: (N, H, W) or (N, H, W, 3) float32, linear in light, in [0, 1], N >= 3.
-    lights: (N, 3) float64, unit length, from the sheet toward the lamp, not all in one plane.
-    mask: (H, W) bool, True where the object is; all True when none was given.
-    strengths: (N,) float64, relative strength of each lamp, mean 1; None when unknown.
-    spacing: millimetres per pixel, None when unknown.
-    names: the file each image came from, for messages.
+    Parameters
+    ----------
+    images
+        (N, H, W) or (N, H, W, 3) float32, N >= 3, linear in light, 0 or more; 1 is the sensor's white.
+    lights
+        (N, 3) float64, unit vectors from the sheet toward each lamp (x right, y up, z toward the camera),
+        not all in one plane.
+    mask
+        (H, W) bool, True where the object is; all True when none was given.
+    strengths
+        (N,) float64, relative strength of each lamp, mean 1; None when unknown.
+    spacing
+        Millimetres per pixel; None when unknown.
+    names
+        The file that each image came from, for messages.
+
+    Raises
+    ------
+    CaptureError
+        When photographs, lamps and mask do not belong together; the message names the one that does not.
     """
 
     images: FloatArray
@@ -64,42 +90,27 @@ class Capture:
     names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        n = self.images.shape[0]
-        _require(
-            self.images.ndim == 3 or (self.images.ndim == 4 and self.images.shape[3] == 3),
-            CaptureError,
-            "images of shape (N, H, W) or (N, H, W, 3)",
-            self.images.shape,
-        )
-        _require(n >= 3, CaptureError, "at least 3 images", n)
-        _require(self.lights.shape == (n, 3), CaptureError, f"lights of shape ({n}, 3)", self.lights.shape)
-        _require(
-            self.mask.shape == self.images.shape[1:3] and self.mask.dtype == np.bool_,
-            CaptureError,
-            f"a bool mask of shape {self.images.shape[1:3]}",
-            f"{self.mask.dtype} {self.mask.shape}",
-        )
-        _require(bool(self.mask.any()), CaptureError, "a mask with at least one pixel", "an empty mask")
-        _require_finite(self.images, CaptureError, "images")
-        _require(float(self.images.min()) >= 0, CaptureError, "images of 0 or more", self.images.min())
-        _require(
-            self.spacing is None or (np.isfinite(self.spacing) and self.spacing > 0),
-            CaptureError,
-            "spacing > 0",
-            self.spacing,
-        )
-        _require_finite(self.lights, CaptureError, "lights")
-        lengths = np.linalg.norm(self.lights, axis=1)
-        _require(bool(np.allclose(lengths, 1.0, atol=1e-6)), CaptureError, "unit light vectors", lengths)
-        _require(
-            float(np.linalg.svd(self.lights, compute_uv=False)[-1]) > 1e-3,
-            CaptureError,
-            "lamps that do not all lie in one plane",
-            f"{n} directions of rank below 3",
-        )
+        require = partial(_require, CaptureError)
+        images, lights, mask, spacing = self.images, self.lights, self.mask, self.spacing
+        n, shape = images.shape[0], images.shape[1:3]
+        gray_or_colour = images.ndim == 3 or (images.ndim == 4 and images.shape[3] == 3)
+        require(gray_or_colour, "images of shape (N, H, W) or (N, H, W, 3)", images.shape)
+        require(n >= 3, "at least 3 images", n)
+        require(lights.shape == (n, 3), f"lights of shape ({n}, 3)", lights.shape)
+        is_mask = mask.shape == shape and mask.dtype == np.bool_
+        require(is_mask, f"a bool mask of shape {shape}", f"{mask.dtype} {mask.shape}")
+        require(bool(mask.any()), "a mask with at least one pixel", "an empty mask")
+        _require_finite(CaptureError, images, "images")
+        require(float(images.min()) >= 0, "images of 0 or more", images.min())
+        require(spacing is None or (np.isfinite(spacing) and spacing > 0), "spacing > 0", spacing)
+        _require_finite(CaptureError, lights, "lights")
+        lengths = np.linalg.norm(lights, axis=1)
+        require(bool(np.allclose(lengths, 1.0, atol=1e-6)), "unit light vectors", lengths)
+        rank_3 = float(np.linalg.svd(lights, compute_uv=False)[-1]) > 1e-3
+        require(rank_3, "lamps that do not all lie in one plane", f"{n} directions of rank below 3")
         if self.strengths is not None:
-            _require(self.strengths.shape == (n,), CaptureError, f"{n} strengths", self.strengths.shape)
-            _require(bool((self.strengths > 0).all()), CaptureError, "positive strengths", self.strengths)
+            require(self.strengths.shape == (n,), f"{n} strengths", self.strengths.shape)
+            require(bool((self.strengths > 0).all()), "positive strengths", self.strengths)
 
     @property
     def gray(self) -> FloatArray:
@@ -107,75 +118,46 @@ class Capture:
         return self.images if self.images.ndim == 3 else self.images.mean(axis=3)
 
 
-class Deferred:
-    """An array of a Surface that may be given as a recipe instead, a function without arguments.
-
-    Then it is made when it is first asked for, checked like any other, and kept: the mark needs neither
-    normals nor albedo, and they cost more than the height. A partial of a module's function pickles.
-    """
-
-    def __init__(self, check: Callable[[FloatArray, tuple[int, ...]], None]) -> None:
-        self._check = check
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self._name = name
-
-    def __get__(self, surface: Surface | None, owner: type | None = None) -> FloatArray:
-        if surface is None:
-            raise AttributeError(self._name)  # a field without a default
-        held = vars(surface)[self._name]
-        if callable(held):
-            held = held()
-            self._check(held, surface.height.shape)
-            vars(surface)[self._name] = held
-        return held  # type: ignore[no-any-return]
-
-    def __set__(self, surface: Surface, given: FloatArray | Callable[[], FloatArray]) -> None:
-        vars(surface)[self._name] = given
-
-    def check_given(self, surface: Surface) -> None:
-        """Check the array, unless it is still to be made."""
-        held = vars(surface)[self._name]
-        if not callable(held):
-            self._check(held, surface.height.shape)
-
-
-def _check_normals(normals: FloatArray, shape: tuple[int, ...]) -> None:
-    _require(normals.shape == (*shape, 3), SurfaceError, f"normals {(*shape, 3)}", normals.shape)
-    _require_finite(normals, SurfaceError, "normals")
-    lengths = np.linalg.norm(normals[::8, ::8], axis=-1)  # a sample: this is checked often
-    _require(bool(np.allclose(lengths, 1.0, atol=1e-3)), SurfaceError, "unit normals", lengths.min())
-
-
-def _check_albedo(albedo: FloatArray, shape: tuple[int, ...]) -> None:
-    _require(albedo.shape in (shape, (*shape, 3)), SurfaceError, f"albedo of {shape}", albedo.shape)
-    _require_unit_range(albedo, "albedo")
-
-
-def _require_unit_range(array: FloatArray, name: str) -> None:
-    _require_finite(array, SurfaceError, name)
-    low, high = float(array.min()), float(array.max())
-    _require(low >= 0 and high <= 1 + 1e-5, SurfaceError, f"{name} in [0, 1]", (low, high))
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Surface:
-    """A sheet as a surface.
+    """A sheet as a surface: its height, and what light makes of it.
 
-    height: (H, W) float32, in `unit`, 0 at the paper or at the mean; finite everywhere.
-    normals: (H, W, 3) float32, unit length, x right, y up, z to the camera.
-    albedo: (H, W) or (H, W, 3) float32 in [0, 1], linear; lamp strength times albedo, scaled.
-    mask: (H, W) bool. A relief: the ink. A photometric surface: the pixels that were measured.
-    confidence: (H, W) float32 in [0, 1], 0 where the height was filled in.
-    spacing: length of one pixel in `unit` (1.0 when the unit is 'px').
-    source: where the height comes from. Only 'photometric' was measured; 'inflation' and 'density'
-        are computed from the ink of one image and say nothing about real relief.
-    quality: named figures about how well the capture fits (documented where they are made).
+    Parameters
+    ----------
+    height
+        (H, W) float32, in `unit`, 0 at the paper or at the mean; finite everywhere.
+    normals_from, albedo_from
+        The normals and the albedo, or a function without arguments that computes them. A mark needs neither,
+        and computing them takes longer than the height. For pickling, give a partial of a module's function.
+    mask
+        (H, W) bool. Of a relief: the ink. Of a photometric surface: the pixels that were measured.
+    confidence
+        (H, W) float32 in [0, 1], 0 where the height was filled in.
+    spacing, unit
+        Length of one pixel, and its unit, which is that of the height, too: 'mm', or 'px' (then 1.0).
+    source
+        Where the height comes from. Only 'photometric' was measured; 'inflation' and 'density' are computed
+        from the ink of one image and say nothing about real relief.
+    quality
+        Named figures about how well the capture fits, documented where they are computed.
+
+    Attributes
+    ----------
+    normals
+        (H, W, 3) float32, unit length, x right, y up, z toward the camera.
+    albedo
+        (H, W) or (H, W, 3) float32 in [0, 1], linear: lamp strength times albedo, scaled.
+
+    Raises
+    ------
+    SurfaceError
+        When the arrays do not belong together or leave their range; for normals and albedo that are computed
+        later, then.
     """
 
     height: FloatArray
-    normals: Deferred = Deferred(_check_normals)
-    albedo: Deferred = Deferred(_check_albedo)
+    normals_from: Array
+    albedo_from: Array
     mask: BoolArray
     confidence: FloatArray
     spacing: float
@@ -184,18 +166,39 @@ class Surface:
     quality: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        shape = self.height.shape
-        _require(len(shape) == 2, SurfaceError, "a height map of shape (H, W)", shape)
-        _require(self.mask.shape == shape, SurfaceError, f"a mask of {shape}", self.mask.shape)
-        _require(self.mask.dtype == np.bool_, SurfaceError, "a bool mask", self.mask.dtype)
-        _require(self.confidence.shape == shape, SurfaceError, f"confidence {shape}", self.confidence.shape)
-        _require_finite(self.height, SurfaceError, "height")
-        _require_unit_range(self.confidence, "confidence")
+        require, shape = partial(_require, SurfaceError), self.height.shape
+        require(len(shape) == 2, "a height map of shape (H, W)", shape)
+        require(self.mask.shape == shape, f"a mask of {shape}", self.mask.shape)
+        require(self.mask.dtype == np.bool_, "a bool mask", self.mask.dtype)
+        require(self.confidence.shape == shape, f"confidence {shape}", self.confidence.shape)
+        _require_finite(SurfaceError, self.height, "height")
+        _require_unit_range(SurfaceError, self.confidence, "confidence")
         for name in ("normals", "albedo"):
-            vars(Surface)[name].check_given(self)
-        _require(self.unit in UNITS, SurfaceError, f"a unit among {UNITS}", self.unit)
-        _require(self.source in SOURCES, SurfaceError, f"a source among {SOURCES}", self.source)
-        _require(np.isfinite(self.spacing) and self.spacing > 0, SurfaceError, "spacing > 0", self.spacing)
+            if not callable(getattr(self, f"{name}_from")):
+                getattr(self, name)  # which checks it
+        require(self.unit in UNITS, f"a unit among {UNITS}", self.unit)
+        require(self.source in SOURCES, f"a source among {SOURCES}", self.source)
+        require(np.isfinite(self.spacing) and self.spacing > 0, "spacing > 0", self.spacing)
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """(H, W, 3) float32, unit length, x right, y up, z toward the camera."""
+        normals = self.normals_from() if callable(self.normals_from) else self.normals_from
+        require, shape = partial(_require, SurfaceError), (*self.height.shape, 3)
+        require(normals.shape == shape, f"normals {shape}", normals.shape)
+        _require_finite(SurfaceError, normals, "normals")
+        lengths = np.linalg.norm(normals[::8, ::8], axis=-1)  # a sample: this is checked often
+        require(bool(np.allclose(lengths, 1.0, atol=1e-3)), "unit normals", lengths.min())
+        return normals
+
+    @cached_property
+    def albedo(self) -> FloatArray:
+        """(H, W) or (H, W, 3) float32 in [0, 1], linear."""
+        albedo = self.albedo_from() if callable(self.albedo_from) else self.albedo_from
+        shape = self.height.shape
+        _require(SurfaceError, albedo.shape in (shape, (*shape, 3)), f"albedo of {shape}", albedo.shape)
+        _require_unit_range(SurfaceError, albedo, "albedo")
+        return albedo
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,13 +213,11 @@ class Polyline:
     radius: FloatArray
 
     def __post_init__(self) -> None:
-        n = len(self.points)
-        _require(
-            self.points.shape == (n, 2) and n >= 1, SurfaceError, "(n >= 1, 2) points", self.points.shape
-        )
-        _require(self.radius.shape == (n,), SurfaceError, f"half-widths of ({n},)", self.radius.shape)
-        _require_finite(self.points, SurfaceError, "points")
-        _require_finite(self.radius, SurfaceError, "half-widths")
+        n, require = len(self.points), partial(_require, SurfaceError)
+        require(self.points.shape == (n, 2) and n >= 1, "(n >= 1, 2) points", self.points.shape)
+        require(self.radius.shape == (n,), f"half-widths of ({n},)", self.radius.shape)
+        _require_finite(SurfaceError, self.points, "points")
+        _require_finite(SurfaceError, self.radius, "half-widths")
 
     @property
     def along(self) -> FloatArray:
@@ -263,32 +264,43 @@ class PointSet:
     cell: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
-        n = self.xyz.shape[0]
-        _require(self.xyz.shape == (n, 3) and n >= 3, RegistrationError, "(N >= 3, 3) points", self.xyz.shape)
-        _require(
-            self.direction.shape == (n, 2), RegistrationError, f"directions of ({n}, 2)", self.direction.shape
-        )
-        _require_finite(self.xyz, RegistrationError, "points")
-        _require_finite(self.direction, RegistrationError, "directions")
+        n, require = len(self.xyz), partial(_require, RegistrationError)
+        require(self.xyz.shape == (n, 3) and n >= 3, "(N >= 3, 3) points", self.xyz.shape)
+        require(self.direction.shape == (n, 2), f"directions of ({n}, 2)", self.direction.shape)
+        _require_finite(RegistrationError, self.xyz, "points")
+        _require_finite(RegistrationError, self.direction, "directions")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Registration:
     """The rigid pose that lays the probe on the reference, and what remains.
 
-    T_reference_probe: (4, 4) float64, det of its rotation is +1; applied to `probe.xyz`.
-    scale: rms radius of the probe's ink over that of the reference, both as fractions of their cells;
-        removed before registration, never by it. 1 is the same size.
-    angle: degrees, rotation about z that was needed; positive when the probe leans clockwise.
-    shift: (2,) float64, how far the writing stands from its place in the cell, x right, y up, in
-        fractions of the cell's longer side.
-    overlap: share of the pairs kept by trimming, in [0.4, 1]; trimming serves the pose alone.
-    d_ms: mean squared distance in (x, y, z) of the probe's points to their nearest reference points,
+    Attributes
+    ----------
+    probe, reference
+        Ink points of the copy, N of them, and of the master, M of them.
+    T_reference_probe
+        (4, 4) float64, det of its rotation is +1 (else RegistrationError); applied to `probe.xyz`.
+    scale
+        Rms radius of the probe's ink over that of the reference, both as fractions of their cells; removed
+        before registration, never by it. 1 is the same size.
+    angle
+        Degrees, rotation about z that was needed; positive when the probe leans clockwise.
+    shift
+        (2,) float64, how far the writing stands from its place in the cell, x right, y up, in fractions of
+        the cell's longer side.
+    overlap
+        Share of the pairs kept by trimming, in [0.4, 1]; trimming serves the pose alone.
+    d_ms
+        Mean squared distance in (x, y, z) of the probe's points to their nearest reference points,
         untrimmed, in rms radii squared.
-    forward: (N,) float64, distance of each probe point, posed, to its nearest reference point in
-        position, height and weighted stroke direction; forward_index: (N,) which one that is.
-    backward: (M,) the same from each reference point to the probe; backward_index: (M,).
-    converged: False when the loop ended on its iteration limit.
+    forward, forward_index
+        (N,) float64, distance of each probe point, posed, to its nearest reference point in position, height
+        and weighted stroke direction; (N,) which one that is.
+    backward, backward_index
+        (M,) the same from each reference point to the probe.
+    converged, iterations
+        False when the loop ended on its limit of iterations; how many it took.
     """
 
     probe: PointSet
@@ -307,11 +319,11 @@ class Registration:
     iterations: int
 
     def __post_init__(self) -> None:
-        T = self.T_reference_probe
-        _require(T.shape == (4, 4), RegistrationError, "a (4, 4) pose", T.shape)
-        _require_finite(T, RegistrationError, "the pose")
+        T, require = self.T_reference_probe, partial(_require, RegistrationError)
+        require(T.shape == (4, 4), "a (4, 4) pose", T.shape)
+        _require_finite(RegistrationError, T, "the pose")
         det = float(np.linalg.det(T[:3, :3]))
-        _require(abs(det - 1.0) < 1e-6, RegistrationError, "a rigid pose of determinant +1", det)
+        require(abs(det - 1.0) < 1e-6, "a rigid pose of determinant +1", det)
 
 
 @dataclass(frozen=True, slots=True)
@@ -340,19 +352,32 @@ class Remark:
 class Assessment:
     """A mark and what it rests on.
 
-    score: 0-100 on the scale of the human panel that calibrated it; None when refused.
-    level: 'excellent', 'good', 'medium' or 'bad'; None when refused.
-    interval: 80 % interval of the panel's mark; None when refused.
-    sim_paper: the paper's similarity, in per cent, as printed. Saturates near 100; never the mark.
-    similarity: two-sided similarity, 1 is identical, below about 0.7 unrelated.
-    parts: 'brushwork', 'structure', 'ink', each 0-100.
-    source: where the heights of copy and master come from.
-    refused: the reason when the copy cannot be marked, 'code: sentence', else None; refused_zh: the same in
-        Chinese, the sentence alone.
-    weights: a teacher's own, of the parts, that the score rests on; None for those fitted to people's marks.
-    calibration: what another calibration was fitted on, in words; None for the panel that ships with rumu.
-    script: 'seal', 'clerical', 'regular', 'running' or 'cursive' where it was told.
-    interval_note, interval_note_zh: what must be said of the interval; None where people's marks cover it.
+    Attributes
+    ----------
+    score, interval, level
+        0-100 on the scale of the human panel that calibrated it; the 80 % interval of the panel's mark;
+        'excellent', 'good', 'medium' or 'bad'. All None when refused.
+    sim_paper, similarity
+        The paper's similarity in per cent, as printed, which saturates near 100 and is never the mark; the
+        two-sided similarity: 1 is identical, below about 0.7 unrelated.
+    parts
+        'brushwork', 'structure', 'ink', each 0-100.
+    remarks
+        What a teacher would say, the most important first.
+    registration
+        The pose that the mark rests on; None when the copy was refused before it was registered.
+    source
+        Where the heights of copy and master come from.
+    refused, refused_zh
+        The reason when the copy cannot be marked, 'code: sentence', else None; the sentence in Chinese.
+    weights
+        Weights of the parts that a teacher chose; None for those fitted to people's marks.
+    calibration
+        What another calibration was fitted on, in words; None for the panel that ships with rumu.
+    script
+        'seal', 'clerical', 'regular', 'running' or 'cursive' where it is known.
+    interval_note, interval_note_zh
+        What must be said of the interval; None where people's marks cover it.
     """
 
     score: float | None

@@ -53,8 +53,8 @@ def surface() -> Callable[[np.ndarray], Surface]:
     def of(ink: np.ndarray) -> Surface:
         return Surface(
             height=inflate(ink),
-            normals=np.broadcast_to(np.array([0, 0, 1], np.float32), (*ink.shape, 3)),
-            albedo=np.where(ink, 0.1, 0.9).astype(np.float32),
+            normals_from=np.broadcast_to(np.array([0, 0, 1], np.float32), (*ink.shape, 3)),
+            albedo_from=np.where(ink, 0.1, 0.9).astype(np.float32),
             mask=ink,
             confidence=np.ones(ink.shape, np.float32),
             spacing=1.0,

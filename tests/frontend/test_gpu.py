@@ -38,8 +38,8 @@ def dome(*, sign: float = 1.0) -> Surface:
     albedo = np.stack(np.broadcast_arrays(ramp[None], ramp[:, None], 0.6), axis=-1)
     return Surface(
         height=height.astype(np.float32),
-        normals=normals.astype(np.float32),
-        albedo=albedo.astype(np.float32),
+        normals_from=normals.astype(np.float32),
+        albedo_from=albedo.astype(np.float32),
         mask=np.ones((SIDE, SIDE), dtype=np.bool_),
         confidence=np.ones((SIDE, SIDE), dtype=np.float32),
         spacing=0.5,

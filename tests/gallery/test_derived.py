@@ -119,8 +119,8 @@ def test_a_large_photometric_mesh_stays_below_5_mb(bare):
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)
     noisy = Surface(
         height=rng.normal(0, 2, shape).astype(np.float32),
-        normals=normals,
-        albedo=rng.uniform(0, 1, (*shape, 3)).astype(np.float32),
+        normals_from=normals,
+        albedo_from=rng.uniform(0, 1, (*shape, 3)).astype(np.float32),
         mask=np.ones(shape, bool),
         confidence=np.ones(shape, np.float32),
         spacing=0.05,

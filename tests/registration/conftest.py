@@ -24,8 +24,8 @@ def _surface(mask: np.ndarray, *, height: np.ndarray | None = None, source: str 
     h = inflate(mask) if height is None else height.astype(np.float32)
     return Surface(
         height=h,
-        normals=np.broadcast_to(FLAT, (*mask.shape, 3)),
-        albedo=np.where(mask, 0.1, 0.9).astype(np.float32),
+        normals_from=np.broadcast_to(FLAT, (*mask.shape, 3)),
+        albedo_from=np.where(mask, 0.1, 0.9).astype(np.float32),
         mask=mask,
         confidence=np.ones(mask.shape, np.float32),
         spacing=1.0,

@@ -20,8 +20,8 @@ def relief_of(ink: np.ndarray) -> Surface:
     normals = (normals / np.linalg.norm(normals, axis=2, keepdims=True)).astype(np.float32)
     return Surface(
         height=height,
-        normals=normals,
-        albedo=np.where(ink, 0.05, 0.9).astype(np.float32),
+        normals_from=normals,
+        albedo_from=np.where(ink, 0.05, 0.9).astype(np.float32),
         mask=ink,
         confidence=ink.astype(np.float32),
         spacing=1.0,

@@ -58,8 +58,8 @@ def test_higher_ground_hides_what_lies_behind(master_surface):
         master_surface,
         height=height,
         mask=ink,
-        normals=normals,
-        albedo=np.ones_like(height),
+        normals_from=normals,
+        albedo_from=np.ones_like(height),
         confidence=np.ones_like(height),
     )
     walled = replace(flat, height=height + wall)
@@ -80,8 +80,8 @@ def test_odd_shapes(master_surface, shape):
     surface = replace(
         master_surface,
         height=np.zeros(shape, np.float32),
-        normals=normals,
-        albedo=np.ones(shape, np.float32),
+        normals_from=normals,
+        albedo_from=np.ones(shape, np.float32),
         mask=np.ones(shape, bool),
         confidence=np.ones(shape, np.float32),
     )
@@ -91,7 +91,7 @@ def test_odd_shapes(master_surface, shape):
 def test_a_photometric_surface_is_drawn_where_it_was_measured(master_surface):
     """What lies outside of the mask neither shows nor pulls the edge down."""
     height = np.where(master_surface.mask, 30.0, -500.0).astype(np.float32)
-    measured = replace(master_surface, source="photometric", height=height, albedo=np.ones_like(height))
+    measured = replace(master_surface, source="photometric", height=height, albedo_from=np.ones_like(height))
     picture, raised = mesh_picture(measured)
     level, _ = mesh_picture(replace(measured, height=np.full_like(height, 30.0)))
     np.testing.assert_array_equal(picture, level)
@@ -101,6 +101,6 @@ def test_a_photometric_surface_is_drawn_where_it_was_measured(master_surface):
 def test_a_photometric_surface_wears_its_albedo(master_surface):
     red = np.zeros((*master_surface.height.shape, 3), dtype=np.float32)
     red[..., 0] = 0.8
-    picture, _ = mesh_picture(replace(master_surface, source="photometric", albedo=red))
+    picture, _ = mesh_picture(replace(master_surface, source="photometric", albedo_from=red))
     middle = picture[picture.shape[0] // 2, picture.shape[1] // 2].astype(int)
     assert middle[0] > middle[2] + 40

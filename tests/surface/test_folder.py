@@ -27,8 +27,8 @@ def surface(*, colour=True, unit="mm", source="photometric", h=23, w=31):
     normals = rng.normal(size=(h, w, 3)) + np.array([0, 0, 3])
     return Surface(
         height=rng.normal(size=(h, w)).astype(np.float32),
-        normals=(normals / np.linalg.norm(normals, axis=2, keepdims=True)).astype(np.float32),
-        albedo=rng.random((h, w, 3) if colour else (h, w)).astype(np.float32),
+        normals_from=(normals / np.linalg.norm(normals, axis=2, keepdims=True)).astype(np.float32),
+        albedo_from=rng.random((h, w, 3) if colour else (h, w)).astype(np.float32),
         mask=rng.random((h, w)) > 0.1,
         confidence=rng.random((h, w)).astype(np.float32),
         spacing=0.041 if unit == "mm" else 1.0,

@@ -18,8 +18,8 @@ def surface(h=30, w=40, **changes):
     r, c = np.indices((h, w))
     plain = Surface(
         height=(0.1 * c - 0.2 * r).astype(np.float32),
-        normals=np.tile(np.array([0, 0, 1], np.float32), (h, w, 1)),
-        albedo=np.linspace(0, 1, w, dtype=np.float32) * np.ones((h, 1), np.float32),
+        normals_from=np.tile(np.array([0, 0, 1], np.float32), (h, w, 1)),
+        albedo_from=np.linspace(0, 1, w, dtype=np.float32) * np.ones((h, 1), np.float32),
         mask=np.ones((h, w), dtype=bool),
         confidence=np.ones((h, w), dtype=np.float32),
         spacing=0.5,
@@ -89,7 +89,7 @@ def test_every_format_reads_back(kind):
 def test_a_noisy_photograph_makes_a_glb_under_five_megabytes():
     rng = np.random.default_rng(0)
     big = surface(1500, 1500)
-    noisy = replace(big, albedo=rng.random((1500, 1500, 3)).astype(np.float32))
+    noisy = replace(big, albedo_from=rng.random((1500, 1500, 3)).astype(np.float32))
     assert len(mesh_bytes(noisy)) <= 5_000_000
 
 

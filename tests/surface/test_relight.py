@@ -26,8 +26,8 @@ def photos(tilts, slant):
 def surface(albedo):
     return Surface(
         height=SHAPE.height.astype(np.float32),
-        normals=SHAPE.normals.astype(np.float32),
-        albedo=albedo.astype(np.float32),
+        normals_from=SHAPE.normals.astype(np.float32),
+        albedo_from=albedo.astype(np.float32),
         mask=np.ones(SHAPE.height.shape, dtype=bool),
         confidence=np.ones(SHAPE.height.shape, dtype=np.float32),
         spacing=1.0,

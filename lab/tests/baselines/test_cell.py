@@ -57,14 +57,14 @@ def test_a_surface_s_density_is_how_dark_its_ink_is() -> None:
     assert cell.density[cell.ink].mean() > 0.9
     assert cell.density[~cell.ink].mean() < 0.01
     tone = np.where(surface.mask, 0.5, 1.0).astype(np.float32)
-    pale = cell_of(replace(surface, albedo=tone**2.2))
+    pale = cell_of(replace(surface, albedo_from=tone**2.2))
     inner = pale.depth > 2
     assert pale.density[inner].mean() == pytest.approx(0.5, abs=0.02)
 
 
 def test_a_rubbing_s_density_is_that_of_its_light_strokes() -> None:
     surface = rumu.relief(find_work("regular-shui").path)
-    cell = cell_of(replace(surface, albedo=np.where(surface.mask, 0.9, 0.05).astype(np.float32)))
+    cell = cell_of(replace(surface, albedo_from=np.where(surface.mask, 0.9, 0.05).astype(np.float32)))
     assert cell.density[cell.depth > 2].mean() > 0.8
     assert cell.density[~cell.ink].mean() < 0.01
 

@@ -169,10 +169,8 @@ def _relief(store: Store, key: str, method: str, spacing: float | None) -> Surfa
 def _in_millimetres(surface: Surface, spacing: float) -> Surface:
     import numpy as np
 
-    still = {name: vars(surface)[name] for name in ("normals", "albedo")}  # recipes stay recipes
-    return dataclasses.replace(
-        surface, height=surface.height * np.float32(spacing), spacing=spacing, unit="mm", **still
-    )
+    height = surface.height * np.float32(spacing)
+    return dataclasses.replace(surface, height=height, spacing=spacing, unit="mm")
 
 
 def _kept_surface(store: Store, key: str) -> Surface:

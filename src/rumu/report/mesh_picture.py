@@ -55,8 +55,14 @@ def _around_mask(surface: Surface, *, margin: float) -> Surface:
         held = np.flatnonzero(surface.mask.any(axis=axis))
         spans.append(slice(max(held[0] - keep, 0), max(held[-1] + keep, held[0] + 1) + 1))
     rows, columns = spans
-    maps = ("height", "normals", "albedo", "mask", "confidence")
-    return replace(surface, **{name: getattr(surface, name)[rows, columns] for name in maps})
+    return replace(
+        surface,
+        height=surface.height[rows, columns],
+        normals_from=surface.normals[rows, columns],
+        albedo_from=surface.albedo[rows, columns],
+        mask=surface.mask[rows, columns],
+        confidence=surface.confidence[rows, columns],
+    )
 
 
 def _sampled(surface: Surface, view: MeshView) -> tuple[FloatArray, BoolArray]:

@@ -103,7 +103,7 @@ def shaded_picture(
 
     settings = settings or PictureSettings()
     pale = np.broadcast_to(np.array(settings.clay, dtype=np.float32), (*surface.height.shape, 3))
-    clay = replace(surface, albedo=pale)
+    clay = replace(surface, albedo_from=pale)
     lit = relight(clay, tilt=tilt, slant=settings.slant if slant is None else slant)
     return srgb(fitted(np.asarray(lit, dtype=np.float32), side=settings.side))
 

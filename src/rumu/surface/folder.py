@@ -81,7 +81,10 @@ def read_surface(folder: str | Path) -> Surface:
         raise SurfaceError(f"{place / 'mask.png'}: expected shape {shape}, got {mask.shape}")
     try:
         return Surface(
-            **arrays,
+            height=arrays["height"],
+            normals_from=arrays["normals"],
+            albedo_from=arrays["albedo"],
+            confidence=arrays["confidence"],
             mask=mask,
             spacing=float(facts["spacing"]),
             unit=facts["unit"],

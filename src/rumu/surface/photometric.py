@@ -61,8 +61,8 @@ def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "
     quality["measured_share"] = float(measured.sum() / domain.sum())
     return Surface(
         height=height.astype(np.float32),
-        normals=filled,
-        albedo=_filled_albedo(albedo, known=measured, within=domain),
+        normals_from=filled,
+        albedo_from=_filled_albedo(albedo, known=measured, within=domain),
         mask=measured,
         confidence=np.where(measured, confidence, 0.0).astype(np.float32),
         spacing=spacing,

@@ -67,8 +67,8 @@ def relief(
     source: Source = "density" if method == "density" else "inflation"
     return Surface(
         height=height,
-        normals=partial(normals_of, height),
-        albedo=albedo,
+        normals_from=partial(normals_of, height),
+        albedo_from=albedo,
         mask=ink.mask,
         confidence=ink.mask.astype(np.float32),
         spacing=1.0,
