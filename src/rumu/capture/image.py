@@ -1,8 +1,9 @@
-"""Images as arrays: read from files as stored, or as linear light, with every doubt raised at once."""
+"""Images as arrays: read from files as stored, or as linear light, checked at once; boxes in them."""
 
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -15,16 +16,24 @@ from rumu.values import BoolArray
 __all__ = [
     "MAX_PIXELS",
     "MIN_SIDE",
+    "Box",
+    "Bytes",
     "Encoding",
     "as_image",
+    "bounding_box",
+    "box_inside_frame",
     "luminance",
     "read_image",
     "read_linear",
     "read_mask",
+    "shrink",
     "to_linear",
 ]
 
 Image = npt.NDArray[np.float32]
+Bytes = npt.NDArray[np.uint8]
+Box = tuple[int, int, int, int]
+"""Rows y0:y1 and columns x0:x1 of a picture."""
 Encoding = Literal["auto", "linear", "srgb"]
 ENCODINGS: tuple[Encoding, ...] = get_args(Encoding)
 
@@ -146,3 +155,127 @@ def _over_white(values: Image, alpha: Samples | None) -> Image:
         return values
     cover = alpha if values.ndim == 2 else alpha[:, :, None]
     return np.asarray(values * cover + (1 - cover), dtype=np.float32)
+
+
+def shrink(picture: Bytes, *, side: int) -> Bytes:
+    """A picture (H, W) or (H, W, 3) uint8 by area averaging, longer side at most `side` pixels."""
+    import cv2
+
+    longest = max(picture.shape[:2])
+    if longest <= side:
+        return picture
+    height, width = (max(1, round(n * side / longest)) for n in picture.shape[:2])
+    return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
+
+
+# --- boxes -----------------------------------------------------------------------------------------
+
+
+def bounding_box(mask: BoolArray) -> Box:
+    """The tightest box that holds all that is True in a mask (H, W); something must be."""
+    import cv2
+
+    x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
+    return y, y + height, x, x + width
+
+
+@dataclass(frozen=True, slots=True)
+class FrameSettings:
+    """When the outside of a picture is a flat frame or strip; shares of its pixels unless said.
+
+    flat: gray levels that JPEG leaves of a constant colour. ring: of the outermost pixels, that must be flat
+        for a frame. active_row: of a row, that must differ from the frame for it to count; inner_row: of what
+        rows usually have, that the rows inside the frame have at least.
+    least_side: fewest rows and columns inside. least_area: of what is inside. corners: of each corner inside,
+        that must differ from the frame. blank: of the blocks inside, that may be as flat as it.
+    colour_step: gray levels by which the usual colour inside may differ from the frame's.
+    strip_depth: deepest strip, of the side. strip_flat: gray levels that are flat in it. strip_row: of its
+        first row, that must be flat; picture_row: of a row of the picture, that may be; after_row: the same
+        of the three rows after it.
+    """
+
+    flat: int = 2
+    ring: float = 0.98
+    active_row: float = 0.02
+    inner_row: float = 0.5
+    least_side: int = 8
+    least_area: float = 0.08
+    corners: float = 0.3
+    blank: float = 0.02
+    colour_step: float = 60.0
+    strip_depth: float = 0.15
+    strip_flat: int = 12
+    strip_row: float = 0.85
+    picture_row: float = 0.25
+    after_row: float = 0.1
+
+
+def box_inside_frame(view: Bytes, *, settings: FrameSettings | None = None) -> Box:
+    """The picture within a flat frame around it, or within flat strips along its sides; all of it if none.
+
+    view: (H, W) or (H, W, 3) uint8.
+    """
+    settings = settings or FrameSettings()
+    height, width = view.shape[:2]
+    colours = view.reshape(height, width, -1)
+    ring = np.concatenate([colours[0], colours[-1], colours[:, 0], colours[:, -1]])
+    frame = np.median(ring, axis=0)
+    if (np.abs(ring - frame).max(axis=1) <= 2 * settings.flat).mean() > settings.ring:
+        return _within_frame(colours, frame, settings)
+    turned = colours.transpose(1, 0, 2)
+    top, bottom, left, right = (
+        _strip_depth(rows, settings) for rows in (colours, colours[::-1], turned, turned[::-1])
+    )
+    return top, height - bottom, left, width - right
+
+
+def _within_frame(colours: Bytes, frame: npt.NDArray[Any], settings: FrameSettings) -> Box:
+    """The rectangle of paper inside a frame of one constant colour, as museums' crops are padded.
+
+    Blank digital paper is flat too. There what lies inside is ink: it leaves flat paper between its strokes
+    and no texture in the corners of its box. So all four corners must be busy, and no block may be flat.
+    """
+    import cv2
+
+    whole = (0, colours.shape[0], 0, colours.shape[1])
+    active = np.zeros(colours.shape[:2], np.uint8)
+    for k in range(colours.shape[2]):
+        difference = cv2.absdiff(colours[:, :, k], float(frame[k]))  # type: ignore[call-overload]
+        active |= difference.astype(np.uint8) > settings.flat
+    spans = []
+    for axis in (1, 0):
+        sums = cv2.reduce(active, axis, cv2.REDUCE_SUM, dtype=cv2.CV_32S)
+        share = sums.ravel() / active.shape[axis]
+        busy = share[share > settings.active_row]
+        span = np.flatnonzero(share > (settings.inner_row * np.median(busy) if len(busy) else 1.0))
+        if len(span) < settings.least_side:
+            return whole
+        spans.append((int(span[0]), int(span[-1]) + 1))
+    (y0, y1), (x0, x1) = spans
+    if (y0, y1, x0, x1) == whole:
+        return whole
+    part = active[y0:y1, x0:x1]
+    k = max(4, min(part.shape) // 16)
+    corners = [part[:k, :k], part[:k, -k:], part[-k:, :k], part[-k:, -k:]]
+    busy_corners = min(float(c.mean()) for c in corners) >= settings.corners
+    if part.size < settings.least_area * active.size or not busy_corners:
+        return whole
+    inside = np.median(colours[y0:y1, x0:x1].reshape(-1, colours.shape[2]), axis=0)
+    flat_blocks = (cv2.blur(part.astype(np.float32), (9, 9)) < 0.01).mean()
+    if np.abs(inside - frame).max() > settings.colour_step or flat_blocks > settings.blank:
+        return whole
+    return y0, y1, x0, x1
+
+
+def _strip_depth(rows: Bytes, settings: FrameSettings) -> int:
+    """Rows to cut from the top, such as the white band of a watermark; 0 where there is no strip."""
+    depth = max(3, int(settings.strip_depth * rows.shape[0]))
+    band = rows[: depth + 4].astype(np.int16)
+    colour = np.median(band[0], axis=0)
+    flat = (np.abs(band - colour).max(axis=2) <= settings.strip_flat).mean(axis=1)
+    inside = np.flatnonzero(flat < settings.picture_row)
+    if flat[0] < settings.strip_row or len(inside) == 0 or inside[0] < 2 or inside[0] >= depth:
+        return 0
+    if flat[inside[0] + 1 : inside[0] + 4].max(initial=0.0) > settings.after_row:
+        return 0
+    return int(inside[0]) + 1

@@ -70,11 +70,11 @@ def add_picture(
     Raises ImageError for what is no picture, RefusedImage where there is no writing in it, SurfaceError for
     another method.
     """
-    from rumu.surface.relief import Method, check_choice, read_written
+    from rumu.surface.relief import Method, check_choice, read_with_ink
 
     path = Path(path)
     check_choice(method, get_args(Method), "method")
-    rows, columns = read_written(path)[0].shape[:2]  # a sheet without writing is refused now
+    rows, columns = read_with_ink(path)[0].shape[:2]  # a sheet without writing is refused now
     return _keep_picture(
         gallery,
         path.read_bytes(),

@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rumu.capture.image import bounding_box
 from rumu.errors import SurfaceError
-
-Floats = npt.NDArray[np.float32]
-Bools = npt.NDArray[np.bool_]
+from rumu.values import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +25,7 @@ class InflationSettings:
 
     tolerance: residual over right-hand side at which the iteration ends. iterations: most steps of conjugate
         gradients; ordinary strokes need about five. sweeps: Jacobi sweeps before and after each coarser
-        grid; last_sweeps: on the coarsest; damping: theirs.
+        grid; last_sweeps: on the coarsest. damping: of the sweeps.
     """
 
     tolerance: float = 3e-2
@@ -36,7 +35,7 @@ class InflationSettings:
     last_sweeps: int = 4
 
 
-def inflate(mask: npt.NDArray[Any], *, settings: InflationSettings | None = None) -> Floats:
+def inflate(mask: npt.NDArray[Any], *, settings: InflationSettings | None = None) -> FloatArray:
     """Height of the inflated ink, in pixels.
 
     mask: (H, W) bool, True on ink. What lies outside the picture counts as paper.
@@ -48,10 +47,9 @@ def inflate(mask: npt.NDArray[Any], *, settings: InflationSettings | None = None
     height = np.zeros(mask.shape, np.float32)
     if not mask.any():
         return height
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
-    potential = _solve(mask[box], settings or InflationSettings())
-    height[box] = np.sqrt(2.0 * np.maximum(potential, 0.0))
+    y0, y1, x0, x1 = bounding_box(mask)
+    potential = _solve(mask[y0:y1, x0:x1], settings or InflationSettings())
+    height[y0:y1, x0:x1] = np.sqrt(2.0 * np.maximum(potential, 0.0))
     return height
 
 
@@ -64,12 +62,12 @@ class _Grid:
     east, south: (H, W) float32, weight of the link to the next pixel in the row, in the column.
     """
 
-    ink: Floats
-    diagonal: Floats
-    weight: Floats
-    right: Floats
-    east: Floats
-    south: Floats
+    ink: FloatArray
+    diagonal: FloatArray
+    weight: FloatArray
+    right: FloatArray
+    east: FloatArray
+    south: FloatArray
     finest: bool = False
 
 
@@ -77,30 +75,30 @@ _CROSS = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], np.float32)
 _HALVING = np.array([0.25, 0.75, 0.75, 0.25], np.float32)  # the transpose of bilinear doubling
 
 
-def _grids(mask: Bools, settings: InflationSettings) -> list[_Grid]:
+def _grids(mask: BoolArray, settings: InflationSettings) -> list[_Grid]:
     """The equations on the picture and on pictures of half, a quarter... of its resolution.
 
     No coarser than the widest stroke: where strokes are one pixel wide, the sweeps do the rest.
     """
     import cv2
 
-    ink = _rimmed(mask.astype(np.float32))
+    ink = _pad(mask.astype(np.float32))
     half_width = float(cv2.distanceTransform(ink.astype(np.uint8), cv2.DIST_L2, 3).max())
-    grids = [_finest(ink, settings.damping)]
+    grids = [_finest_grid(ink, settings.damping)]
     for _ in range(int(np.log2(max(half_width, 1.0)))):
-        grids.append(_coarser(grids[-1], settings.damping))
+        grids.append(_coarser_grid(grids[-1], settings.damping))
     return grids
 
 
-def _rimmed(picture: npt.NDArray[Any]) -> Floats:
-    """With a rim of zeros and even sides."""
+def _pad(picture: npt.NDArray[Any]) -> FloatArray:
+    """The picture with a rim of zeros and even sides."""
     height, width = picture.shape
-    rimmed = np.zeros((height + 2 + height % 2, width + 2 + width % 2), np.float32)
-    rimmed[1 : height + 1, 1 : width + 1] = picture
-    return rimmed
+    padded = np.zeros((height + 2 + height % 2, width + 2 + width % 2), np.float32)
+    padded[1 : height + 1, 1 : width + 1] = picture
+    return padded
 
 
-def _finest(ink: Floats, damping: float) -> _Grid:
+def _finest_grid(ink: FloatArray, damping: float) -> _Grid:
     """The 5-point equations, with the border half-way between an ink pixel and a paper pixel.
 
     The value beyond the border follows from u = 0 on it and from the curvature that the equation itself
@@ -108,24 +106,24 @@ def _finest(ink: Floats, damping: float) -> _Grid:
     """
     import cv2
 
-    places = cv2.filter2D(ink.astype(np.uint8), -1, _PLACES, borderType=cv2.BORDER_CONSTANT)
-    diagonal, right, weight = (cv2.LUT(places, table) for table in _by_place(damping))
+    codes = cv2.filter2D(ink.astype(np.uint8), -1, _NEIGHBOURHOOD, borderType=cv2.BORDER_CONSTANT)
+    diagonal, right, weight = (cv2.LUT(codes, table) for table in _equations(damping))
     east, south = np.zeros_like(ink), np.zeros_like(ink)
     np.multiply(ink[:, :-1], ink[:, 1:], out=east[:, :-1])
     np.multiply(ink[:-1], ink[1:], out=south[:-1])
     return _Grid(ink, diagonal, weight, right, east, south, finest=True)
 
 
-_PLACES = np.array([[0, 3, 0], [1, 9, 1], [0, 3, 0]], np.float32)
-"""9 on ink, and 1 for each neighbour in the row that is ink, and 3 for each in the column; below 9 off it."""
+_NEIGHBOURHOOD = np.array([[0, 3, 0], [1, 9, 1], [0, 3, 0]], np.float32)
+"""Its sum codes a pixel: 9 on ink, 1 for each ink neighbour in the row, 3 for each in the column."""
 
 
 @lru_cache(maxsize=4)
-def _by_place(damping: float) -> tuple[Floats, Floats, Floats]:
-    """Diagonal, right side and weight of a pixel, each (256,), by its `_PLACES`."""
-    place = np.arange(256) % 18  # a table of OpenCV's has 256 entries
-    on_ink = place >= 9
-    across, down = (np.where(on_ink, 2 - k, 2) for k in (place % 3, (place - 9) // 3))
+def _equations(damping: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Diagonal, right side and weight of a pixel, each (256,), by its code; see `_NEIGHBOURHOOD`."""
+    code = np.arange(256) % 18  # a table of OpenCV's has 256 entries
+    on_ink = code >= 9
+    across, down = (np.where(on_ink, 2 - k, 2) for k in (code % 3, (code - 9) // 3))
     missing = (across + down).astype(np.float32)
     curvature = np.where((across > 0) & (down > 0), np.float32(0.125), np.float32(0.25))
     diagonal = np.float32(4.0) + missing
@@ -133,7 +131,7 @@ def _by_place(damping: float) -> tuple[Floats, Floats, Floats]:
     return diagonal, right, np.where(on_ink, np.float32(damping) / diagonal, np.float32(0.0))
 
 
-def _coarser(grid: _Grid, damping: float) -> _Grid:
+def _coarser_grid(grid: _Grid, damping: float) -> _Grid:
     """Half the Galerkin product over blocks of 2 x 2: inside the ink it is the 5-point equation again.
 
     Links between blocks are counted, so strokes that nearly touch stay apart on every grid.
@@ -141,17 +139,17 @@ def _coarser(grid: _Grid, damping: float) -> _Grid:
     internal = grid.east[::2, ::2] + grid.east[1::2, ::2] + grid.south[::2, ::2] + grid.south[::2, 1::2]
     east = 0.5 * (grid.east[::2, 1::2] + grid.east[1::2, 1::2])
     south = 0.5 * (grid.south[1::2, ::2] + grid.south[1::2, 1::2])
-    ink = _rimmed(_block_sums(grid.ink) > 0)
-    diagonal = _rimmed(0.5 * _block_sums(grid.diagonal * grid.ink) - internal)
+    ink = _pad(_block_sums(grid.ink) > 0)
+    diagonal = _pad(0.5 * _block_sums(grid.diagonal * grid.ink) - internal)
     weight = np.asarray(np.float32(damping) * ink / np.maximum(diagonal, 0.5), dtype=np.float32)
-    return _Grid(ink, diagonal, weight, _halved(grid.right), _rimmed(east), _rimmed(south))
+    return _Grid(ink, diagonal, weight, _restrict(grid.right), _pad(east), _pad(south))
 
 
-def _block_sums(picture: Floats) -> Floats:
+def _block_sums(picture: FloatArray) -> FloatArray:
     return picture[::2, ::2] + picture[1::2, ::2] + picture[::2, 1::2] + picture[1::2, 1::2]
 
 
-def _neighbours(grid: _Grid, u: Floats) -> Floats:
+def _sum_neighbours(grid: _Grid, u: FloatArray) -> FloatArray:
     """Weighted sum over the linked neighbours; on the finest grid u = 0 off the ink does the weighting."""
     import cv2
 
@@ -167,54 +165,54 @@ def _neighbours(grid: _Grid, u: Floats) -> Floats:
     return near
 
 
-def _image(grid: _Grid, u: Floats) -> Floats:
+def _apply(grid: _Grid, u: FloatArray) -> FloatArray:
     """The left side of the equations at u, which is 0 off the ink."""
-    image = grid.diagonal * u
-    image -= _neighbours(grid, u)
-    image *= grid.ink
-    return image
+    left = grid.diagonal * u
+    left -= _sum_neighbours(grid, u)
+    left *= grid.ink
+    return left
 
 
-def _residual(grid: _Grid, u: Floats, right: Floats) -> Floats:
+def _residual(grid: _Grid, u: FloatArray, right: FloatArray) -> FloatArray:
     """The right side, which is 0 off the ink, less the left side at u."""
-    left = _image(grid, u)
+    left = _apply(grid, u)
     return np.subtract(right, left, out=left)
 
 
-def _swept(grid: _Grid, u: Floats, right: Floats, damping: float) -> Floats:
+def _jacobi_sweep(grid: _Grid, u: FloatArray, right: FloatArray, damping: float) -> FloatArray:
     """One damped Jacobi sweep."""
     import cv2
 
-    swept = _neighbours(grid, u)
+    swept = _sum_neighbours(grid, u)
     swept += right
     swept *= grid.weight
     return np.asarray(cv2.scaleAdd(u, 1.0 - damping, swept, dst=swept))
 
 
-def _correction(grids: list[_Grid], residual: Floats, settings: InflationSettings) -> Floats:
-    """One V-cycle from nothing: a symmetric approximation of the inverse."""
+def _v_cycle(grids: list[_Grid], residual: FloatArray, settings: InflationSettings) -> FloatArray:
+    """One V-cycle from zero: a symmetric approximation of the inverse."""
     grid = grids[0]
-    u = grid.weight * residual
+    u: FloatArray = grid.weight * residual
     for _ in range(settings.sweeps - 1 if len(grids) > 1 else settings.last_sweeps):
-        u = _swept(grid, u, residual, settings.damping)
+        u = _jacobi_sweep(grid, u, residual, settings.damping)
     if len(grids) == 1:
         return u
-    u += _doubled(_correction(grids[1:], _halved(_residual(grid, u, residual)), settings), grid)
+    u += _prolong(_v_cycle(grids[1:], _restrict(_residual(grid, u, residual)), settings), grid)
     for _ in range(settings.sweeps):
-        u = _swept(grid, u, residual, settings.damping)
+        u = _jacobi_sweep(grid, u, residual, settings.damping)
     return u
 
 
-def _halved(residual: Floats) -> Floats:
-    """To the grid of half the resolution, which has a rim of its own."""
+def _restrict(residual: FloatArray) -> FloatArray:
+    """Restriction to the grid of half the resolution, which has its own rim."""
     import cv2
 
     sums = cv2.sepFilter2D(residual, -1, _HALVING, _HALVING, anchor=(1, 1), borderType=cv2.BORDER_CONSTANT)
-    return _rimmed(sums[::2, ::2])
+    return _pad(sums[::2, ::2])
 
 
-def _doubled(u: Floats, grid: _Grid) -> Floats:
-    """Bilinear, from the grid of half the resolution."""
+def _prolong(u: FloatArray, grid: _Grid) -> FloatArray:
+    """Bilinear prolongation from the grid of half the resolution."""
     import cv2
 
     height, width = grid.ink.shape
@@ -222,36 +220,36 @@ def _doubled(u: Floats, grid: _Grid) -> Floats:
     return np.asarray(cv2.resize(inner, (width, height), interpolation=cv2.INTER_LINEAR) * grid.ink)
 
 
-def _solve(mask: Bools, settings: InflationSettings) -> Floats:
+def _solve(mask: BoolArray, settings: InflationSettings) -> FloatArray:
     """(H, W) float32 potential: conjugate gradients, preconditioned by one V-cycle."""
     grids = _grids(mask, settings)
     grid = grids[0]
-    u = _first_guess(grids, settings)
+    u = _nested_iteration(grids, settings)
     residual = _residual(grid, u, grid.right)
     goal = settings.tolerance**2 * _dot(grid.right, grid.right)
     direction, energy = np.zeros_like(u), 1.0
     for _ in range(settings.iterations):
         if _dot(residual, residual) <= goal:
             break
-        corrected = _correction(grids, residual, settings)
+        corrected = _v_cycle(grids, residual, settings)
         energy, before = _dot(residual, corrected), energy
         direction *= np.float32(energy / before)
         direction += corrected
-        image = _image(grid, direction)
-        step = np.float32(energy / _dot(direction, image))
+        left = _apply(grid, direction)
+        step = np.float32(energy / _dot(direction, left))
         u += step * direction
-        residual -= step * image
+        residual -= step * left
     return u[1 : mask.shape[0] + 1, 1 : mask.shape[1] + 1]
 
 
-def _first_guess(grids: list[_Grid], settings: InflationSettings) -> Floats:
-    """From the coarsest grid up: each starts from the one below and takes one V-cycle."""
-    u = np.zeros_like(grids[-1].ink)
+def _nested_iteration(grids: list[_Grid], settings: InflationSettings) -> FloatArray:
+    """A first guess, from the coarsest grid up: each starts from the coarser one and takes one V-cycle."""
+    u: FloatArray = np.zeros_like(grids[-1].ink)
     for k in range(len(grids) - 1, 0, -1):
-        u += _correction(grids[k:], _residual(grids[k], u, grids[k].right), settings)
-        u = _doubled(u, grids[k - 1])
+        u += _v_cycle(grids[k:], _residual(grids[k], u, grids[k].right), settings)
+        u = _prolong(u, grids[k - 1])
     return u
 
 
-def _dot(a: Floats, b: Floats) -> float:
+def _dot(a: FloatArray, b: FloatArray) -> float:
     return float(np.vdot(a, b))

@@ -1,25 +1,25 @@
-"""The paper under the ink: where the picture of it begins, how bright it is, which side of it is ink.
+"""The paper under the ink: where the picture shows it, how bright it is, which side is ink, what is red.
 
-Everything here works on a reduced picture, so that it costs the same for a scan and for a large photo.
+Level and polarity are judged on a reduced picture, so that it costs the same for a scan as for a large photo.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
+
+from rumu.capture.image import Bytes, shrink
+from rumu.values import BoolArray, FloatArray
 
 Polarity = Literal["dark", "light"]
-Bytes = npt.NDArray[np.uint8]
-Floats = npt.NDArray[np.float32]
-Bools = npt.NDArray[np.bool_]
 
-GRID = 64  # longer side of the reduced picture: strokes stay visible, a quadratic costs nothing
-PLAINLY = 0.6  # unlikeliness below which no other polarity is tried; rubbings read as ink start at 0.9
-FLAT = 2  # grey levels: what JPEG leaves of a constant colour
+REDUCED_SIDE = 64
+"""Longer side, in pixels, of the reduced picture: strokes stay visible, a quadratic costs nothing."""
+PAPER_GRAY = 200
+"""Gray level of the paper in a picture that was divided by it; see `divide_by_paper`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,8 +30,11 @@ class Paper:
     polarity: 'dark' ink on light paper, or 'light' strokes on dark ground (a rubbing).
     """
 
-    level: Floats
+    level: FloatArray
     polarity: Polarity
+
+
+# --- gray levels -----------------------------------------------------------------------------------
 
 
 def tone(view: Bytes, *, polarity: Polarity) -> Bytes:
@@ -50,7 +53,7 @@ def tone(view: Bytes, *, polarity: Polarity) -> Bytes:
     return np.asarray(cv2.bitwise_not(cv2.min(cv2.min(a, b), c)), dtype=np.uint8)
 
 
-def histogram(values: Bytes, *, mask: Bools | None = None) -> npt.NDArray[np.float64]:
+def histogram(values: Bytes, *, mask: BoolArray | None = None) -> FloatArray:
     """(256,) float64: how many of the uint8 values, those under the mask if there is one, have each level."""
     import cv2
 
@@ -59,8 +62,14 @@ def histogram(values: Bytes, *, mask: Bools | None = None) -> npt.NDArray[np.flo
     return np.asarray(counts, dtype=np.float64).ravel()
 
 
-def otsu(counts: npt.NDArray[np.float64]) -> float:
-    """Threshold of largest between-class variance of a histogram, half-way between two grey levels."""
+def otsu_threshold(counts: FloatArray) -> float:
+    """Threshold of largest between-class variance of a histogram, half-way between two gray levels.
+
+    Where no pixel lies between ink and paper, many thresholds are equally good: this is their middle, and
+    scikit-image's `threshold_otsu` the first of them, the ink itself; it raises for a single gray level.
+    It would find another ink in 8 of 253 pictures, its thresholds up to 99.5 levels off:
+    `benchmarks/surface.py`.
+    """
     below = np.cumsum(counts)
     sums = np.cumsum(counts * np.arange(256))
     total, mass = below[-1], sums[-1]
@@ -70,106 +79,181 @@ def otsu(counts: npt.NDArray[np.float64]) -> float:
     return float(best.mean()) + 0.5
 
 
-def reduced(picture: Bytes, *, side: int = GRID) -> Bytes:
-    """The picture by area averaging, longer side at most `side`."""
+def divide_by_paper(value: Bytes, level: FloatArray | Bytes) -> Bytes:
+    """Tone over paper level of the same shape, as uint8: PAPER_GRAY is paper, 0 is black."""
     import cv2
 
-    longest = max(picture.shape[:2])
-    if longest <= side:
-        return picture
-    height, width = (max(1, round(n * side / longest)) for n in picture.shape[:2])
-    return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
-
-
-def ink_box(mask: Bools) -> tuple[int, int, int, int]:
-    """Rows y0:y1 and columns x0:x1 of the tightest box that holds all that is True; something must be."""
-    import cv2
-
-    x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
-    return y, y + height, x, x + width
+    under = level if level.dtype == np.uint8 else np.clip(np.rint(level), 1, 255).astype(np.uint8)
+    return np.asarray(cv2.divide(value, under, scale=float(PAPER_GRAY)), dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
-class SheetLimits:
+class GridSettings:
+    """When what is half dark is a pale printed grid: its lines are hairs that cross the whole page.
+
+    hair: half-width of its lines; span: what one of them covers in one piece; both shares of the side.
+    hairs: share of its pixels, in per cent, that are so near to an edge; lines are thicker where they cross.
+    """
+
+    hair: float = 0.008
+    span: float = 0.45
+    hairs: float = 98.0
+
+
+def threshold_below_grid(x: Bytes, threshold: float, *, settings: GridSettings | None = None) -> float:
+    """A lower threshold where what is half dark is a printed grid; the threshold itself where it is not.
+
+    x: (H, W) uint8, ink dark. A grid scanned in gray has no colour to be recognised by, but a level of its
+    own between ink and paper.
+    """
+    import cv2
+
+    settings = settings or GridSettings()
+    counts = histogram(x)[: int(threshold) + 1]
+    if counts.sum() < 64:
+        return threshold
+    lower = otsu_threshold(np.pad(counts, (0, 256 - len(counts))))
+    dark = x < lower
+    near = cv2.dilate(dark.astype(np.uint8), np.ones((5, 5), np.uint8))
+    between = cv2.bitwise_and(cv2.inRange(x, 0, int(np.ceil(threshold)) - 1), cv2.bitwise_not(255 * near))
+    pale = shrink(between, side=256) > 64
+    if not (dark.any() and pale.any()):  # a drawing of two levels, or a clean scan
+        return threshold
+    depth = cv2.distanceTransform(np.pad(pale, 1).astype(np.uint8), cv2.DIST_L2, 3)
+    if np.percentile(depth[depth > 0], settings.hairs) > settings.hair * max(pale.shape) + 1:
+        return threshold
+    _, _, stats, _ = cv2.connectedComponentsWithStats(pale.astype(np.uint8), connectivity=8)
+    spans = (stats[1:, 2] > settings.span * pale.shape[1]) | (stats[1:, 3] > settings.span * pale.shape[0])
+    return lower if spans.any() else threshold
+
+
+# --- a sheet on a table ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class SheetSettings:
     """When a picture shows a sheet that lies on something darker; shares of the picture unless said.
 
-    least, most: area of the sheet. bright: share of the sheet that is bright.
-    square: share of its tightest rectangle that it fills.
-    sharp: step across its outline, as a share of the whole contrast.
-    table: share of the picture's border that is dark.
+    least_area, most_area: of the sheet. bright: share of the sheet that is bright.
+    rectangularity: share of its tightest rectangle that it fills.
+    edge_step: step across its outline, as a share of the whole contrast.
+    dark_border: share of the picture's border that is dark.
     margin: what is cut off the sheet all round, of the reduced side: its edge is soft and may curl.
     """
 
-    least: float = 0.25
-    most: float = 0.97
+    least_area: float = 0.25
+    most_area: float = 0.97
     bright: float = 0.7
-    square: float = 0.8
-    sharp: float = 0.4
-    table: float = 0.4
+    rectangularity: float = 0.8
+    edge_step: float = 0.4
+    dark_border: float = 0.4
     margin: float = 0.03
 
 
-def sheet_on_table(small: Bytes, *, limits: SheetLimits | None = None) -> Bools | None:
+def find_sheet(small: Bytes, *, settings: SheetSettings | None = None) -> BoolArray | None:
     """(h, w) bool of a reduced picture: the sheet of paper that lies on a darker table; None if none does."""
     import cv2
 
-    limits = limits or SheetLimits()
+    settings = settings or SheetSettings()
     gray = tone(small, polarity="dark")
-    bright = gray > otsu(histogram(gray))
+    bright = gray > otsu_threshold(histogram(gray))
     rim = np.concatenate([bright[0], bright[-1], bright[:, 0], bright[:, -1]])
     outlines, _ = cv2.findContours(bright.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    if 1.0 - rim.mean() < limits.table or not outlines:
+    if 1.0 - rim.mean() < settings.dark_border or not outlines:
         return None
     outline = max(outlines, key=cv2.contourArea)
     sheet = cv2.drawContours(np.zeros(gray.shape, np.uint8), [outline], -1, 1, cv2.FILLED)
     (_, (width, height), _) = cv2.minAreaRect(outline)
     fills = cv2.contourArea(outline) / max(width * height, 1.0)
-    if not limits.least < sheet.mean() < limits.most or fills < limits.square:
+    if not settings.least_area < sheet.mean() < settings.most_area or fills < settings.rectangularity:
         return None
-    if bright[sheet > 0].mean() < limits.bright or not _sharp(gray, bright, outline[:, 0], limits):
+    contrast = float(np.median(gray[bright])) - float(np.median(gray[~bright]))
+    sharp = _edge_step(gray, outline[:, 0]) > settings.edge_step * contrast
+    if bright[sheet > 0].mean() < settings.bright or not sharp:
         return None
-    cut = 2 * max(1, round(limits.margin * max(gray.shape))) + 1
+    cut = 2 * max(1, round(settings.margin * max(gray.shape))) + 1
     border = {"borderType": cv2.BORDER_CONSTANT, "borderValue": 1}  # the picture's own side is no edge
     return np.asarray(cv2.erode(sheet, np.ones((cut, cut), np.uint8), **border) > 0)
 
 
-def _sharp(gray: Bytes, bright: Bools, outline: npt.NDArray[np.int32], limits: SheetLimits) -> bool:
-    """Whether the outline (columns, rows) is an edge and not the middle of a gradient of light."""
+def _edge_step(gray: Bytes, outline: FloatArray) -> float:
+    """Median step across the outline (columns, rows), which is small in the middle of a gradient of light.
+
+    What runs along the picture's own side does not count; -inf where all of it does.
+    """
     import cv2
 
     height, width = gray.shape
     x, y = outline[:, 0], outline[:, 1]
     inside = (x > 0) & (x < width - 1) & (y > 0) & (y < height - 1)
     step = cv2.morphologyEx(gray, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))[y[inside], x[inside]]
-    depth = float(np.median(gray[bright])) - float(np.median(gray[~bright]))
-    return bool(inside.any() and np.median(step) > limits.sharp * depth)
+    return float(np.median(step)) if inside.any() else -np.inf
 
 
-def read_paper(small: Bytes, *, polarity: Polarity | None = None) -> Paper:
-    """Fit the paper of a reduced picture under both hypotheses, dark ink and light, and keep the likelier."""
+# --- level and polarity ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class PaperSettings:
+    """How the level of the paper is fitted, and when a polarity is believed.
+
+    plausible: unlikeliness below which no other polarity is tried; rubbings read as ink start at 0.9.
+    thickness: weight of the thickest stroke, over the page's side, in the unlikeliness; dark_ground: what
+        light strokes add to it on a ground that is brighter than mid-gray.
+    shadow_gain, shadow_offset: a sharp shadow is believed when it leaves this many times the contrast, plus
+        this; shadow_likelier: and is less unlikely by this.
+    expectile: the first fit is an upper envelope that weighs what lies above it so, because up to half of
+        the page may be ink. least_paper: share of the page that must remain as paper to be fitted again.
+    stiffness: how much the slopes of the fit are held back, as a share of the pixels, so that a small patch
+        cannot swing them; three times that for its curvatures.
+    darkest, brightest: limits of the level, as shares of the brightest spot of the page.
+    residue_blurs: what the quadratic leaves is smoothed; the page's side in standard deviations of that.
+    """
+
+    plausible: float = 0.6
+    thickness: float = 4.0
+    dark_ground: float = 0.5
+    shadow_gain: float = 1.1
+    shadow_offset: float = 0.05
+    shadow_likelier: float = 0.2
+    expectile: float = 0.9
+    least_paper: float = 0.05
+    stiffness: float = 1e-2
+    darkest: float = 0.25
+    brightest: float = 1.1
+    residue_blurs: float = 12.0
+
+
+def fit_paper(
+    small: Bytes, *, polarity: Polarity | None = None, settings: PaperSettings | None = None
+) -> Paper:
+    """Fit the paper of a reduced picture as dark ink and as light strokes, and keep the likelier."""
+    settings = settings or PaperSettings()
     if polarity is not None:
-        return _despite_shadow(small, Paper(fit_level(tone(small, polarity=polarity)), polarity))
-    dark = Paper(fit_level(tone(small, polarity="dark")), "dark")
-    doubt = unlikeliness(small, dark)
-    if doubt < PLAINLY:
-        return _despite_shadow(small, dark)
-    light = Paper(fit_level(tone(small, polarity="light")), "light")
-    return _despite_shadow(small, dark if doubt <= unlikeliness(small, light) else light)
+        return _with_shadow(small, _smooth_paper(small, polarity, settings), settings)
+    dark = _smooth_paper(small, "dark", settings)
+    doubt = unlikeliness(small, dark, settings)
+    if doubt < settings.plausible:
+        return _with_shadow(small, dark, settings)
+    light = _smooth_paper(small, "light", settings)
+    likelier = dark if doubt <= unlikeliness(small, light, settings) else light
+    return _with_shadow(small, likelier, settings)
 
 
-def unlikeliness(small: Bytes, paper: Paper) -> float:
+def unlikeliness(small: Bytes, paper: Paper, settings: PaperSettings) -> float:
     """How little the dark side of `tone` looks like writing: it fills, it frames, it is thick."""
     import cv2
 
-    value = ratio(tone(small, polarity=paper.polarity), paper.level)
-    ink = value < otsu(histogram(value))
+    value = divide_by_paper(tone(small, polarity=paper.polarity), paper.level)
+    ink = value < otsu_threshold(histogram(value))
     rim = np.concatenate([ink[:2].ravel(), ink[-2:].ravel(), ink[:, :2].ravel(), ink[:, -2:].ravel()])
     thick = cv2.distanceTransform(np.pad(ink, 1, mode="edge").astype(np.uint8), cv2.DIST_L2, 3)
-    bright_ground = 0.5 if paper.polarity == "light" and float(np.median(paper.level)) < 128 else 0.0
-    return float(rim.mean() + ink.mean() + 4.0 * thick.max() / max(ink.shape)) + bright_ground
+    bright_ground = paper.polarity == "light" and float(np.median(paper.level)) < 128
+    thickness = settings.thickness * thick.max() / max(ink.shape)
+    return float(rim.mean() + ink.mean() + thickness) + (settings.dark_ground if bright_ground else 0.0)
 
 
-def _despite_shadow(small: Bytes, paper: Paper) -> Paper:
+def _with_shadow(small: Bytes, paper: Paper, settings: PaperSettings) -> Paper:
     """The paper with a sharp shadow in it, where that explains the page better than one smooth level.
 
     Closing takes away what is narrower than a third of the page: strokes go, a shadow stays in the level.
@@ -181,71 +265,126 @@ def _despite_shadow(small: Bytes, paper: Paper) -> Paper:
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * (max(small.shape[:2]) // 6) + 1,) * 2)
     level = np.asarray(cv2.morphologyEx(value, cv2.MORPH_CLOSE, kernel), dtype=np.float32)
     shaded = Paper(np.clip(level, 1.0, 255.0), paper.polarity)
-    if contrast(small, shaded) < 1.1 * contrast(small, paper) + 0.05:
+    needed = settings.shadow_gain * _contrast(small, paper) + settings.shadow_offset
+    if _contrast(small, shaded) < needed:
         return paper
-    return shaded if unlikeliness(small, shaded) < unlikeliness(small, paper) - 0.2 else paper
+    likelier = unlikeliness(small, paper, settings) - settings.shadow_likelier
+    return shaded if unlikeliness(small, shaded, settings) < likelier else paper
 
 
-def contrast(small: Bytes, paper: Paper) -> float:
+def _contrast(small: Bytes, paper: Paper) -> float:
     """How far the dark class lies below the paper, as a share of the paper's level."""
-    value = ratio(tone(small, polarity=paper.polarity), paper.level)
-    return float(1.0 - np.median(value[value < otsu(histogram(value))], axis=None) / 200.0)
+    value = divide_by_paper(tone(small, polarity=paper.polarity), paper.level)
+    dark = value < otsu_threshold(histogram(value))
+    return float(1.0 - np.median(value[dark], axis=None) / PAPER_GRAY)
 
 
-def ratio(value: Bytes, level: npt.NDArray[Any]) -> Bytes:
-    """Tone over paper level of the same shape, as uint8: 200 is paper, 0 is black."""
+def _smooth_paper(small: Bytes, polarity: Polarity, settings: PaperSettings) -> Paper:
+    """A quadratic over the paper, then what is left of it, smoothed."""
     import cv2
 
-    under = level if level.dtype == np.uint8 else np.clip(np.rint(level), 1, 255).astype(np.uint8)
-    return np.asarray(cv2.divide(value, under, scale=200.0), dtype=np.uint8)
-
-
-def fit_level(value: Bytes) -> Floats:
-    """Paper level of a reduced tone: a quadratic over the paper, then what is left of it, smoothed.
-
-    Starts as an upper envelope (expectile), because up to half of the page may be ink.
-    """
-    import cv2
-
+    value = tone(small, polarity=polarity)
     shape = value.shape
     z = value.astype(np.float32).ravel()
-    basis = _quadratic(shape)
     top = float(np.percentile(z, 99.5))
+    limits = (settings.darkest * top, settings.brightest * top + 1.0)  # a fit may swing beyond any page
+    above, below = np.float32(settings.expectile), np.float32(1 - settings.expectile)
     weight = np.ones_like(z)
     for _ in range(3):
-        fit = _weighted(basis, z, weight)
-        weight = np.where(z > fit, np.float32(0.9), np.float32(0.1))
+        fit = _fit_quadratic(shape, z, weight, settings)
+        weight = np.where(z > fit, above, below)
     for _ in range(2):
-        level = _bounded(fit, top)
-        x = np.clip(200.0 * z / level, 0, 255).astype(np.uint8)
-        cut = (otsu(histogram(x)) + 200.0) / 2.0
-        weight = (x > cut).astype(np.float32)
-        if weight.sum() < 0.05 * z.size:
+        level = np.asarray(np.clip(fit, *limits), dtype=np.float32)
+        x = np.clip(PAPER_GRAY * z / level, 0, 255).astype(np.uint8)
+        weight = (x > (otsu_threshold(histogram(x)) + PAPER_GRAY) / 2.0).astype(np.float32)
+        if weight.sum() < settings.least_paper * z.size:
             break
-        fit = _weighted(basis, z, weight)
-    level = _bounded(fit, top).reshape(shape)
+        fit = _fit_quadratic(shape, z, weight, settings)
+    level = np.asarray(np.clip(fit, *limits), dtype=np.float32).reshape(shape)
     keep = weight.reshape(shape)
-    sigma = max(shape) / 12.0
-    residue = cv2.GaussianBlur(keep * (z.reshape(shape) - level), (0, 0), sigma)
-    share = cv2.GaussianBlur(keep, (0, 0), sigma)
-    return np.asarray(np.clip(level + residue / (share + 0.1), 1.0, 255.0), dtype=np.float32)
+    reach = max(shape) / settings.residue_blurs
+    residue = cv2.GaussianBlur(keep * (z.reshape(shape) - level), (0, 0), reach)
+    share = cv2.GaussianBlur(keep, (0, 0), reach)
+    return Paper(np.asarray(np.clip(level + residue / (share + 0.1), 1.0, 255.0), np.float32), polarity)
+
+
+def _fit_quadratic(
+    shape: tuple[int, ...], z: FloatArray, weight: FloatArray, settings: PaperSettings
+) -> FloatArray:
+    """(N,) weighted least squares of the flattened picture z."""
+    basis = _quadratic_terms(shape)
+    scaled = basis * weight[:, None]
+    ridge = np.diag([0, 1, 1, 3, 3, 3]).astype(np.float32) * (settings.stiffness * z.size)
+    coefficients = np.linalg.solve(scaled.T @ basis + ridge, scaled.T @ z)
+    return np.asarray(basis @ coefficients, dtype=np.float32)
 
 
 @lru_cache(maxsize=8)
-def _quadratic(shape: tuple[int, ...]) -> Floats:
+def _quadratic_terms(shape: tuple[int, ...]) -> FloatArray:
     y, x = np.meshgrid(*(np.linspace(-1, 1, n, dtype=np.float32) for n in shape), indexing="ij")
     x, y = x.ravel(), y.ravel()
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
 
 
-def _weighted(basis: Floats, z: Floats, weight: Floats) -> Floats:
-    """Weighted least squares; the slopes are held back a little, so that a small patch cannot swing them."""
-    scaled = basis * weight[:, None]
-    held = np.diag([0, 1, 1, 3, 3, 3]).astype(np.float32) * (1e-2 * z.size)
-    coefficients = np.linalg.solve(scaled.T @ basis + held, scaled.T @ z)
-    return np.asarray(basis @ coefficients, dtype=np.float32)
+# --- colour ----------------------------------------------------------------------------------------
 
 
-def _bounded(fit: Floats, top: float) -> Floats:
-    """Keep an extrapolated fit within what a page can be whose brightest spot is `top`."""
-    return np.asarray(np.clip(fit, 0.25 * top, 1.1 * top + 1.0), dtype=np.float32)
+@dataclass(frozen=True, slots=True)
+class RedSettings:
+    """How red a seal, a red grid or a printed address is: red over the larger of green and blue.
+
+    on_dark: least excess on a dark ground, in gray levels. reddish: the same on paper, as a share of the
+        paper's brightest channel. pale, plain: least excess as a share of red itself, of what is reddish and
+        of what is plainly red. plain_share: share of a connected reddish part that must be plainly red; the
+        rest of what is reddish is brown ink.
+    """
+
+    on_dark: int = 25
+    reddish: float = 0.09
+    pale: float = 0.2
+    plain: float = 0.35
+    plain_share: float = 0.2
+
+
+def find_red_marks(
+    view: Bytes, *, paper: FloatArray, polarity: Polarity, settings: RedSettings | None = None
+) -> BoolArray:
+    """(H, W) bool: seals, red grids, printed addresses.
+
+    view: (H, W, 3) uint8. paper: (3,) colour of the paper, 0-255; its own brown is divided out, so that silk
+    does not count as red. On a dark ground there is nothing to divide by, and strokes are as brown as paper.
+    """
+    import cv2
+
+    settings = settings or RedSettings()
+    gains = np.ones(3) if polarity == "light" else _gains(paper)
+    table = np.stack([np.clip(np.arange(256) * g, 0, 255) for g in gains], axis=1).astype(np.uint8)
+    r, g, b = cv2.split(cv2.LUT(view, table[:, None, :]))
+    excess = cv2.subtract(r, cv2.max(g, b))
+    plain = excess > cv2.convertScaleAbs(r, alpha=settings.plain)
+    if polarity == "light":
+        return np.asarray((excess > settings.on_dark) & plain)
+    reddish = excess > settings.reddish * float(paper.max())
+    reddish &= excess > cv2.convertScaleAbs(r, alpha=settings.pale)
+    if not reddish.any():
+        return np.asarray(reddish)
+    _, parts = cv2.connectedComponents(reddish.astype(np.uint8), connectivity=8)
+    share = np.bincount(parts[reddish & plain], minlength=int(parts.max()) + 1) / np.bincount(parts.ravel())
+    return np.asarray(reddish & (share > settings.plain_share)[parts])
+
+
+def redness(view: Bytes, *, paper: FloatArray) -> FloatArray:
+    """(H, W) float32: how much redder than green and blue, as a share of the paper.
+
+    view: (H, W, 3) uint8. paper: (3,) colour of the paper, 0-255, which is divided out.
+    """
+    import cv2
+
+    table = np.clip(np.arange(256)[:, None] * _gains(paper), 0, 255).astype(np.float32)
+    r, g, b = cv2.split(cv2.LUT(view, table[:, None, :]))
+    return np.asarray((r - cv2.max(g, b)) / max(float(paper.max()), 1.0), dtype=np.float32)
+
+
+def _gains(paper: FloatArray) -> FloatArray:
+    """(3,) factors that make the colour of the paper gray."""
+    return np.asarray(np.maximum(paper.max(), 1.0) / np.maximum(paper, 1.0))

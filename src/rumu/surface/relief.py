@@ -17,20 +17,14 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.image import as_image, read_image, to_linear
+from rumu.capture.image import as_image, bounding_box, read_image, to_linear
 from rumu.errors import RefusedImage, SurfaceError
-from rumu.surface.inflation import InflationSettings, inflate
+from rumu.surface.inflation import inflate
 from rumu.surface.ink import Ink, find_ink
-from rumu.surface.paper import ink_box
-from rumu.surface.stereo import normals_from_gradients
-from rumu.values import Source, Surface
-
-__all__ = ["InflationSettings", "Method", "Mode", "inflate", "relief"]
+from rumu.values import BoolArray, FloatArray, Source, Surface
 
 Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
-Floats = npt.NDArray[np.float32]
-Bools = npt.NDArray[np.bool_]
 
 
 def relief(
@@ -40,19 +34,43 @@ def relief(
     mode: Mode = "inhomogeneous",
     kappa: float = 0.0,
 ) -> Surface:
-    """The surface of the ink of one image. Its height is a function of that image and not measured relief.
+    """Give the ink of one image a height.
 
-    image: a path, an array that `as_image` takes (values as stored, not linear), or an Ink.
-    method: 'inflation', the inflated outline (our reconstruction of Zhang et al. 2018): a half circle across
-        a stroke; 'density', the density of the ink times its median half-width.
-    mode: of the inflation. 'inhomogeneous': wide strokes are high. 'homogeneous': all strokes reach the
-        median half-width. 'hybrid': the mean of both.
-    kappa: pixels of height for each unit by which the ink is denser than the ink around it; inflation only.
-    Returns a Surface in pixels (unit 'px', spacing 1): height 0 on paper; normals of that height; albedo the
-        image as linear light; mask the ink; confidence 1 on ink and 0 elsewhere; quality: 'ink_share' of the
-        picture, 'contrast' (median density), 'half_width' (median, px) and the figures of the ink.
-    Raises ImageError for what is no image, RefusedImage (naming the file) where there is no writing,
-    SurfaceError for an unknown method or mode, or a kappa that is not finite.
+    The height is a function of that image and not measured relief.
+
+    Parameters
+    ----------
+    image : path, ndarray or Ink
+        A file; an array (H, W) or (H, W, 3) of bool, uint8, uint16, or float in [0, 1], values as stored and
+        not linear; or ink that was found before.
+    method : {'inflation', 'density'}
+        'inflation': a half circle across each stroke, from the outline of the ink alone. 'density': the
+        density of the ink times the median half-width of its strokes.
+    mode : {'inhomogeneous', 'homogeneous', 'hybrid'}
+        Of the inflation. 'inhomogeneous': wide strokes are high. 'homogeneous': all strokes reach the median
+        half-width. 'hybrid': the mean of both.
+    kappa : float
+        Pixels of height for each unit by which the ink is denser than the ink around it; inflation only.
+
+    Returns
+    -------
+    Surface
+        In pixels (unit 'px', spacing 1): height 0 on paper; normals of that height; albedo the image as
+        linear light; mask the ink; confidence 1 on ink and 0 elsewhere; quality: 'ink_share' of the picture,
+        'contrast' (median density), 'half_width' (median, px) and the figures of the ink.
+
+    Raises
+    ------
+    ImageError
+        For what is no image.
+    RefusedImage
+        Where there is no writing; it names the file.
+    SurfaceError
+        For an unknown method or mode, or a kappa that is not finite.
+
+    Notes
+    -----
+    Inflation is our reconstruction of what the paper cites for single images (Zhang et al. 2018).
     """
     check_choice(method, get_args(Method), "method")
     check_choice(mode, get_args(Mode), "mode")
@@ -63,8 +81,9 @@ def relief(
     if method == "density":
         height = ink.density * np.float32(typical)
     else:
-        height = _inflated(ink, typical=typical, mode=mode, kappa=kappa)
+        height = _inflate_ink(ink, typical=typical, mode=mode, kappa=kappa)
     source: Source = "density" if method == "density" else "inflation"
+    share = {"ink_share": np.count_nonzero(ink.mask) / ink.mask.size}
     return Surface(
         height=height,
         normals_from=partial(normals_of, height),
@@ -74,34 +93,17 @@ def relief(
         spacing=1.0,
         unit="px",
         source=source,
-        quality={
-            "ink_share": np.count_nonzero(ink.mask) / ink.mask.size,
-            "contrast": ink.contrast,
-            "half_width": typical,
-        }
-        | dict(ink.figures),
+        quality=share | {"contrast": ink.contrast, "half_width": typical} | dict(ink.figures),
     )
 
 
 def check_choice(value: object, choices: tuple[str, ...], name: str) -> None:
-    """Raises SurfaceError that names the choices when `value` is none of them."""
+    """Raise SurfaceError that names the choices when `value` is none of them."""
     if value not in choices:
         raise SurfaceError(f"{name}: expected one of {', '.join(choices)}, got {value!r}")
 
 
-def _ink_and_albedo(
-    image: str | os.PathLike[str] | npt.NDArray[Any] | Ink,
-) -> tuple[Ink, Callable[[], Floats]]:
-    if isinstance(image, Ink):
-        return image, partial(_painted, image)
-    if isinstance(image, np.ndarray):
-        stored = as_image(image)
-        return find_ink(stored), partial(_linear, stored)
-    stored, ink = read_written(Path(image))
-    return ink, partial(_linear, stored)
-
-
-def read_written(path: Path) -> tuple[Floats, Ink]:
+def read_with_ink(path: Path) -> tuple[FloatArray, Ink]:
     """The picture in a file, as stored, and its ink. Raises ImageError; RefusedImage names the file."""
     stored = read_image(path)
     try:
@@ -110,7 +112,20 @@ def read_written(path: Path) -> tuple[Floats, Ink]:
         raise RefusedImage(f"{path}: {error}", reason=error.reason) from None
 
 
-def _linear(stored: Floats) -> Floats:
+def _ink_and_albedo(
+    image: str | os.PathLike[str] | npt.NDArray[Any] | Ink,
+) -> tuple[Ink, Callable[[], FloatArray]]:
+    if isinstance(image, Ink):
+        return image, partial(_paint, image)
+    if isinstance(image, np.ndarray):
+        stored = as_image(image)
+        ink = find_ink(stored)
+    else:
+        stored, ink = read_with_ink(Path(image))
+    return ink, partial(_linearise, stored)
+
+
+def _linearise(stored: FloatArray) -> FloatArray:
     """Linear light; 8-bit values, which most images have, take 256 powers instead of one for each pixel."""
     import cv2
 
@@ -119,39 +134,46 @@ def _linear(stored: Floats) -> Floats:
     coarse = steps.astype(np.float32)
     coarse *= np.float32(1 / 255)
     if float(cv2.norm(coarse, stored, cv2.NORM_INF)) > 1e-5:
-        return to_linear(stored)
+        return to_linear(stored.astype(np.float32, copy=False))
     return np.asarray(cv2.LUT(steps, table), dtype=np.float32).reshape(stored.shape)
 
 
-def _painted(ink: Ink) -> Floats:
-    """The picture that an Ink alone tells of: its densities on paper of one level."""
+def _paint(ink: Ink) -> FloatArray:
+    """The picture that an Ink alone describes, linear: its densities on paper of one level."""
     if ink.polarity == "dark":
         return to_linear((ink.paper * (1.0 - ink.density)).astype(np.float32))
     return to_linear((ink.paper + (1.0 - ink.paper) * ink.density).astype(np.float32))
 
 
-def _inflated(ink: Ink, *, typical: float, mode: Mode, kappa: float) -> Floats:
+def _inflate_ink(ink: Ink, *, typical: float, mode: Mode, kappa: float) -> FloatArray:
+    import cv2
+
     height = inflate(ink.mask)
     if mode != "inhomogeneous":
         even = height * np.float32(typical) / np.maximum(local_half_width(ink.mask), np.float32(0.5))
         height = (even if mode == "homogeneous" else (height + even) / 2).astype(np.float32)
     if kappa:
-        around = _mean_over_ink(ink.density, ink.mask, reach=2 * typical)
+        weight, reach = ink.mask.astype(np.float32), max(2 * typical, 1.0)
+        total = cv2.GaussianBlur(ink.density * weight, (0, 0), reach)
+        around = total / np.maximum(cv2.GaussianBlur(weight, (0, 0), reach), np.float32(1e-6))
         detailed = height + np.float32(kappa) * (ink.density - around)
         height = np.where(ink.mask, np.maximum(detailed, np.float32(0.0)), np.float32(0.0))
     return height
 
 
-def half_width(mask: Bools) -> float:
+# --- half-widths -----------------------------------------------------------------------------------
+
+
+def half_width(mask: BoolArray) -> float:
     """Median half-width of the strokes over their medial axis, in pixels; 0 without ink."""
     if not mask.any():
         return 0.0
-    y0, y1, x0, x1 = ink_box(mask)
+    y0, y1, x0, x1 = bounding_box(mask)
     depth, ridge = _medial_axis(mask[y0:y1, x0:x1])
     return float(np.median(depth[ridge])) if ridge.any() else 0.0
 
 
-def local_half_width(mask: Bools) -> Floats:
+def local_half_width(mask: BoolArray) -> FloatArray:
     """(H, W) float32: for each ink pixel the half-width, in pixels, of the stroke it lies in; 0 off the ink.
 
     The distance to the edge at the nearest pixel of the medial axis.
@@ -167,7 +189,7 @@ def local_half_width(mask: Bools) -> Floats:
     return np.where(mask, of_label[nearest], np.float32(0.0))
 
 
-def _medial_axis(mask: Bools) -> tuple[Floats, Bools]:
+def _medial_axis(mask: BoolArray) -> tuple[FloatArray, BoolArray]:
     """Distance to the edge, and where it is a local maximum.
 
     Distances run to the centre of the nearest paper pixel; the edge lies half a pixel before it.
@@ -179,31 +201,23 @@ def _medial_axis(mask: Bools) -> tuple[Floats, Bools]:
     return np.asarray(depth - np.float32(0.5)), np.asarray(ridge)
 
 
-def _mean_over_ink(values: Floats, mask: Bools, *, reach: float) -> Floats:
-    import cv2
-
-    weight = mask.astype(np.float32)
-    total = cv2.GaussianBlur(values * weight, (0, 0), max(reach, 1.0))
-    share = cv2.GaussianBlur(weight, (0, 0), max(reach, 1.0))
-    return np.asarray(total / np.maximum(share, np.float32(1e-6)), dtype=np.float32)
+# --- normals ---------------------------------------------------------------------------------------
 
 
-def normals_of(height: Floats) -> Floats:
-    """Unit normals of a height map in pixels, by central differences.
-
-    height: (H, W) float32. Returns (H, W, 3) float32, x right, y up, z to the camera.
-    """
+def normals_of(height: FloatArray) -> FloatArray:
+    """(H, W, 3) float32 unit normals, x right, y up, z to the camera, of a height map (H, W) in pixels."""
     normals = np.zeros((*height.shape, 3), np.float32)
     normals[:, :, 2] = 1.0
     raised = height != height.flat[0]
     if raised.any():
-        rows, columns = (np.flatnonzero(raised.any(axis=axis)) for axis in (1, 0))
-        box = tuple(slice(max(0, k[0] - 2), k[-1] + 3) for k in (rows, columns))
-        part = height[box]
-        normals[box] = normals_from_gradients(_slope(part), -_slope(part.T).T)  # dz/drow = -q
+        y0, y1, x0, x1 = bounding_box(raised)
+        box = slice(max(0, y0 - 2), y1 + 2), slice(max(0, x0 - 2), x1 + 2)
+        down, right = _differences(height[box], axis=0), _differences(height[box], axis=1)
+        part = np.stack([-right, down, np.ones_like(down)], axis=-1)  # rows grow downward: dz/dy = -down
+        normals[box] = part / np.linalg.norm(part, axis=-1, keepdims=True)
     return normals
 
 
-def _slope(height: Floats) -> Floats:
-    """d height / d column; one-sided at the border."""
-    return np.gradient(height, axis=1) if height.shape[1] > 1 else np.zeros_like(height)
+def _differences(height: FloatArray, *, axis: int) -> FloatArray:
+    """Central differences along an axis, one-sided at the border; 0 where there is one row or column."""
+    return np.gradient(height, axis=axis) if height.shape[axis] > 1 else np.zeros_like(height)

@@ -13,6 +13,7 @@ from typing import Self
 
 import numpy as np
 
+from rumu.capture.image import bounding_box
 from rumu.errors import SurfaceError
 from rumu.surface.thinning import RawSkeleton, Segment, thin, value_near
 from rumu.values import BoolArray, FloatArray, IntArray, Polyline
@@ -109,12 +110,11 @@ def skeletonise(mask: BoolArray, *, settings: SkeletonSettings | None = None) ->
     if not mask.any():
         raise SurfaceError("expected a mask that holds ink, got an empty one")
     settings = settings or SkeletonSettings()
-    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
-    top, left = int(rows[0]), int(columns[0])
-    raw = thin(np.ascontiguousarray(mask[top : rows[-1] + 1, left : columns[-1] + 1]))
+    y0, y1, x0, x1 = bounding_box(mask)
+    raw = thin(np.ascontiguousarray(mask[y0:y1, x0:x1]))
     width = 2.0 * float(np.median(np.concatenate([s.radius for s in raw.segments])))
     nodes, segments = _clean(raw, width, settings)
-    origin = np.array([left, top], float)
+    origin = np.array([x0, y0], float)
     used = sorted({end for s in segments for end in s.ends})
     number = {node: k for k, node in enumerate(used)}
     lines = tuple(

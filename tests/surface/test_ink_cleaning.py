@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rumu.surface.foreign import drop_foreign
 from rumu.surface.ink import find_ink
-from rumu.surface.paper import Bools
+from rumu.surface.ink_cleaning import remove_by_colour
+from rumu.values import BoolArray
 
 PAPER = np.array([190, 180, 150], np.uint8)
 BLACK, BROWN = (40, 38, 36), (105, 72, 58)
@@ -41,7 +41,7 @@ def test_what_reaches_in_over_one_side_is_a_neighbours() -> None:
     assert ink.left_out["neighbour"] > 500
 
 
-def masked(*parts: tuple[int, int, int, int, float]) -> tuple[Bools, np.ndarray]:
+def masked(*parts: tuple[int, int, int, int, float]) -> tuple[BoolArray, np.ndarray]:
     density = np.zeros((200, 200), np.float32)
     for top, bottom, left, right, dark in parts:
         density[top:bottom, left:right] = dark
@@ -51,28 +51,30 @@ def masked(*parts: tuple[int, int, int, int, float]) -> tuple[Bools, np.ndarray]
 @pytest.mark.parametrize(("noise", "kept"), [(5.0, False), (20.0, True)])
 def test_a_pale_part_is_a_stain_on_grainy_paper_and_a_dry_dot_on_clean(noise: float, kept: bool) -> None:
     mask, density = masked((60, 100, 40, 140, 0.8), (140, 150, 90, 100, 0.4))
-    own, left_out = drop_foreign(mask, density, red=None, noise=noise, framed=False)
+    own, removed = remove_by_colour(mask, density, redness=None, noise=noise, framed=False)
     assert own[140:150, 90:100].all() == kept
-    assert left_out["stain"] == (0 if kept else 100)
+    assert removed["stain"] == (0 if kept else 100)
     assert own[60:100, 40:140].all()
 
 
 def test_a_pale_part_beside_a_dark_one_is_its_dry_end() -> None:
     mask, density = masked((60, 100, 40, 140, 0.8), (103, 112, 90, 100, 0.4))
-    own, _ = drop_foreign(mask, density, red=None, noise=5.0, framed=False)
+    own, _ = remove_by_colour(mask, density, redness=None, noise=5.0, framed=False)
     assert np.array_equal(own, mask)
 
 
 def test_only_in_a_frame_may_a_neighbour_end_short_of_the_side() -> None:
     mask, density = masked((60, 100, 40, 120, 0.8), (50, 110, 175, 190, 0.8))
     for framed in (False, True):
-        own, _ = drop_foreign(mask, density, red=None, noise=20.0, framed=framed)
+        own, _ = remove_by_colour(mask, density, redness=None, noise=20.0, framed=framed)
         assert own[:, 160:].any() != framed
 
 
 def test_a_character_cropped_to_its_ink_keeps_the_parts_at_its_sides() -> None:
     mask, density = masked((20, 180, 0, 30, 0.8), (40, 170, 70, 130, 0.8), (10, 190, 170, 200, 0.8))
-    own, _ = drop_foreign(mask, density, red=None, noise=20.0, framed=False)
+    own, _ = remove_by_colour(mask, density, redness=None, noise=20.0, framed=False)
     assert np.array_equal(own, mask)
-    own, left_out = drop_foreign(mask & (np.arange(200) >= 60), density, red=None, noise=20.0, framed=False)
-    assert left_out["neighbour"] == 180 * 30  # nothing at the other side: a part is cut off by this one
+    own, removed = remove_by_colour(
+        mask & (np.arange(200) >= 60), density, redness=None, noise=20.0, framed=False
+    )
+    assert removed["neighbour"] == 180 * 30  # nothing at the other side: a part is cut off by this one
