@@ -17,9 +17,11 @@ from pathlib import Path
 import numpy as np
 
 import rumu
-from rumu.gallery.catalog import Gallery, facets, open_gallery, works
+from rumu.gallery.archive import export_gallery
+from rumu.gallery.catalog import open_gallery, works
 from rumu.gallery.derived import derived
-from rumu.gallery.exporting import export_gallery
+from rumu.gallery.filters import Filters, count_facets
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.iiif_image import image_response
 from rumu.gallery.importing import import_folder
 from rumu.gallery.works import starter_works
@@ -42,7 +44,7 @@ def import_all(gallery: Gallery, data: Path, name: str) -> None:
     began, total = time.perf_counter(), 0
     for folder in SETS:
         done = import_folder(gallery, data / "masters" / folder)
-        total += done.added + done.there
+        total += done.added + done.existing
     seconds = time.perf_counter() - began
     print(f"{name}: {total} works in {seconds:.1f} s, {total / seconds:.0f} a second")
 
@@ -63,7 +65,7 @@ def queries(gallery: Gallery) -> None:
         told = ", ".join(f"{name} {value}" for name, value in asked.items()) or "everything"
         print(f"  {told}: {works(gallery, **asked).total} works")  # type: ignore[arg-type]
         print(f"    works  {timed(lambda asked=asked: works(gallery, **asked))}")  # type: ignore[misc]
-        print(f"    facets {timed(lambda asked=asked: facets(gallery, **asked))}")  # type: ignore[misc]
+        print(f"    facets {timed(lambda asked=asked: count_facets(gallery, Filters(**asked)))}")  # type: ignore[misc]
     print(f"  the last page: {timed(lambda: works(gallery, offset=11_200))}")
 
 

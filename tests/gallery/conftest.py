@@ -12,9 +12,12 @@ import pytest
 from PIL import Image
 
 from rumu.database.engine import Database, open_database
-from rumu.gallery.catalog import Gallery
+from rumu.gallery.catalog import work
+from rumu.gallery.gallery import Gallery
+from rumu.gallery.originals import original_of
 from rumu.gallery.starting import put_starter
 from rumu.gallery.store import Store
+from rumu.values import Surface
 
 
 @pytest.fixture
@@ -38,6 +41,11 @@ def bare(tmp_path: Path) -> Iterator[Gallery]:
     opened = open_database(tmp_path / "bare.sqlite")
     yield Gallery(opened, Store.open(tmp_path / "bare-files"))
     opened.close()
+
+
+def surface(gallery: Gallery, work_id: str) -> Surface:
+    """The surface of a work."""
+    return original_of(gallery.store, work(gallery, work_id)).surface()
 
 
 def drawn(number: int, *, side: int = 48) -> Image.Image:

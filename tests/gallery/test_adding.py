@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from tests.gallery.conftest import surface
 
 from rumu.errors import CaptureError, GalleryError, ImageError, RefusedImage, SurfaceError
 from rumu.gallery.adding import add_capture, add_glyphs, add_picture, room_named
-from rumu.gallery.catalog import surface, work, works
+from rumu.gallery.catalog import work, works
 from rumu.gallery.derived import derived, viewer_facts
 from rumu.gallery.entries import NOTHING, Entry
 from rumu.gallery.works import find_work
@@ -89,7 +90,7 @@ def test_a_capture_is_kept_with_photographs_and_surface(gallery, mound):
     kept, wanted = work(gallery, added.id), reconstruct(folder)
     assert (kept.kind, kept.height_source, kept.spacing) == ("capture", "photometric", 0.05)
     assert np.allclose(surface(gallery, added.id).height, wanted.height, atol=1e-5)
-    again = original_of(gallery, added.id).capture()
+    again = original_of(gallery.store, work(gallery, added.id)).capture()
     assert np.array_equal(again.images, read_capture(folder).images) and again.spacing == 0.05
     photographs = [key for key in gallery.store.keys(kept.capture) if key.endswith("0.png") or "00" in key]
     assert {gallery.store.read(key) for key in photographs} == {(folder / name).read_bytes() for name in FIVE}
@@ -108,8 +109,8 @@ def test_three_lamps_of_the_papers_kind_keep_their_photographs_for_mixing(bare, 
 
 
 def test_a_capture_comes_back_from_an_export(gallery, bare, mound, tmp_path, everything):
+    from rumu.gallery.archive import export_gallery
     from rumu.gallery.catalog import delete_work
-    from rumu.gallery.exporting import export_gallery
     from rumu.gallery.importing import import_folder
 
     added = add_capture(gallery, mound(FIVE), entry=CAT)

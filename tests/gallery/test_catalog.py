@@ -7,6 +7,7 @@ import threading
 
 import numpy as np
 import pytest
+from tests.gallery.conftest import surface
 
 from rumu.errors import GalleryError
 from rumu.gallery.annotations import add_annotation
@@ -19,7 +20,6 @@ from rumu.gallery.catalog import (
     delete_work,
     neighbours,
     open_gallery,
-    surface,
     work,
     works,
 )

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from conftest import FRONTEND
 from PIL import Image
+from tests.gallery.conftest import surface
 
 from rumu.errors import GalleryError, RefusedImage
 from rumu.gallery import making
-from rumu.gallery.catalog import surface
 from rumu.gallery.derived import KINDS, derived, viewer_facts
 from rumu.gallery.starting import put_starter
 from rumu.gallery.store import Store
@@ -227,7 +227,7 @@ def test_a_large_picture_is_brought_down(bare, tmp_path):
 
 
 def test_a_store_elsewhere_serves_as_well(bare):
-    from rumu.gallery.catalog import Gallery
+    from rumu.gallery.gallery import Gallery
 
     there = Gallery(bare.database, Store.open("memory://derived"))
     put_starter(there)

@@ -11,11 +11,13 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import func, select
+from tests.gallery.conftest import surface
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError
 from rumu.gallery import importing
-from rumu.gallery.catalog import Gallery, collection, open_gallery, surface, works
+from rumu.gallery.catalog import collection, open_gallery, works
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.importing import import_folder
 from rumu.gallery.labels import Told
 
@@ -24,7 +26,7 @@ def test_every_row_becomes_a_work(gallery, labelled):
     folder = labelled(7)
     told = Told({"source": "from a test", "licence": "CC0-1.0"})
     done = import_folder(gallery, folder, told=told)
-    assert (done.added, done.there, done.left_out, done.collections) == (7, 0, (), ("set",))
+    assert (done.added, done.existing, done.left_out, done.collections) == (7, 0, (), ("set",))
     found = works(gallery, collection="set")
     assert [row.origin for row in found.items] == [f"img/{n:05d}.png" for n in range(7)]
     for row in found.items:
@@ -40,7 +42,7 @@ def test_nothing_is_put_in_twice(gallery, labelled, everything):
     import_folder(gallery, folder)
     before = everything(gallery)
     done = import_folder(gallery, folder)
-    assert (done.added, done.there) == (0, 5)
+    assert (done.added, done.existing) == (0, 5)
     assert everything(gallery) == before
 
 
@@ -51,7 +53,7 @@ def test_the_same_picture_under_another_label_is_another_work(bare, labelled):
     more = "\n".join([text.strip(), row, row.replace("永", "和")]) + "\n"
     (folder / "labels.csv").write_text(more, encoding="utf-8")
     done = import_folder(bare, folder)
-    assert (done.added, done.there) == (2, 1)
+    assert (done.added, done.existing) == (2, 1)
     assert len(list(bare.store.keys("pictures"))) == 1
 
 
@@ -151,7 +153,7 @@ def test_kill_9_loses_nothing_confirmed_and_leaves_no_half_work(labelled, databa
         there.database.close()
     there = open_gallery(database=database_url, files=files, starter=False)
     done = import_folder(there, folder)
-    assert done.added + done.there == 400 and done.added > 0
+    assert done.added + done.existing == 400 and done.added > 0
     whole = Gallery(there.database, there.store)
     with whole.database.reading() as session:
         assert session.scalar(select(func.count(func.distinct(Work.origin)))) == 400

@@ -9,10 +9,11 @@ import re
 
 import numpy as np
 import pytest
+from tests.gallery.conftest import surface
 
 from rumu.errors import GalleryError
 from rumu.gallery.annotations import add_annotation
-from rumu.gallery.catalog import change_work, surface
+from rumu.gallery.catalog import change_work
 from rumu.gallery.single_page import LARGEST, page_facts, single_page, write_page
 from rumu.gallery.starting import put_starter
 

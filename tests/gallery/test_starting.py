@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.gallery.conftest import surface
 
 from rumu.gallery.annotations import said_of
-from rumu.gallery.catalog import surface, work, works
+from rumu.gallery.catalog import work, works
 from rumu.gallery.starting import put_starter
 from rumu.gallery.tours import tours
 

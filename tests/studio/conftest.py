@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from rumu.gallery.catalog import Gallery, open_gallery
+from rumu.gallery.catalog import open_gallery
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.works import starter_samples
 from rumu.studio.people import Identity, create_person, identity
 from rumu.studio.place import Place

@@ -6,8 +6,8 @@ import zipfile
 
 import pytest
 
+from rumu.gallery.archive import export_gallery
 from rumu.gallery.catalog import collections, work, works
-from rumu.gallery.exporting import export_gallery
 from rumu.gallery.works import starter_works
 from rumu.studio.additions import add_work, import_zip
 

@@ -66,7 +66,7 @@ def _show(port: int, *, opens: bool) -> None:
     from rumu.cli.serve import announce
     from rumu.errors import RumuError
     from rumu.gallery.catalog import open_gallery
-    from rumu.gallery.home import user_home
+    from rumu.gallery.gallery import user_home
     from rumu.studio.handlers import make_thumbnails
     from rumu.studio.place import Place
     from rumu.web.server import listen, serve

@@ -176,9 +176,9 @@ def import_works(
     as_json: AsJson = False,
 ) -> Outcome:
     """Every work of a folder; run it again to go on where it was ended. Options say what no label says."""
+    from rumu.gallery.archive import holds_starter
     from rumu.gallery.catalog import open_gallery
     from rumu.gallery.importing import import_folder
-    from rumu.gallery.restoring import holds_starter
     from rumu.gallery.sweeping import sweep
 
     told = _told(
@@ -189,11 +189,11 @@ def import_works(
     with bar("Importing") as advance:
         done = import_folder(gallery, folder, told=told, progress=advance)
     sweep(gallery)
-    lines = [f"{done.added} works added, {done.there} were there already: {', '.join(done.collections)}"]
+    lines = [f"{done.added} works added, {done.existing} were there already: {', '.join(done.collections)}"]
     if done.left_out:
         lines.append(f"{len(done.left_out)} left out, such as {': '.join(done.left_out[0])}")
     left_out = [{"file": file, "reason": reason} for file, reason in done.left_out]
-    facts = {"collections": list(done.collections), "added": done.added, "there": done.there}
+    facts = {"collections": list(done.collections), "added": done.added, "there": done.existing}
     return Outcome({**facts, "left_out": left_out}, "\n".join(lines))
 
 
@@ -220,8 +220,8 @@ def export(
         raise typer.BadParameter("expected --html with the ID of one work, or neither")
     if work_id is not None:
         return _page(work_id, out)
+    from rumu.gallery.archive import export_gallery
     from rumu.gallery.catalog import open_gallery
-    from rumu.gallery.exporting import export_gallery
 
     with bar("Exporting") as advance:
         count = export_gallery(open_gallery(), out, collections=collection or None, progress=advance)

@@ -20,7 +20,6 @@ from sqlalchemy import func, select
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError
-from rumu.gallery.catalog import Gallery
 from rumu.gallery.entries import (
     NO_LICENCE,
     NOTHING,
@@ -33,6 +32,7 @@ from rumu.gallery.entries import (
     slug,
     work_row,
 )
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.originals import picture_key
 from rumu.gallery.store import Store
 from rumu.values import Bilingual

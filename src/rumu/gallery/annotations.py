@@ -10,7 +10,8 @@ from sqlalchemy import func, select
 
 from rumu.database.tables import Annotation
 from rumu.errors import GalleryError
-from rumu.gallery.catalog import Gallery, work
+from rumu.gallery.catalog import work
+from rumu.gallery.gallery import Gallery
 
 TEXTS = ("title_zh", "title_en", "text_zh", "text_en")
 _LONGEST = {"title_zh": 200, "title_en": 200, "text_zh": 5000, "text_en": 5000}

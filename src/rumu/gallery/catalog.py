@@ -11,33 +11,23 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from sqlalchemy import ColumnElement, and_, delete, func, or_, select
 from sqlalchemy.orm import Session
 
-from rumu.database.engine import Database, open_database
+from rumu.database.engine import open_database
 from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
 from rumu.gallery.entries import search_text
-from rumu.gallery.facets import FacetValue, count_facets
 from rumu.gallery.filters import Filters, check_script, conditions
-from rumu.gallery.home import user_home
+from rumu.gallery.gallery import Gallery, user_home
+from rumu.gallery.originals import forget_files
+from rumu.gallery.starting import put_starter
 from rumu.gallery.store import Store
 from rumu.values import Bilingual
 
-if TYPE_CHECKING:
-    from rumu.values import Surface
-
 Row = TypeVar("Row")
-
-
-@dataclass(frozen=True, slots=True)
-class Gallery:
-    """database: what is known of the works. store: their files."""
-
-    database: Database
-    store: Store
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +48,6 @@ def open_gallery(
     starter: False leaves an empty gallery empty.
     Raises GalleryError when either cannot be opened.
     """
-    from rumu.gallery.starting import put_starter
-
     gallery = Gallery(
         open_database(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite"),
         Store.open(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
@@ -88,14 +76,6 @@ def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **asked: str | 
         chosen = list(session.scalars(ids))
         rows = {row.id: row for row in session.scalars(select(Work).where(Work.id.in_(chosen)))}
         return Page(tuple(rows[name] for name in chosen if name in rows), total)
-
-
-def facets(gallery: Gallery, **asked: str | None) -> dict[str, tuple[FacetValue, ...]]:
-    """For each facet its values and how many works each would leave; see `facets.count_facets`.
-
-    asked: the fields of Filters.
-    """
-    return count_facets(gallery, Filters(**asked))
 
 
 def work(gallery: Gallery, work_id: str) -> Work:
@@ -143,17 +123,6 @@ def collection(gallery: Gallery, collection_id: str) -> Collection:
             return found
         known = ", ".join(session.scalars(select(Collection.id).order_by(Collection.id).limit(10)))
         raise GalleryError(f"no collection {collection_id!r} in the gallery; there are {known}")
-
-
-def surface(gallery: Gallery, work_id: str) -> Surface:
-    """The surface of a work: the reconstructed one that was kept, or the relief of its picture.
-
-    The last few stay in memory. Raises GalleryError when there is no such work or its files are gone,
-    ImageError or RefusedImage when its picture cannot be used.
-    """
-    from rumu.gallery.originals import original_of
-
-    return original_of(gallery, work_id).surface()
 
 
 # --- changing --------------------------------------------------------------------------------------
@@ -209,8 +178,6 @@ def delete_work(gallery: Gallery, work_id: str) -> None:
 
     Raises GalleryError when there is no such work.
     """
-    from rumu.gallery.originals import forget_files
-
     gone = work(gallery, work_id)
     with gallery.database.writing() as session:
         session.execute(delete(Work).where(Work.id == work_id))
@@ -220,8 +187,6 @@ def delete_work(gallery: Gallery, work_id: str) -> None:
 def delete_collection(gallery: Gallery, collection_id: str) -> int:
     """Forget a collection and its works; how many works there were. Raises GalleryError when there is
     none."""
-    from rumu.gallery.originals import forget_files
-
     collection(gallery, collection_id)
     with gallery.database.writing() as session:
         gone = session.scalars(select(Work).where(Work.collection_id == collection_id)).all()

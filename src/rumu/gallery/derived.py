@@ -11,14 +11,13 @@ import json
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rumu.errors import GalleryError
+from rumu.gallery.catalog import work
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.originals import VERSION, Original, derived_folder, original_of
 from rumu.gallery.store import Store
-
-if TYPE_CHECKING:
-    from rumu.gallery.catalog import Gallery
 
 MESHES = ("glb", "stl", "ply")
 _making = tuple(threading.Lock() for _ in range(32))
@@ -74,7 +73,8 @@ def derived(gallery: Gallery, work_id: str, kind: str, *, exaggeration: float = 
     Raises GalleryError for another kind, one that this work does not have, or a work that is not there;
     ImageError or RefusedImage when its picture cannot be used.
     """
-    return derived_of(gallery.store, original_of(gallery, work_id), kind, exaggeration=exaggeration)
+    original = original_of(gallery.store, work(gallery, work_id))
+    return derived_of(gallery.store, original, kind, exaggeration=exaggeration)
 
 
 def derived_of(store: Store, original: Original, kind: str, *, exaggeration: float = 1.0) -> Derived:
@@ -119,7 +119,7 @@ def viewer_facts(
     """
     return viewer_facts_of(
         gallery.store,
-        original_of(gallery, work_id),
+        original_of(gallery.store, work(gallery, work_id)),
         url=url or (lambda kind, tag: f"/api/works/{work_id}/files/{kind}?v={tag}"),
     )
 

@@ -13,7 +13,7 @@ from sqlalchemy import select
 from rumu.database.tables import Annotation, Collection, Work
 from rumu.gallery import catalog
 from rumu.gallery.annotations import said_of
-from rumu.gallery.catalog import Gallery
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.iiif_image import MAX_SIDE
 from rumu.gallery.terms import HEIGHT_SOURCES, dynasty_name, script_name
 from rumu.values import Bilingual

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rumu.errors import GalleryError
-from rumu.gallery.catalog import Gallery, work
+from rumu.gallery.catalog import work
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.store import Store
 
 if TYPE_CHECKING:

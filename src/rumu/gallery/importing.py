@@ -7,54 +7,32 @@ ended, since a picture under its label is kept once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from sqlalchemy import select
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError, ImageError
 from rumu.gallery.adding import suffix_of
-from rumu.gallery.catalog import Gallery
+from rumu.gallery.archive import BATCH, MANIFEST, ImportResult, Progress, import_archive, split
 from rumu.gallery.entries import Kept, Room, digest_of, put_collection, put_works, work_row
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.labels import Row, Told, collection_of, read_description, read_rows
 from rumu.gallery.masters import LABELS
 from rumu.gallery.originals import picture_key
 
-Progress = Callable[[int, int], None]
-Item = TypeVar("Item")
-
-EXPORTED = "gallery.json"
-BATCH = 250  # works of one transaction
 _BATCH_BYTES = 64_000_000  # or fewer works, when their pictures are large
 _THREADS = 4  # read and decode; both leave the interpreter free
 _GROUP = 32  # pictures in memory that wait to join a batch
 
 
-@dataclass(frozen=True, slots=True)
-class Imported:
-    """collections: ids. added: works that went in; there: that were there before. left_out: (file, why)."""
-
-    collections: tuple[str, ...]
-    added: int = 0
-    there: int = 0
-    left_out: tuple[tuple[str, str], ...] = ()
-
-    def and_then(self, other: Imported) -> Imported:
-        return replace(
-            self,
-            added=self.added + other.added,
-            there=self.there + other.there,
-            left_out=self.left_out + other.left_out,
-        )
-
-
 def import_folder(
     gallery: Gallery, folder: str | Path, *, told: Told | None = None, progress: Progress | None = None
-) -> Imported:
+) -> ImportResult:
     """Put in every work of a folder; those that are there already are counted and left as they are.
 
     folder: with a labels.csv (see rumu.gallery.labels), or written by `export_gallery`. told: what holds for
@@ -65,11 +43,9 @@ def import_folder(
     Raises GalleryError when there is nothing to import, or not one picture of it could be read.
     """
     place = Path(folder)
-    if (place / EXPORTED).is_file():
-        from rumu.gallery.restoring import restore
-
+    if (place / MANIFEST).is_file():
         room = collection_of(place, told) if told is not None and told.text("id") else None
-        return restore(gallery, place, room=room, progress=progress)
+        return import_archive(gallery, place, room=room, progress=progress)
     if not (place / LABELS).is_file():
         raise GalleryError(
             f"{place}: expected a folder with {LABELS}, or one that `rumu gallery export` wrote; "
@@ -77,11 +53,11 @@ def import_folder(
         )
     said = (told or Told()).over(read_description(place))
     rows = read_rows(place, said)
-    done = Imported((collection_of(place, said).id,))
+    done = ImportResult((collection_of(place, said).id,))
     for batch in _batches(place, rows):
         done = done.and_then(_put_batch(gallery, batch, room=collection_of(place, said)))
         if progress is not None:
-            progress(done.added + done.there + len(done.left_out), len(rows))
+            progress(done.total, len(rows))
     if rows and len(done.left_out) == len(rows):
         first = done.left_out[0][1]
         raise GalleryError(f"{place}: none of {len(rows)} pictures can be read; the first: {first}")
@@ -112,7 +88,7 @@ class _Picture:
 def _batches(folder: Path, rows: Sequence[Row]) -> Iterator[list[_Picture]]:
     waiting: list[_Picture] = []
     with ThreadPoolExecutor(_THREADS) as threads:
-        for group in grouped(rows, _GROUP):
+        for group in split(rows, _GROUP):
             for picture in threads.map(lambda row: _read(folder, row), group):
                 waiting.append(picture)
                 if len(waiting) == BATCH or sum(len(one.data) for one in waiting) > _BATCH_BYTES:
@@ -135,7 +111,7 @@ def _read(folder: Path, row: Row) -> _Picture:
         return _Picture(row, reason=" ".join(str(error).split()))
 
 
-def _put_batch(gallery: Gallery, batch: Sequence[_Picture], *, room: Room) -> Imported:
+def _put_batch(gallery: Gallery, batch: Sequence[_Picture], *, room: Room) -> ImportResult:
     fine = {picture.digest: picture for picture in batch if not picture.reason}
     left_out = tuple((picture.row.file, picture.reason) for picture in batch if picture.reason)
     new = {digest: fine[digest] for digest in set(fine) - known_digests(gallery, fine)}
@@ -145,7 +121,7 @@ def _put_batch(gallery: Gallery, batch: Sequence[_Picture], *, room: Room) -> Im
     with gallery.database.writing() as session:
         put_collection(session, room)
         added = len(put_works(session, rows))
-    return Imported((room.id,), added, len(batch) - len(left_out) - added, left_out)
+    return ImportResult((room.id,), added, len(batch) - len(left_out) - added, left_out)
 
 
 def known_digests(gallery: Gallery, digests: Iterable[str]) -> set[str]:
@@ -158,8 +134,3 @@ def _row(picture: _Picture, digest: str, room: Room) -> dict[str, Any]:
     kept = Kept(picture=picture.key, digest=digest, width=picture.size[0], height=picture.size[1])
     work_id = f"{room.id}-{digest[:12]}"
     return work_row(picture.row.entry, kept, work_id=work_id, room=room, position=picture.row.number)
-
-
-def grouped(items: Sequence[Item], size: int) -> Iterator[Sequence[Item]]:
-    """Runs of so many, the last one shorter."""
-    return (items[at : at + size] for at in range(0, len(items), size))

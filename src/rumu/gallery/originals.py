@@ -16,12 +16,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sqlalchemy import or_, select
+
+from rumu.database.tables import Work
 from rumu.errors import GalleryError
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.store import Store
 
 if TYPE_CHECKING:
-    from rumu.database.tables import Work
-    from rumu.gallery.catalog import Gallery
     from rumu.values import Capture, Surface
 
 VERSION = 1
@@ -35,7 +37,8 @@ _IN_MEMORY = 24_000_000  # pixels of the surfaces that are kept in memory
 class Original:
     """What derived files are made of, and nothing is read before it is asked for.
 
-    digest: names all that they depend on. picture: the bytes as they came. surface: see `catalog.surface`.
+    digest: names all that they depend on. picture: the bytes as they came. surface: of a
+    capture the reconstructed one from the store, else the relief of the picture.
     capture: the photographs, None where there are none.
     """
 
@@ -43,13 +46,6 @@ class Original:
     picture: Callable[[], bytes]
     surface: Callable[[], Surface]
     capture: Callable[[], Capture] | None = None
-
-
-def original_of(gallery: Gallery, work_id: str) -> Original:
-    """The original of a work. Raises GalleryError when there is no such work."""
-    from rumu.gallery.catalog import work
-
-    return _of_row(gallery.store, work(gallery, work_id))
 
 
 def picture_original(
@@ -68,7 +64,12 @@ def picture_original(
     )
 
 
-def _of_row(store: Store, row: Work) -> Original:
+def original_of(store: Store, row: Work) -> Original:
+    """The original of a work.
+
+    Its functions raise GalleryError when a file is missing, ImageError or RefusedImage when the picture
+    cannot be used.
+    """
     if row.surface is None or row.capture is None:
         return picture_original(store, row.picture, method=row.height_source, spacing=row.spacing)
     digest = _named(row.picture, row.surface, row.capture)
@@ -94,10 +95,6 @@ def derived_folder(digest: str) -> str:
 def forget_files(gallery: Gallery, gone: Work) -> None:
     """Delete the files of a work that is no longer in the catalogue, but for those that another work
     shares."""
-    from sqlalchemy import or_, select
-
-    from rumu.database.tables import Work
-
     keys = [key for key in (gone.picture, gone.surface, gone.capture) if key]
     with gallery.database.reading() as session:
         used = {
@@ -110,7 +107,7 @@ def forget_files(gallery: Gallery, gone: Work) -> None:
             for key in row
         }
     if gone.picture not in used:
-        gallery.store.delete(derived_folder(_of_row(gallery.store, gone).digest))
+        gallery.store.delete(derived_folder(original_of(gallery.store, gone).digest))
     for key in keys:
         if key not in used:
             gallery.store.delete(key)

@@ -12,8 +12,9 @@ from typing import Any
 
 from rumu.errors import GalleryError
 from rumu.gallery.annotations import said_of
-from rumu.gallery.catalog import Gallery, collection, work
+from rumu.gallery.catalog import collection, work
 from rumu.gallery.derived import derived, viewer_facts
+from rumu.gallery.gallery import Gallery
 
 SCRIPT, STYLE = "standalone.js", "standalone.css"
 LARGEST = 12_000_000  # bytes of a page that can still be mailed

@@ -9,8 +9,8 @@ from typing import Any
 from sqlalchemy import select
 
 from rumu.database.tables import Annotation, Tour, Work
-from rumu.gallery.catalog import Gallery
 from rumu.gallery.entries import Entry, Kept, Room, digest_of, put_collection, put_others, put_works, work_row
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.originals import picture_key
 from rumu.gallery.works import Work as StarterWork
 from rumu.gallery.works import starter_works

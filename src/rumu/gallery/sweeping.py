@@ -5,7 +5,7 @@ from __future__ import annotations
 from sqlalchemy import select
 
 from rumu.database.tables import Work
-from rumu.gallery.catalog import Gallery
+from rumu.gallery.gallery import Gallery
 
 DAY = 86_400.0
 _OF_WORKS = ("pictures", "captures", "surfaces")

@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rumu.gallery.adding import add_capture, add_picture, room_named
-from rumu.gallery.catalog import Gallery, collections
+from rumu.gallery.archive import MANIFEST
+from rumu.gallery.catalog import collections
 from rumu.gallery.entries import NO_LICENCE, Entry, Room
-from rumu.gallery.importing import EXPORTED, import_folder
+from rumu.gallery.gallery import Gallery
+from rumu.gallery.importing import import_folder
 from rumu.gallery.labels import Told
 from rumu.gallery.masters import LABELS
 from rumu.studio.errors import Unusable
@@ -71,13 +73,13 @@ def import_zip(
     with tempfile.TemporaryDirectory(prefix="rumu-") as place:
         progress(0, 0, "解開 Unpacking")
         folder = unpack(packed, Path(place) / name)
-        if (folder / LABELS).is_file() or (folder / EXPORTED).is_file():
+        if (folder / LABELS).is_file() or (folder / MANIFEST).is_file():
             progress(0, 0, "收入 Putting in")
             done = import_folder(gallery, folder, told=_told(gallery, facts), progress=progress)
             return {
                 "collections": list(done.collections),
                 "added": done.added,
-                "there": done.there,
+                "there": done.existing,
                 "left_out": [list(one) for one in done.left_out[:_TOLD]],
                 "left_out_count": len(done.left_out),
             }

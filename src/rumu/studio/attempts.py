@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from rumu import __version__
 from rumu.database.tables import Attempt, Membership, Person, Task, TeacherMark, Work, new_id, now
-from rumu.gallery.catalog import Gallery
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.originals import derived_folder, picture_original
 from rumu.gallery.store import Store
 from rumu.studio.access import attempts_of, seen_attempt

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rumu.gallery import catalog
-from rumu.gallery.catalog import Gallery
 from rumu.gallery.derived import derived
+from rumu.gallery.gallery import Gallery
 from rumu.studio.additions import import_zip
 from rumu.studio.jobs import Progress
 from rumu.studio.place import Place

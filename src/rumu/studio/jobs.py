@@ -20,7 +20,7 @@ from sqlalchemy.orm import Session
 from rumu.database.engine import Database
 from rumu.database.tables import Job, new_id, now
 from rumu.errors import RumuError
-from rumu.gallery.catalog import Gallery
+from rumu.gallery.gallery import Gallery
 from rumu.studio.errors import Missing, NotAllowed, StudioError
 from rumu.studio.people import Identity
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rumu.database.engine import open_database
-from rumu.gallery.catalog import Gallery
-from rumu.gallery.home import user_home
+from rumu.gallery.gallery import Gallery, user_home
 from rumu.gallery.store import Store
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy import select
 
 from rumu.database.tables import Attempt, Work
-from rumu.gallery.catalog import Gallery
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.works import Sample, starter_samples
 from rumu.studio import worker
 from rumu.studio.attempts import keep

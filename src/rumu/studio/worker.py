@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from rumu.assessment.calibration import Calibration
     from rumu.assessment.measurement import PreparedMaster
-    from rumu.gallery.catalog import Gallery
     from rumu.gallery.derived import Derived
+    from rumu.gallery.gallery import Gallery
     from rumu.values import FloatArray
 
 _MASTERS = 12  # surfaces of masters that stay in memory of each process
@@ -106,12 +106,16 @@ def derived_file(
     place: Place, *, kind: str, exaggeration: float, work_id: str | None = None, picture: str | None = None
 ) -> Derived:
     """A file derived from a work, or from a picture of the store; made when it is not there yet."""
+    from rumu.gallery.catalog import work
     from rumu.gallery.derived import derived_of
     from rumu.gallery.originals import original_of, picture_original
 
     gallery = _gallery(place)
-    original = original_of(gallery, work_id) if work_id else picture_original(gallery.store, str(picture))
-    return derived_of(gallery.store, original, kind, exaggeration=exaggeration)
+    store = gallery.store
+    original = (
+        original_of(store, work(gallery, work_id)) if work_id else picture_original(store, str(picture))
+    )
+    return derived_of(store, original, kind, exaggeration=exaggeration)
 
 
 def image_part(place: Place, *, work_id: str, words: tuple[str, str, str, str, str]) -> tuple[bytes, str]:
@@ -152,9 +156,11 @@ def _gallery(place: Place) -> Gallery:
 @lru_cache(maxsize=_MASTERS)
 def _master(place: Place, work_id: str, digest: str) -> PreparedMaster:
     from rumu import pipeline
-    from rumu.gallery.catalog import surface
+    from rumu.gallery.catalog import work
+    from rumu.gallery.originals import original_of
 
-    return pipeline.prepare_master(surface(_gallery(place), work_id))
+    gallery = _gallery(place)
+    return pipeline.prepare_master(original_of(gallery.store, work(gallery, work_id)).surface())
 
 
 @lru_cache(maxsize=2)

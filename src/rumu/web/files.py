@@ -9,8 +9,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-from rumu.gallery.catalog import Gallery
+from rumu.gallery.catalog import work
 from rumu.gallery.derived import etag, kept
+from rumu.gallery.gallery import Gallery
 from rumu.gallery.originals import Original, original_of, picture_original
 from rumu.studio import worker
 from rumu.studio.workers import Workers
@@ -57,7 +58,7 @@ class DerivedFiles:
 
         Raises GalleryError as `rumu.gallery.derived.derived` does.
         """
-        original = original_of(self._gallery, work_id)
+        original = original_of(self._gallery.store, work(self._gallery, work_id))
         return self._content(original, kind, exaggeration, client_etags, {"work_id": work_id})
 
     def of_picture(self, key: str, kind: str, *, client_etags: Collection[str] = ()) -> FileContent:

@@ -13,6 +13,7 @@ from rumu.errors import GalleryError
 from rumu.gallery import annotations as said
 from rumu.gallery import catalog
 from rumu.gallery.derived import KINDS, MESHES, viewer_facts
+from rumu.gallery.filters import Filters, count_facets
 from rumu.studio.errors import Missing, Unusable
 from rumu.web.caching import file_response, requested_etags
 from rumu.web.cards import collection_facts, file_version, work_card, work_facts
@@ -66,7 +67,7 @@ def works(service: ServiceDep, asked: AskedFor, offset: Offset = 0, limit: Limit
 @router.get("/api/facets", response_model=dict[str, list[FacetValueRead]])
 def facets(service: ServiceDep, asked: AskedFor) -> dict[str, Any]:
     """What can be chosen further; the counts of a facet heed all choices but its own."""
-    found = catalog.facets(service.gallery, **asked)
+    found = count_facets(service.gallery, Filters(**asked))
     return {
         name: [{"value": v.value, "zh": v.zh, "en": v.en, "count": v.count} for v in values]
         for name, values in found.items()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rumu.gallery.catalog import change_work, facets, works
+from rumu.gallery.catalog import change_work, works
+from rumu.gallery.filters import Filters, count_facets
 
 
 def counts(values) -> dict[str, int]:
@@ -11,7 +12,7 @@ def counts(values) -> dict[str, int]:
 
 def test_each_count_is_what_choosing_it_gives(gallery):
     change_work(gallery, "seal-ri", {"script": "", "hand_zh": "", "hand_en": "", "dynasty": "Tang"})
-    found = facets(gallery)
+    found = count_facets(gallery, Filters())
     assert counts(found["script"]) == {
         "none": 1,
         "seal": 5,
@@ -26,13 +27,13 @@ def test_each_count_is_what_choosing_it_gives(gallery):
 
 
 def test_a_choice_narrows_the_others_but_not_itself(gallery):
-    found = facets(gallery, script="seal", query=["shui", "shu", "tian"][0])
+    found = count_facets(gallery, Filters(script="seal", query=["shui", "shu", "tian"][0]))
     assert counts(found["script"]) == dict.fromkeys(("seal", "clerical", "regular", "running", "cursive"), 1)
     assert counts(found["character"]) == {"水": 1}
-    assert facets(gallery, query="nowhere")["script"] == ()
+    assert count_facets(gallery, Filters(query="nowhere"))["script"] == ()
 
 
 def test_choices_are_named_in_both_languages(gallery):
-    found = facets(gallery)
+    found = count_facets(gallery, Filters())
     assert {(v.zh, v.en) for v in found["collection"]} == {("入門碑帖", "Starter gallery")}
     assert {(v.zh, v.en) for v in found["dynasty"]} == {("當代", "contemporary")}

@@ -1,0 +1,326 @@
+"""The gallery, or collections of it, exported as a folder and imported again.
+
+    gallery.json   what the folder is, the collections and the tours
+    works.jsonl    one work a line: its metadata, its annotations, its files
+    labels.csv     the works for other programs, and for `rumu find`
+    files/         pictures, photographs and surfaces under the keys of the store
+
+Files that can be computed again (thumbnails, maps, meshes) are not exported. Importing the folder gives the
+same ids, metadata, annotations, tours and bytes.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path, PurePosixPath
+from typing import Any, TypeVar
+
+from sqlalchemy import DateTime, select, update
+from sqlalchemy.orm import Session
+
+from rumu.database.tables import Annotation, Base, Collection, Tour, UtcTime, Work
+from rumu.errors import GalleryError, OutputError
+from rumu.gallery.catalog import collection as find_collection
+from rumu.gallery.entries import Room, put_others, put_works, search_text
+from rumu.gallery.gallery import Gallery
+from rumu.gallery.masters import LABELS
+from rumu.outputs import whole_folder
+from rumu.values import Bilingual
+
+Progress = Callable[[int, int], None]
+Item = TypeVar("Item")
+
+MANIFEST, WORKS, FILES = "gallery.json", "works.jsonl", "files"
+KIND, FORMAT = "rumu gallery", 1
+BATCH = 250  # works of one transaction
+_FOLDERS = ("pictures", "captures", "surfaces")
+_NOT_EXPORTED = {"author_id", "search"}  # logins stay here; the text for searches is computed anew
+_LABELS = ("file", "id", "character", "script", "hand_zh", "hand_en", "title_zh", "title_en", "dynasty")
+_MORE_LABELS = ("period", "medium", "source", "licence", "attribution", "calligrapher_zh", "work")
+
+
+@dataclass(frozen=True, slots=True)
+class ImportResult:
+    """What an import did.
+
+    collections: their ids. added: number of new works. existing: number of works that were there before.
+    left_out: (file, reason) of each picture that was not imported.
+    """
+
+    collections: tuple[str, ...]
+    added: int = 0
+    existing: int = 0
+    left_out: tuple[tuple[str, str], ...] = ()
+
+    def and_then(self, other: ImportResult) -> ImportResult:
+        """This result and that of the next batch."""
+        return replace(
+            self,
+            added=self.added + other.added,
+            existing=self.existing + other.existing,
+            left_out=self.left_out + other.left_out,
+        )
+
+    @property
+    def total(self) -> int:
+        return self.added + self.existing + len(self.left_out)
+
+
+def split(items: Sequence[Item], size: int) -> Iterator[Sequence[Item]]:
+    """Consecutive parts of at most `size` items."""
+    return (items[at : at + size] for at in range(0, len(items), size))
+
+
+# --- export ----------------------------------------------------------------------------------------
+
+
+def export_gallery(
+    gallery: Gallery,
+    folder: str | Path,
+    *,
+    collections: Sequence[str] | None = None,
+    progress: Progress | None = None,
+) -> int:
+    """Write the works of the gallery, or of some collections, as a folder; it appears whole or not at all.
+
+    collections: ids; None for all. A tour is exported when all of its works are. progress: called with (done,
+    total). Returns the number of works. Raises GalleryError for an unknown collection or a missing file,
+    OutputError when the folder cannot be written or holds other files.
+    """
+    for name in collections or ():
+        find_collection(gallery, name)
+    with gallery.database.reading() as session:
+        chosen = [] if collections is None else [Work.collection_id.in_(collections)]
+        order = (Work.collection_id, Work.position, Work.id)
+        ids = list(session.scalars(select(Work.id).where(*chosen).order_by(*order)))
+        manifest = _manifest(session, collections=collections, ids=set(ids))
+        with whole_folder(folder, marker=MANIFEST) as part:
+            try:
+                _write_works(gallery, session, ids, part, progress)
+                text = json.dumps(manifest, ensure_ascii=False, indent=1)
+                (part / MANIFEST).write_text(text + "\n", encoding="utf-8")
+            except OSError as error:
+                raise OutputError(f"{folder}: cannot be written ({error.strerror or error})") from error
+    return len(ids)
+
+
+def _manifest(session: Session, *, collections: Sequence[str] | None, ids: set[str]) -> dict[str, Any]:
+    chosen = select(Collection).order_by(Collection.id)
+    if collections is not None:
+        chosen = chosen.where(Collection.id.in_(collections))
+    tours = session.scalars(select(Tour).order_by(Tour.position, Tour.id))
+    return {
+        "kind": KIND,
+        "format": FORMAT,
+        "works": len(ids),
+        "collections": [_to_json(one) for one in session.scalars(chosen)],
+        "tours": [_to_json(tour) for tour in tours if {step["work"] for step in tour.steps} <= ids],
+    }
+
+
+def _write_works(
+    gallery: Gallery, session: Session, ids: Sequence[str], folder: Path, progress: Progress | None
+) -> None:
+    with (
+        (folder / WORKS).open("w", encoding="utf-8") as lines,
+        (folder / LABELS).open("w", encoding="utf-8", newline="") as labels,
+    ):
+        table = csv.DictWriter(labels, (*_LABELS, *_MORE_LABELS))
+        table.writeheader()
+        for done, (work, annotations) in enumerate(_read_works(session, ids), start=1):
+            files = list(dict.fromkeys(_store_keys(gallery, work)))
+            for key in files:
+                target = folder / FILES / key
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_bytes(gallery.store.read(key))
+            entry = _to_json(work) | {"annotations": [_to_json(one) for one in annotations], "files": files}
+            lines.write(json.dumps(entry, ensure_ascii=False) + "\n")
+            table.writerow(_label(work))
+            if progress is not None:
+                progress(done, len(ids))
+
+
+def _read_works(session: Session, ids: Sequence[str]) -> Iterator[tuple[Work, list[Annotation]]]:
+    """Each work with its annotations, in order."""
+    for some in split(ids, BATCH):
+        works = {work.id: work for work in session.scalars(select(Work).where(Work.id.in_(some)))}
+        annotations: dict[str, list[Annotation]] = {}
+        of_works = select(Annotation).where(Annotation.work_id.in_(some))
+        for one in session.scalars(of_works.order_by(Annotation.position, Annotation.id)):
+            annotations.setdefault(one.work_id, []).append(one)
+        yield from ((works[name], annotations.get(name, [])) for name in some)
+        session.expunge_all()
+
+
+def _store_keys(gallery: Gallery, work: Work) -> Iterator[str]:
+    yield work.picture
+    for folder in filter(None, (work.surface, work.capture)):
+        keys = list(gallery.store.keys(folder))
+        if not keys:
+            raise GalleryError(f"{work.id}: its files {folder} are missing from the store")
+        yield from keys
+
+
+def _to_json(row: Base) -> dict[str, Any]:
+    """The columns of a row as JSON values."""
+    values = {column.name: getattr(row, column.name) for column in row.__table__.columns}
+    return {
+        name: value.isoformat() if isinstance(value, datetime) else value
+        for name, value in values.items()
+        if name not in _NOT_EXPORTED
+    }
+
+
+def _label(work: Work) -> dict[str, str]:
+    row = {name: str(getattr(work, name)) for name in (*_LABELS[1:], "source", "licence", "attribution")}
+    return row | {
+        "file": f"{FILES}/{work.picture}",
+        "period": work.period_zh,
+        "medium": work.material_zh,
+        "calligrapher_zh": work.hand_zh,
+        "work": work.title_zh,
+    }
+
+
+# --- import ----------------------------------------------------------------------------------------
+
+
+def import_archive(
+    gallery: Gallery, folder: Path, *, room: Room | None = None, progress: Progress | None = None
+) -> ImportResult:
+    """Import an exported folder. A work that is there already is updated only if nobody has changed it here.
+
+    room: the collection for new works, in place of their own; works that are there stay as they are.
+    Raises GalleryError when the folder is not complete: a line that is no work, a missing file or one whose
+    content does not match its name.
+    """
+    manifest = _read_manifest(folder)
+    collections = manifest["collections"] if room is None else [room.row()]
+    titles = {one["id"]: Bilingual(one["title_zh"], one["title_en"]) for one in collections}
+    entries = list(_read_entries(folder))
+    if room is not None:
+        entries = [entry | {"collection_id": room.id} for entry in entries]
+    result = ImportResult(tuple(titles))
+    with gallery.database.writing() as session:
+        put_others(session, Collection, [_from_json(Collection, one) for one in collections])
+    for batch in split(entries, BATCH):
+        result = result.and_then(_import_batch(gallery, folder, batch, titles, update_same=room is None))
+        if progress is not None:
+            progress(result.total, len(entries))
+    with gallery.database.writing() as session:
+        put_others(session, Tour, [_from_json(Tour, tour) for tour in manifest["tours"]])
+    return result
+
+
+def holds_starter(folder: Path) -> bool:
+    """Whether an export holds the starter gallery; an empty gallery then need not begin with it."""
+    if not (folder / MANIFEST).is_file():
+        return False
+    return any(one["id"] == "starter" for one in _read_manifest(folder)["collections"])
+
+
+def _import_batch(
+    gallery: Gallery,
+    folder: Path,
+    batch: Sequence[Mapping[str, Any]],
+    titles: Mapping[str, Bilingual],
+    *,
+    update_same: bool,
+) -> ImportResult:
+    existing = _existing_works(gallery, batch)
+    for entry in batch:
+        if entry["id"] not in existing:
+            for key in entry["files"]:
+                gallery.store.write(key, _read_file(folder, key))
+    rows = [_work_row(entry, titles) for entry in batch]
+    same = [row for row in rows if update_same and existing.get(row["id"]) == (row["digest"], True)]
+    with gallery.database.writing() as session:
+        added = put_works(session, [row for row in rows if row["id"] not in existing])
+        for row in same:  # such as a starter work that was renamed before the export
+            session.execute(update(Work).where(Work.id == row["id"]).values(row))
+        annotations = [
+            _from_json(Annotation, one)
+            for entry in batch
+            if entry["id"] in added or entry["id"] in existing
+            for one in entry["annotations"]
+        ]
+        put_others(session, Annotation, annotations)
+    conflicts = tuple(
+        (entry["id"], "another work has this id")
+        for entry in batch
+        if existing.get(entry["id"], (entry["digest"],))[0] != entry["digest"]
+    )
+    return ImportResult((), len(added), len(batch) - len(added) - len(conflicts), conflicts)
+
+
+def _existing_works(gallery: Gallery, batch: Sequence[Mapping[str, Any]]) -> dict[str, tuple[str, bool]]:
+    """The digest of each work of the batch that is in the gallery, and whether it was never changed."""
+    names = [entry["id"] for entry in batch]
+    columns = select(Work.id, Work.digest, Work.changed == Work.created)
+    with gallery.database.reading() as session:
+        rows = session.execute(columns.where(Work.id.in_(names)))
+        return {row[0]: (row[1], bool(row[2])) for row in rows}
+
+
+def _work_row(entry: Mapping[str, Any], titles: Mapping[str, Bilingual]) -> dict[str, Any]:
+    row = _from_json(Work, entry)
+    if row["collection_id"] not in titles:
+        name = row["collection_id"]
+        raise GalleryError(f"{entry['id']}: expected a collection of {MANIFEST}, got {name!r}")
+    return row | {"search": search_text(row, collection=titles[row["collection_id"]])}
+
+
+def _from_json(table: type[Base], values: Mapping[str, Any]) -> dict[str, Any]:
+    """The columns of a table from JSON values; texts of time columns become datetimes."""
+    row = {}
+    for column in table.__table__.columns:
+        if column.name in values:
+            value = values[column.name]
+            is_time = isinstance(column.type, UtcTime | DateTime) and isinstance(value, str)
+            row[column.name] = datetime.fromisoformat(value) if is_time else value
+    return row
+
+
+def _read_manifest(folder: Path) -> dict[str, Any]:
+    path = folder / MANIFEST
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise GalleryError(f"{path}: expected JSON, cannot read it ({error})") from error
+    if not isinstance(manifest, dict) or (manifest.get("kind"), manifest.get("format")) != (KIND, FORMAT):
+        raise GalleryError(f"{path}: expected a gallery of format {FORMAT}, got something else")
+    return manifest
+
+
+def _read_entries(folder: Path) -> Iterator[dict[str, Any]]:
+    path = folder / WORKS
+    needed = {"id", "collection_id", "picture", "digest", "files", "annotations"}
+    try:
+        with path.open(encoding="utf-8") as lines:
+            for number, line in enumerate(lines, start=1):
+                entry = json.loads(line)
+                if not isinstance(entry, dict) or not needed <= set(entry):
+                    fields = ", ".join(sorted(needed))
+                    raise GalleryError(f"{path} line {number}: expected a work with {fields}")
+                yield entry
+    except (OSError, ValueError) as error:
+        raise GalleryError(f"{path}: expected one work a line, cannot read it ({error})") from error
+
+
+def _read_file(folder: Path, key: str) -> bytes:
+    """A file of the export; a picture's name is the digest of its content, and that is checked."""
+    if key.split("/", maxsplit=1)[0] not in _FOLDERS or ".." in key.split("/"):
+        raise GalleryError(f"expected a file in {', '.join(_FOLDERS)}, got {key!r}")
+    path = folder / FILES / key
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise GalleryError(f"{path}: expected a file of the export, there is none") from error
+    if key.startswith("pictures/") and hashlib.sha256(data).hexdigest() != PurePosixPath(key).stem:
+        raise GalleryError(f"{path}: its content is not what its name says")
+    return data
