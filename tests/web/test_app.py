@@ -10,7 +10,7 @@ import pytest
 
 from rumu.database.tables import Work
 from rumu.studio.samples import put_samples
-from rumu.web.caching import IMMUTABLE
+from rumu.web.responses import IMMUTABLE
 
 
 @pytest.mark.parametrize(

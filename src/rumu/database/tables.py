@@ -5,8 +5,9 @@ People and what they do: people, invitations, classes, memberships, tasks, attem
 comparisons.
 The service: jobs, settings.
 
-Times are UTC. Texts in two languages stand in two columns, `_zh` (traditional Chinese) and `_en`. Positions
-on a work are fractions of its width and height, origin top left.
+Times are UTC. Texts in two languages stand in two columns, `_zh` (traditional Chinese) and `_en`; an
+attribute without the ending holds both. Positions on a work are fractions of its width and height, origin
+top left.
 """
 
 from __future__ import annotations
@@ -17,8 +18,10 @@ from typing import Any
 
 from sqlalchemy import JSON, DateTime, Float, ForeignKey, Index, Integer, String, Text, UniqueConstraint
 from sqlalchemy.engine import Dialect
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+from sqlalchemy.orm import DeclarativeBase, Mapped, composite, mapped_column
 from sqlalchemy.types import TypeDecorator
+
+from rumu.values import Bilingual
 
 
 def new_id() -> str:
@@ -79,6 +82,8 @@ class Collection(Base):
     source: Mapped[str] = mapped_column(Text, default="")
     licence: Mapped[str] = mapped_column(String(200), default="")
     created: Mapped[datetime] = mapped_column(default=now)
+    title: Mapped[Bilingual] = composite("title_zh", "title_en")
+    note: Mapped[Bilingual] = composite("note_zh", "note_en")
 
 
 class Work(Base):
@@ -132,6 +137,10 @@ class Work(Base):
     search: Mapped[str] = mapped_column(Text, default="")
     created: Mapped[datetime] = mapped_column(default=now)
     changed: Mapped[datetime] = mapped_column(default=now, onupdate=now)
+    title: Mapped[Bilingual] = composite("title_zh", "title_en")
+    hand: Mapped[Bilingual] = composite("hand_zh", "hand_en")
+    period: Mapped[Bilingual] = composite("period_zh", "period_en")
+    material: Mapped[Bilingual] = composite("material_zh", "material_en")
 
 
 class Annotation(Base):
@@ -150,6 +159,8 @@ class Annotation(Base):
     position: Mapped[int] = mapped_column(Integer, default=0)
     author_id: Mapped[str | None] = mapped_column(ForeignKey("people.id", ondelete="SET NULL"), default=None)
     created: Mapped[datetime] = mapped_column(default=now)
+    title: Mapped[Bilingual] = composite("title_zh", "title_en")
+    text: Mapped[Bilingual] = composite("text_zh", "text_en")
 
 
 class Tour(Base):
@@ -165,6 +176,7 @@ class Tour(Base):
     position: Mapped[int] = mapped_column(Integer, default=0)
     author_id: Mapped[str | None] = mapped_column(ForeignKey("people.id", ondelete="SET NULL"), default=None)
     created: Mapped[datetime] = mapped_column(default=now)
+    title: Mapped[Bilingual] = composite("title_zh", "title_en")
 
 
 class Person(Base):
@@ -322,6 +334,7 @@ class Job(Base):
     person_id: Mapped[str | None] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"), default=None)
     created: Mapped[datetime] = mapped_column(default=now)
     changed: Mapped[datetime] = mapped_column(default=now, onupdate=now)
+    error: Mapped[Bilingual] = composite("error_zh", "error_en")
 
 
 class Setting(Base):

@@ -1,4 +1,4 @@
-"""The application: the service's routes behind the guard."""
+"""The FastAPI application: routes, error handlers and middleware."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from rumu import __version__
 from rumu.web import error_handlers, openapi, pages
 from rumu.web.caching import ETagMiddleware
 from rumu.web.dependencies import ERROR_RESPONSES
-from rumu.web.routes import annotations as said
 from rumu.web.routes import (
     attempts,
     classes,
@@ -24,7 +23,6 @@ from rumu.web.routes import (
     marks,
     people,
     practice,
-    session,
     tours,
     works,
 )
@@ -32,7 +30,7 @@ from rumu.web.security import SecurityMiddleware
 from rumu.web.service import Service
 from rumu.web.settings import ServiceSettings
 
-THREADS = 12  # that answer; more would only stand in each other's way, see also routes.marks
+THREADS = 12  # for requests; more would only contend, and marks wait in threads of their own
 
 _ABOUT = (
     "Chinese calligraphy as surfaces, and an honest mark for a learner's copy. Reading the gallery is open. "
@@ -40,14 +38,15 @@ _ABOUT = (
     "mostly a login. Texts are in traditional Chinese (zh) and English (en). Refusals are "
     "{error: {code, zh, en}}."
 )
-_ROOMS = (
-    *(session, people, works, imports, said, tours, marks, attempts, practice, classes),
-    *(comparisons, jobs, iiif),
+_ROUTERS = (
+    *(people.router, people.people_router, works.router, imports.router, works.annotations_router),
+    *(tours.router, marks.router, attempts.router, practice.router, classes.router),
+    *(comparisons.router, jobs.router, iiif.router),
 )
 
 
 def create_app(settings: ServiceSettings) -> FastAPI:
-    """The application of one service. Opens the gallery at once; workers start with the server."""
+    """The application of one service. It opens the gallery at once; workers start with the server."""
     service = Service(settings)
 
     @asynccontextmanager
@@ -69,11 +68,11 @@ def create_app(settings: ServiceSettings) -> FastAPI:
     )
     app.state.service = service
     error_handlers.register(app)
-    for room in _ROOMS:
-        app.include_router(room.router)
+    for router in _ROUTERS:
+        app.include_router(router)
     openapi.register(app)
     pages.register(app, settings.static)
     app.add_middleware(GZipMiddleware, minimum_size=800, compresslevel=5)
-    app.add_middleware(ETagMiddleware)  # outside, so that what it holds is packed already
+    app.add_middleware(ETagMiddleware)  # outside of gzip, so that it keeps compressed responses
     app.add_middleware(SecurityMiddleware, service=service)
     return app

@@ -1,4 +1,4 @@
-"""HTTP caching: ETags and conditional requests for files and for open JSON (RFC 9110 and 9111)."""
+"""Caching of open JSON: ETags for the clients, and responses kept for a second (RFC 9110 and 9111)."""
 
 from __future__ import annotations
 
@@ -7,48 +7,14 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fastapi import Request, Response
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rumu.web.files import FileContent
-
-IMMUTABLE = "public, max-age=31536000, immutable"
-REVALIDATE = "no-cache"
+from rumu.web.responses import REVALIDATE, requested_etags
 
 _MAX_AGE = 1.0  # seconds; a list may be this old when another process has changed the gallery
 _MAX_RESPONSES = 500
 _MAX_BODY = 2**20  # bytes of one response that is kept in memory
-
-
-def requested_etags(headers: Headers) -> list[str]:
-    """The ETags that a client has already, from If-None-Match."""
-    header = headers.get("if-none-match", "")
-    return [etag.strip().removeprefix("W/").strip('"') for etag in header.split(",")]
-
-
-def file_response(
-    request: Request, content: FileContent, *, filename: str | None = None, private: bool = False
-) -> Response:
-    """A file, compressed if the client accepts gzip; 304 if the client has it.
-
-    filename: what the browser is to save it as. private: shared caches must not store it. A file that is
-    requested with its version (`?v=`) is immutable.
-    """
-    versioned = "v" in request.query_params and not private
-    headers = {
-        "ETag": f'"{content.etag}"',
-        "Cache-Control": IMMUTABLE if versioned else f"private, {REVALIDATE}" if private else REVALIDATE,
-        "Vary": "Accept-Encoding",
-    }
-    if content.etag in requested_etags(request.headers):
-        return Response(status_code=304, headers=headers)
-    if filename is not None:
-        headers["Content-Disposition"] = f'attachment; filename="{filename}"'
-    body = content.data
-    if content.gzipped is not None and "gzip" in request.headers.get("accept-encoding", ""):
-        body, headers["Content-Encoding"] = content.gzipped, "gzip"
-    return Response(body, media_type=content.media_type, headers=headers)
 
 
 @dataclass(frozen=True, slots=True)

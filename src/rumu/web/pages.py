@@ -1,5 +1,4 @@
-"""The pages that the front end's build left in the package, read once; and a plain one where there are
-none."""
+"""The built pages of the front end, read once; a plain page where they are not built."""
 
 from __future__ import annotations
 
@@ -9,10 +8,11 @@ import mimetypes
 from pathlib import Path
 
 from fastapi import FastAPI, Request, Response
+from fastapi.responses import HTMLResponse
 
 from rumu.studio.errors import Missing
-from rumu.web.caching import IMMUTABLE, file_response
 from rumu.web.files import FileContent
+from rumu.web.responses import IMMUTABLE, file_response
 
 _TYPES = {
     ".js": "text/javascript; charset=utf-8",
@@ -22,7 +22,7 @@ _TYPES = {
     ".woff2": "font/woff2",
     ".webmanifest": "application/manifest+json",
 }
-_PACKED_ALREADY = (".woff2", ".png", ".webp", ".jpg", ".gz", ".br")
+_COMPRESSED = (".woff2", ".png", ".webp", ".jpg", ".gz", ".br")
 
 NOT_BUILT = """<!doctype html>
 <html lang="zh-Hant"><head><meta charset="utf-8"><title>rumu 入木</title></head><body>
@@ -35,39 +35,37 @@ NOT_BUILT = """<!doctype html>
 
 
 def read_pages(folder: Path) -> dict[str, FileContent]:
-    """Every file by its address; empty where nothing was built."""
+    """Every file by its URL path; empty if the pages are not built."""
     if not (folder / "index.html").is_file():
         return {}
     files = (path for path in sorted(folder.rglob("*")) if path.is_file())
-    return {f"/{path.relative_to(folder).as_posix()}": _page(path) for path in files}
+    return {f"/{path.relative_to(folder).as_posix()}": _read_file(path) for path in files}
 
 
 def register(app: FastAPI, folder: Path) -> None:
-    """Serve them: what an address names is looked up, never opened."""
+    """Add the routes of the pages. Files are looked up in memory, so no URL can lead out of the folder."""
     pages = read_pages(folder)
 
     @app.get("/", include_in_schema=False)
-    def index(request: Request) -> Response:
-        page = pages.get("/index.html")
-        if page is None:
-            return Response(
-                NOT_BUILT, media_type="text/html; charset=utf-8", headers={"Cache-Control": "no-store"}
-            )
-        return file_response(request, page)
+    def get_index(request: Request) -> Response:
+        index = pages.get("/index.html")
+        if index is None:
+            return HTMLResponse(NOT_BUILT, headers={"Cache-Control": "no-store"})
+        return file_response(request, index)
 
-    @app.get("/{address:path}", include_in_schema=False)
-    def page(request: Request, address: str) -> Response:
-        found = pages.get(f"/{address}")
-        if found is None or address.startswith("api/"):
+    @app.get("/{path:path}", include_in_schema=False)
+    def get_page(request: Request, path: str) -> Response:
+        content = pages.get(f"/{path}")
+        if content is None or path.startswith("api/"):
             raise Missing
-        answer = file_response(request, found)
-        if address.startswith("assets/"):  # their names change with their content
-            answer.headers["Cache-Control"] = IMMUTABLE
-        return answer
+        response = file_response(request, content)
+        if path.startswith("assets/"):  # the build names them by their content
+            response.headers["Cache-Control"] = IMMUTABLE
+        return response
 
 
-def _page(path: Path) -> FileContent:
+def _read_file(path: Path) -> FileContent:
     data = path.read_bytes()
     kind = _TYPES.get(path.suffix) or mimetypes.guess_type(path.name)[0] or "application/octet-stream"
-    packed = None if path.suffix in _PACKED_ALREADY or len(data) < 1000 else gzip.compress(data, 9)
-    return FileContent(data, packed, kind, hashlib.sha256(data).hexdigest()[:20])
+    gzipped = None if path.suffix in _COMPRESSED or len(data) < 1000 else gzip.compress(data, 9)
+    return FileContent(data, gzipped, kind, hashlib.sha256(data).hexdigest()[:20])

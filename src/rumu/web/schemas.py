@@ -1,25 +1,39 @@
-"""What goes over the wire about people, works and the gallery; examples stand in the documentation."""
+"""Schemas of people, works and the gallery: what requests and responses hold, with examples."""
 
 from __future__ import annotations
 
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AliasPath, BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from rumu.database.tables import Work
+from rumu.gallery.originals import VERSION
 from rumu.studio.passwords import LONGEST
 from rumu.web.dependencies import Id, LongText, ShortText
 
 RoleName = Literal["owner", "teacher", "pupil"]
 LanguageName = Literal["zh", "en"]
-Number = Annotated[float, Field(allow_inf_nan=False)]
-Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+ScriptName = Literal["", "seal", "clerical", "regular", "running", "cursive"]
+Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+Spacing = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
 
 
 class Schema(BaseModel):
-    """Base: unknown fields are refused, so that a slip of the pen is told."""
+    """Base: responses are read from the attributes of rows; unknown fields of a request are refused."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", from_attributes=True)
+
+
+class Extended:
+    """A row, or another object, with further attributes that a schema reads."""
+
+    def __init__(self, base: Any, **attributes: Any) -> None:
+        self._base = base
+        self.__dict__.update(attributes)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._base, name)
 
 
 class BilingualText(Schema):
@@ -30,24 +44,31 @@ class BilingualText(Schema):
 
 
 class BilingualInput(Schema):
-    """A text in both languages, as somebody sends it."""
+    """A text in both languages, as a request brings it."""
 
     zh: LongText = ""
     en: LongText = ""
 
 
 class ShortBilingualInput(Schema):
-    """A short text in both languages, as somebody sends it."""
+    """A short text in both languages, as a request brings it."""
 
     zh: ShortText = ""
     en: ShortText = ""
+
+
+class Reference(Schema):
+    """A person or a class by id and name."""
+
+    id: str
+    name: str
 
 
 # --- people ----------------------------------------------------------------------------------------
 
 
 class PersonRead(Schema):
-    """CurrentUser with a login."""
+    """A person with a login."""
 
     id: str
     name: str = Field(examples=["林老師"])
@@ -57,7 +78,7 @@ class PersonRead(Schema):
 
 
 class SessionRead(Schema):
-    """Who is logged in. csrf: to be sent back as X-CSRF-Token with everything that changes something."""
+    """Who is logged in. csrf: to be sent as X-CSRF-Token with every request that changes something."""
 
     person: PersonRead | None
     csrf: str
@@ -89,17 +110,8 @@ class InvitationLink(Schema):
     expires: datetime
 
 
-class Reference(Schema):
-    """A person or a class by id and name."""
-
-    id: str
-    name: str
-
-
 class InvitationRead(Schema):
     """What an invitation is for."""
-
-    model_config = ConfigDict(populate_by_name=True, extra="forbid")
 
     role: RoleName
     school_class: Reference | None = Field(alias="class")
@@ -107,7 +119,7 @@ class InvitationRead(Schema):
 
 
 class PersonUpdate(Schema):
-    """What an owner changes of a person; password: a new one for somebody who forgot theirs."""
+    """What an owner changes of a person. password: a new one for a person who forgot theirs."""
 
     name: ShortText | None = None
     role: RoleName | None = None
@@ -123,7 +135,7 @@ class SessionUpdate(Schema):
 
 
 class PasswordUpdate(Schema):
-    """old: as it was."""
+    """old: the present password."""
 
     old: str = Field(max_length=2 * LONGEST)
     new: str = Field(max_length=2 * LONGEST)
@@ -131,9 +143,26 @@ class PasswordUpdate(Schema):
 
 # --- works -----------------------------------------------------------------------------------------
 
+_FILES = {
+    **{name: name for name in ("picture", "albedo", "normals", "mask", "glb", "stl", "ply")},
+    "normals16": "normals-16",
+    "height": "height16",
+    "heights": "heights",
+}
+
+
+def file_version(work: Work) -> str:
+    """A version that changes whenever a file of the work may have changed."""
+    return f"{work.digest[:8]}{int(work.changed.timestamp()):x}-{VERSION}"
+
+
+def file_url(work: Work, kind: str) -> str:
+    """The URL of a file of a work, with its version, so that clients may keep the file for ever."""
+    return f"/api/works/{work.id}/files/{kind}?v={file_version(work)}"
+
 
 class WorkSummary(Schema):
-    """What a list shows of a work. thumb, thumb_normals: addresses of pictures."""
+    """A work in a list. thumb, thumb_normals: URLs of pictures."""
 
     id: str = Field(examples=["regular-shui"])
     title: BilingualText
@@ -142,7 +171,7 @@ class WorkSummary(Schema):
     hand: BilingualText
     dynasty: str
     period: BilingualText
-    collection: str = Field(examples=["starter"])
+    collection: str = Field(validation_alias="collection_id", examples=["starter"])
     kind: str = Field(examples=["image"])
     height_source: Literal["photometric", "inflation", "density"]
     width: int = Field(examples=[512])
@@ -150,16 +179,22 @@ class WorkSummary(Schema):
     thumb: str
     thumb_normals: str
 
+    @model_validator(mode="before")
+    @classmethod
+    def _add_urls(cls, work: Any) -> Any:
+        thumbs = {name.replace("-", "_"): file_url(work, name) for name in ("thumb", "thumb-normals")}
+        return Extended(work, **thumbs)
+
 
 class WorkPage(Schema):
-    """A part of all that match."""
+    """A part of all works that match. total: how many match."""
 
     total: int
     items: list[WorkSummary]
 
 
 class AnnotationRead(Schema):
-    """Something said of a point. x, y: fractions of the picture, origin top left."""
+    """A note on a point of a work. x, y: fractions of the picture, origin top left."""
 
     id: str
     x: float
@@ -169,25 +204,25 @@ class AnnotationRead(Schema):
 
 
 class AnnotationCreate(Schema):
-    """As AnnotationRead; one of the texts must say something."""
+    """As AnnotationRead; at least one of the texts is not empty."""
 
-    x: Share = Field(examples=[0.42])
-    y: Share = Field(examples=[0.3])
+    x: Fraction = Field(examples=[0.42])
+    y: Fraction = Field(examples=[0.3])
     title: ShortBilingualInput = ShortBilingualInput()
     text: BilingualInput = BilingualInput()
 
 
 class AnnotationUpdate(Schema):
-    """What is left out stays."""
+    """Fields that are left out stay as they are."""
 
-    x: Share | None = None
-    y: Share | None = None
+    x: Fraction | None = None
+    y: Fraction | None = None
     title: ShortBilingualInput | None = None
     text: BilingualInput | None = None
 
 
 class WorkRead(WorkSummary):
-    """All that is known of a work. files: addresses. previous, next: ids in the same collection."""
+    """All that is known of a work. files: URLs. previous, next: ids in the same collection."""
 
     material: BilingualText
     source: str
@@ -201,26 +236,32 @@ class WorkRead(WorkSummary):
     previous: str | None
     next: str | None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _add_files(cls, work: Any) -> Any:
+        files = {name: file_url(work, kind) for name, kind in _FILES.items()}
+        return Extended(work, files=files | {"manifest": f"/iiif/works/{work.id}/manifest.json"})
+
 
 class WorkUpdate(Schema):
-    """What is left out stays. spacing: millimetres for each pixel; null where it is not known any more."""
+    """Fields that are left out stay as they are. spacing: mm for each pixel; null if it is not known."""
 
     title: ShortBilingualInput | None = None
     hand: ShortBilingualInput | None = None
     period: ShortBilingualInput | None = None
     material: BilingualInput | None = None
     character: Annotated[ShortText, Field(max_length=16)] | None = None
-    script: Literal["", "seal", "clerical", "regular", "running", "cursive"] | None = None
+    script: ScriptName | None = None
     dynasty: Annotated[ShortText, Field(max_length=40)] | None = None
     source: LongText | None = None
     licence: ShortText | None = None
     attribution: LongText | None = None
     position: Annotated[int, Field(ge=0, le=10**6)] | None = None
-    spacing: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
+    spacing: Spacing | None = None
 
 
 class FacetValueRead(Schema):
-    """One choice and how many works it leaves."""
+    """One choice, and how many works have it."""
 
     value: str
     zh: str
@@ -229,7 +270,7 @@ class FacetValueRead(Schema):
 
 
 class CollectionRead(Schema):
-    """Works that belong together."""
+    """Works that belong together. works: how many there are."""
 
     id: str
     title: BilingualText
@@ -240,7 +281,7 @@ class CollectionRead(Schema):
 
 
 class HeightsFile(Schema):
-    """url: raw float32, little endian, row by row from the top, in `unit`."""
+    """url: of raw float32 values, little endian, row by row from the top, in `unit`."""
 
     url: str
     width: int
@@ -254,14 +295,14 @@ class SurfaceRead(Schema):
 
     model_config = ConfigDict(extra="allow")
 
-    width: int
-    height: int
+    width: int = Field(validation_alias=AliasPath("pixels", 0))
+    height: int = Field(validation_alias=AliasPath("pixels", 1))
     aspect: float
     unit: Literal["mm", "px"]
     spacing: float
     source: Literal["photometric", "inflation", "density"]
     source_text: BilingualText
-    heights: HeightsFile
+    heights: HeightsFile = Field(validation_alias="height")
     normals: str
     albedo: str
     picture: str
@@ -287,15 +328,27 @@ class TourCreate(Schema):
 
 
 class TourUpdate(Schema):
-    """What is left out stays."""
+    """Fields that are left out stay as they are."""
 
     title: ShortBilingualInput | None = None
     steps: list[TourStep] | None = Field(default=None, max_length=100)
 
 
 class TourRead(Schema):
-    """A guided walk."""
+    """A guided walk through works."""
 
     id: str
     title: BilingualText
     steps: list[dict[str, Any]]
+
+    @field_validator("steps", mode="before")
+    @classmethod
+    def _join_languages(cls, steps: list[dict[str, str]]) -> list[dict[str, Any]]:
+        return [
+            {"work": step["work"], "view": step.get("view", "")}
+            | {
+                name: {language: step.get(f"{name}_{language}", "") for language in ("zh", "en")}
+                for name in ("title", "text")
+            }
+            for step in steps
+        ]

@@ -1,14 +1,14 @@
-"""What goes over the wire about marks, attempts, classes, comparisons and jobs."""
+"""Schemas of marks, attempts, classes, comparisons and jobs: what requests and responses hold."""
 
 from __future__ import annotations
 
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from rumu.web.dependencies import Id, LongText, ShortText
-from rumu.web.schemas import BilingualText, PersonRead, Reference, Schema, WorkSummary
+from rumu.web.schemas import BilingualText, Extended, PersonRead, Reference, Schema, WorkSummary
 
 Point = list[float]
 
@@ -24,7 +24,7 @@ class PartRead(Schema):
 
 
 class RemarkRead(Schema):
-    """One thing a teacher would say. region, outline: fractions of the copy's cell, origin top left."""
+    """One thing that a teacher would say. region, outline: fractions of the copy's cell, origin top left."""
 
     kind: str = Field(examples=["lean"])
     name: BilingualText
@@ -44,8 +44,10 @@ class RefusalRead(BilingualText):
 
 
 class PoseRead(Schema):
-    """angle: degrees, positive clockwise. scale: copy over master. shift: fractions of the cell, x right, y
-    up."""
+    """How the copy lies on the master.
+
+    angle: degrees, positive clockwise. scale: copy over master. shift: fractions of the cell, x right, y up.
+    """
 
     angle: float
     scale: float
@@ -53,22 +55,23 @@ class PoseRead(Schema):
 
 
 class Alignment(Schema):
-    """matrix: [a, b, c, d, e, f]; x' = a x + c y + e, y' = b x + d y + f takes the copy's cell to the
-    master's."""
+    """Takes points of the copy's cell to the master's.
+
+    matrix: [a, b, c, d, e, f], with x' = a x + c y + e and y' = b x + d y + f.
+    """
 
     matrix: list[float]
 
 
 class ResidualPoints(Schema):
-    """[x, y, r] each: fractions of the own cell; r 0 on the line to 1 far off."""
+    """Points [x, y, r] of both lines: fractions of their own cell; r from 0, on the line, to 1, far off."""
 
     copy_: list[Point] = Field(alias="copy")
     master: list[Point]
-    model_config = ConfigDict(populate_by_name=True)
 
 
 class MarkRead(Schema):
-    """A mark and what it rests on; score, level and interval are null when it was refused."""
+    """A mark and what it rests on; score, level and interval are null if the copy was refused."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -100,7 +103,10 @@ class TeacherMarkRead(Schema):
 
 
 class AttemptRead(Schema):
-    """One copy with its mark. id, picture: null when it was not kept. person: null where nobody wrote it."""
+    """One copy with its mark.
+
+    id, picture: null if the copy was not kept. person: null if nobody wrote it, as with simulated copies.
+    """
 
     id: str | None
     work: WorkSummary
@@ -108,16 +114,36 @@ class AttemptRead(Schema):
     kind: Literal["pen", "photo", "simulated"]
     grid: Literal["mi", "jiu", "tian", ""]
     created: datetime
-    task: str | None
+    task: str | None = Field(validation_alias="task_id")
     picture: str | None
     strokes: str | None = None
     mark: MarkRead
     teacher_marks: list[TeacherMarkRead]
     simulated: bool = False
 
+    @model_validator(mode="before")
+    @classmethod
+    def _flatten(cls, shown: Any) -> Any:
+        """From a studio.attempts.Shown; one that is Extended may have `residual`, which lists leave out."""
+        attempt = shown.attempt
+        url = f"/api/attempts/{attempt.id}"
+        return Extended(
+            attempt,
+            work=shown.work,
+            person=shown.person,
+            picture=attempt.id and f"{url}/picture",
+            strokes=attempt.strokes and f"{url}/strokes",
+            mark=attempt.mark | {"residual": getattr(shown, "residual", None)},
+            teacher_marks=[
+                {"teacher": person.name, "mark": mark.mark, "note": mark.note}
+                for person, mark in shown.teacher_marks
+            ],
+            simulated=attempt.kind == "simulated",
+        )
+
 
 class AttemptPage(Schema):
-    """A part of all attempts, newest first; residual is left out."""
+    """A part of all attempts, newest first, without residuals. total: how many there are."""
 
     total: int
     items: list[AttemptRead]
@@ -140,18 +166,18 @@ class CurvePoint(Schema):
 
 
 class PracticeWork(Schema):
-    """One work that a person copied."""
+    """One work that a person copied. best, last, first: scores, null if no copy has one."""
 
     work: WorkSummary
     count: int
     best: float | None
     last: float | None
     first: float | None
-    curve: list[CurvePoint]
+    curve: list[CurvePoint] = Field(validation_alias="points")
 
 
 class PracticeRead(Schema):
-    """By work, the one last practised first."""
+    """A person's practice by work, the one last practised first."""
 
     person: Reference
     works: list[PracticeWork]
@@ -167,7 +193,7 @@ class ClassCreate(Schema):
 
 
 class ClassSummary(Schema):
-    """A class in a list."""
+    """A class in a list. pupils, tasks: how many there are."""
 
     id: str
     name: str
@@ -196,7 +222,7 @@ class OpenInvitation(Schema):
 
 
 class ClassRead(Schema):
-    """A class. pupils, invitations: empty to a pupil."""
+    """A class. pupils, invitations: empty for a pupil."""
 
     id: str
     name: str
@@ -216,13 +242,13 @@ class TaskCreate(Schema):
 
 
 class TaskRow(Schema):
-    """One pupil. best, last: null where no copy was marked."""
+    """One pupil. best, last: null if no copy was marked."""
 
     person: Reference
     attempts: int
     best: float | None
     last: float | None
-    last_attempt: str | None
+    last_attempt: str | None = Field(validation_alias="last_id")
     teacher_mark: float | None
 
 
@@ -236,7 +262,7 @@ class CommonRemarkRead(Schema):
 
 
 class TaskTable(Schema):
-    """The table of a task; to a pupil their own row alone."""
+    """The table of a task; for a pupil only their own row."""
 
     task: TaskRead
     rows: list[TaskRow]
@@ -247,7 +273,7 @@ class TaskTable(Schema):
 
 
 class PairRead(Schema):
-    """done: pairs judged; left_over: still to judge, this one included."""
+    """done: pairs that are judged; left_over: pairs that remain, this one included."""
 
     work: WorkSummary
     left: AttemptRead
@@ -257,7 +283,7 @@ class PairRead(Schema):
 
 
 class ComparisonCreate(Schema):
-    """left, right: ids of the attempts as they stood. seconds: that it took."""
+    """left, right: ids of the attempts where they stood. seconds: that the judgement took."""
 
     left: Id
     right: Id
@@ -266,13 +292,13 @@ class ComparisonCreate(Schema):
 
 
 class ComparisonRead(Schema):
-    """That it was kept."""
+    """The comparison as it was kept."""
 
     id: str
 
 
 class JobRead(Schema):
-    """Long work. total: 0 while unknown. error: why it failed."""
+    """Long work. total: 0 while it is unknown. error: why the job failed."""
 
     id: str
     kind: str = Field(examples=["import"])
@@ -283,8 +309,13 @@ class JobRead(Schema):
     result: dict[str, Any]
     error: BilingualText | None
 
+    @field_validator("error", mode="before")
+    @classmethod
+    def _no_error(cls, error: Any) -> Any:
+        return error if any(error) else None
+
 
 class JobStarted(Schema):
-    """The job that does it."""
+    """The job that does the work."""
 
     job: JobRead

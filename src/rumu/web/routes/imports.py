@@ -1,4 +1,4 @@
-"""Works that teachers and owners send in."""
+"""Routes that add works: one picture, or a zip of many."""
 
 from __future__ import annotations
 
@@ -12,73 +12,75 @@ from rumu.studio.errors import Unusable
 from rumu.studio.handlers import upload_key
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import folder_name
-from rumu.web.cards import job_facts
 from rumu.web.dependencies import CleanText, ServiceDep, ShortText, TeacherUser
-from rumu.web.routes.works import found_work, told
-from rumu.web.schemas import WorkRead
+from rumu.web.routes.works import find_work, work_details
+from rumu.web.schemas import Extended, ScriptName, Spacing, WorkRead
 from rumu.web.studio_schemas import JobStarted
 
 router = APIRouter(tags=["imports"])
 
-Word = Annotated[ShortText, Form()]
-Long = Annotated[CleanText, Form(max_length=4000)]
+FormText = Annotated[ShortText, Form()]
+LongFormText = Annotated[CleanText, Form(max_length=4000)]
 
 
-def facts(
+def work_facts(
     *,
-    title_zh: Word = "",
-    title_en: Word = "",
+    title_zh: FormText = "",
+    title_en: FormText = "",
     character: Annotated[ShortText, Form(max_length=16)] = "",
-    script: Annotated[Literal["", "seal", "clerical", "regular", "running", "cursive"], Form()] = "",
-    hand_zh: Word = "",
-    hand_en: Word = "",
+    script: Annotated[ScriptName, Form()] = "",
+    hand_zh: FormText = "",
+    hand_en: FormText = "",
     dynasty: Annotated[ShortText, Form(max_length=40)] = "",
-    period_zh: Word = "",
-    period_en: Word = "",
-    material_zh: Word = "",
-    material_en: Word = "",
-    source: Long = "",
-    licence: Word = "",
-    attribution: Long = "",
+    period_zh: FormText = "",
+    period_en: FormText = "",
+    material_zh: FormText = "",
+    material_en: FormText = "",
+    source: LongFormText = "",
+    licence: FormText = "",
+    attribution: LongFormText = "",
     collection: Annotated[ShortText, Form(max_length=100)] = "",
     method: Annotated[Literal["inflation", "density"], Form()] = "inflation",
 ) -> dict[str, str]:
-    """What is known of what is sent. collection: its name; empty for works added here, and for a
-    zip that names its own."""
+    """What is known of the works in an upload.
+
+    collection: its name; empty for works that are added here, and for a zip that names its own.
+    """
     return dict(locals())
 
 
-Facts = Annotated[dict[str, str], Depends(facts)]
-Spacing = Annotated[float | None, Form(gt=0, le=1000, allow_inf_nan=False)]
+WorkFacts = Annotated[dict[str, str], Depends(work_facts)]
 
 
 @router.post("/api/works", response_model=WorkRead, status_code=201)
-def add(
+def add_work(
     service: ServiceDep,
     user: TeacherUser,
-    told_of_it: Facts,
+    facts: WorkFacts,
     picture: Annotated[UploadFile, File(description="PNG, JPEG, TIFF or WebP.")],
-    spacing: Spacing = None,
-) -> dict[str, Any]:
+    spacing: Annotated[Spacing | None, Form()] = None,
+) -> Extended:
     """Add one picture as a work. spacing: millimetres for each pixel, when known."""
     service.rate_limiter.hit(service.settings.rate_limits.uploads, "uploads", user.id)
     data = picture.file.read()
     format_of(data)
-    work_id = service.workers.ask(worker.add_work, data=data, facts=told_of_it, spacing=spacing)
-    return told(service, found_work(service, work_id))
+    work_id = service.workers.ask(worker.add_work, data=data, facts=facts, spacing=spacing)
+    return work_details(service, find_work(service, work_id))
 
 
 @router.post("/api/imports", response_model=JobStarted, status_code=202)
-def send(
+def import_zip(
     service: ServiceDep,
     user: TeacherUser,
-    told_of_it: Facts,
+    facts: WorkFacts,
     archive: Annotated[UploadFile, File(alias="zip", description="A zip, 1 GB at most.")],
 ) -> dict[str, Any]:
-    """Put in a zip of a folder with labels.csv, of one that `rumu gallery export` wrote, or of one capture
-    folder. collection: where the works go, by its name; else where collection.json, the export or the name
-    of the zip say. The other facts are those of a capture. It is kept before it is answered for: a restart
-    loses nothing."""
+    """Import a zip of a folder with labels.csv, of one that `rumu gallery export` wrote, or of a capture.
+
+    collection: where the works go, by its name; else where collection.json, the export or the name of the zip
+    say. The other facts are those of a capture. The zip is stored before the response, so that a restart
+    loses nothing.
+    """
     service.rate_limiter.hit(service.settings.rate_limits.uploads, "uploads", user.id)
     if archive.file.read(2) != b"PK":
         raise Unusable("no_zip", zh="這不是 zip 檔。", en="Expected a zip file.")
@@ -86,9 +88,8 @@ def send(
     job_id = new_id()
     key = upload_key(job_id, ".zip")
     service.gallery.store.write(key, archive.file)
-    payload = {"upload": key, "facts": told_of_it, "name": folder_name(archive.filename or "")}
+    payload = {"upload": key, "facts": facts, "name": folder_name(archive.filename or "")}
     with service.gallery.database.writing() as session:
         job = jobs.add(session, "import", payload, person_id=user.id, job_id=job_id)
-        started = job_facts(job)
     service.runner.wake()
-    return {"job": started}
+    return {"job": job}

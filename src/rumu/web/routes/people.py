@@ -1,33 +1,166 @@
-"""People with a login, as an owner manages them."""
+"""Routes of the session, of invitations, and of people with a login."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Annotated, Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Path, Request, Response
 
-from rumu.studio import people
-from rumu.web.cards import person_facts
-from rumu.web.dependencies import OwnerUser, PathId, ServiceDep
-from rumu.web.schemas import PersonRead, PersonUpdate
+from rumu import __version__
+from rumu.database.tables import Person
+from rumu.studio import invitations, people
+from rumu.studio.passwords import outdated
+from rumu.studio.people import LANGUAGES
+from rumu.studio.tickets import Ticket
+from rumu.web.dependencies import CurrentUser, OwnerUser, PathId, ServiceDep, TicketDep, set_session_cookie
+from rumu.web.error_handlers import WrongLoginError
+from rumu.web.schemas import (
+    Credentials,
+    InvitationCreate,
+    InvitationLink,
+    InvitationRead,
+    PasswordUpdate,
+    PersonRead,
+    PersonUpdate,
+    SessionRead,
+    SessionUpdate,
+)
+from rumu.web.security import COOKIE, client_address
+from rumu.web.service import Service
 
-router = APIRouter(tags=["people"])
+router = APIRouter(tags=["session"])
+people_router = APIRouter(tags=["people"])
+Token = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{10,80}$", description="The token of the link.")]
 
 
-@router.get("/api/people", response_model=list[PersonRead])
-def everybody(service: ServiceDep, user: OwnerUser) -> list[dict[str, Any]]:
+@router.get("/api/session", response_model=SessionRead)
+def get_session(
+    request: Request, response: Response, service: ServiceDep, ticket: TicketDep
+) -> dict[str, Any]:
+    """Who is logged in, and the token that every change needs; a visitor gets a session too."""
+    response.headers["Cache-Control"] = "no-store"
+    if ticket is None or (ticket.person_id is not None and service.identify(ticket) is None):
+        return _start_session(request, response, service)
+    return _session_facts(service, ticket)
+
+
+@router.post("/api/login", response_model=SessionRead)
+def log_in(
+    request: Request, response: Response, service: ServiceDep, credentials: Credentials
+) -> dict[str, Any]:
+    """Log in; the session and its token change."""
+    _limit_logins(request, service, credentials)
+    with service.gallery.database.reading() as session:
+        person = people.known_by(session, name=credentials.name, password=credentials.password)
+    if person is None:
+        raise WrongLoginError
+    if person.password is not None and outdated(person.password):
+        with service.gallery.database.writing() as session:
+            people.renew_hash(session, person.id, password=credentials.password)
+    return _start_session(request, response, service, person)
+
+
+@router.post("/api/logout", response_model=SessionRead)
+def log_out(request: Request, response: Response, service: ServiceDep) -> dict[str, Any]:
+    """Log out on this device."""
+    response.delete_cookie(COOKIE, path="/")
+    return _start_session(request, response, service)
+
+
+@router.patch("/api/session", response_model=SessionRead)
+def update_session(
+    service: ServiceDep, user: CurrentUser, ticket: TicketDep, changes: SessionUpdate
+) -> dict[str, Any]:
+    """Change one's own language."""
+    with service.gallery.database.writing() as session:
+        people.change_person(session, user.id, {"language": changes.language})
+    assert ticket is not None  # or there would be no user
+    return _session_facts(service, ticket)
+
+
+@router.post("/api/password", response_model=SessionRead)
+def change_password(
+    request: Request, response: Response, service: ServiceDep, user: CurrentUser, passwords: PasswordUpdate
+) -> dict[str, Any]:
+    """Change one's own password; every other session of this person ends."""
+    service.rate_limiter.hit(service.settings.rate_limits.login_name, "password", user.id)
+    with service.gallery.database.writing() as session:
+        person = people.change_password(session, user.id, old=passwords.old, new=passwords.new)
+    return _start_session(request, response, service, person)
+
+
+@router.post("/api/invitations", response_model=InvitationLink, status_code=201)
+def add_invitation(service: ServiceDep, user: CurrentUser, invitation: InvitationCreate) -> dict[str, Any]:
+    """A link that makes one login; a teacher invites pupils into a class of theirs, an owner anybody."""
+    with service.gallery.database.writing() as session:
+        token, row = invitations.invite(session, user, role=invitation.role, class_id=invitation.class_id)
+    return {"link": f"/#/join/{token}", "token": token, "role": row.role, "expires": row.expires}
+
+
+@router.get("/api/invitations/{token}", response_model=InvitationRead, response_model_by_alias=True)
+def get_invitation(request: Request, service: ServiceDep, token: Token) -> dict[str, Any]:
+    """What a link is for."""
+    service.rate_limiter.hit(service.settings.rate_limits.login, "invitation", client_address(request))
+    with service.gallery.database.reading() as session:
+        row, school_class = invitations.looked_at(session, token)
+    return {"role": row.role, "class": school_class, "expires": row.expires}
+
+
+@router.post("/api/invitations/{token}", response_model=SessionRead, status_code=201)
+def accept_invitation(
+    request: Request, response: Response, service: ServiceDep, token: Token, credentials: Credentials
+) -> dict[str, Any]:
+    """Make the login, and log in; a pupil with a login joins one more class with it."""
+    _limit_logins(request, service, credentials)
+    with service.gallery.database.writing() as session:
+        person = invitations.accept(session, token, name=credentials.name, password=credentials.password)
+    return _start_session(request, response, service, person)
+
+
+@people_router.get("/api/people", response_model=list[PersonRead])
+def list_people(service: ServiceDep, user: OwnerUser) -> Sequence[Person]:
     """Everybody with a login."""
     with service.gallery.database.reading() as session:
-        return [person_facts(person) for person in people.everybody(session)]
+        return people.everybody(session)
 
 
-@router.patch("/api/people/{person_id}", response_model=PersonRead)
-def change(service: ServiceDep, user: OwnerUser, person_id: PathId, told: PersonUpdate) -> dict[str, Any]:
-    """Change name, role, language or password, or put somebody out (active: false)."""
-    changes = told.model_dump(exclude_none=True)
-    new = changes.pop("password", None)
+@people_router.patch("/api/people/{person_id}", response_model=PersonRead)
+def update_person(service: ServiceDep, user: OwnerUser, person_id: PathId, changes: PersonUpdate) -> Person:
+    """Change name, role, language or password, or shut somebody out (active: false)."""
+    values = changes.model_dump(exclude_none=True)
+    password = values.pop("password", None)
     with service.gallery.database.writing() as session:
-        person = people.change_person(session, person_id, changes)
-        if new is not None:
-            people.set_password(session, person_id, new=new)
-        return person_facts(person)
+        person = people.change_person(session, person_id, values)
+        if password is not None:
+            people.set_password(session, person_id, new=password)
+    return person
+
+
+def _limit_logins(request: Request, service: Service, credentials: Credentials) -> None:
+    limits = service.settings.rate_limits
+    service.rate_limiter.hit(limits.login, "login", client_address(request))
+    service.rate_limiter.hit(limits.login_name, "name", credentials.name.casefold())
+
+
+def _start_session(
+    request: Request, response: Response, service: Service, person: Person | None = None
+) -> dict[str, Any]:
+    """A new session. person: None for a visitor's."""
+    person_id, epoch = (None, 0) if person is None else (person.id, person.epoch)
+    ticket = service.tickets.fresh(person_id=person_id, epoch=epoch)
+    set_session_cookie(request, response, service, ticket)
+    return _session_facts(service, ticket)
+
+
+def _session_facts(service: Service, ticket: Ticket) -> dict[str, Any]:
+    with service.gallery.database.reading() as session:
+        person = None if ticket.person_id is None else session.get(Person, ticket.person_id)
+        owner_exists = people.owner_exists(session)
+    return {
+        "person": person,
+        "csrf": service.tickets.csrf(ticket),
+        "owner_exists": owner_exists,
+        "languages": list(LANGUAGES),
+        "version": __version__,
+    }

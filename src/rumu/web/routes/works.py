@@ -1,44 +1,58 @@
-"""Works: looked for, looked at, changed."""
+"""Routes of works with their files and annotations, of facets and of collections."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 from anyio.to_thread import run_sync
 from fastapi import APIRouter, Depends, Query, Request, Response
 
 from rumu.assessment.scripts import SCRIPTS
-from rumu.database.tables import Work
+from rumu.database.tables import Annotation, Work
 from rumu.errors import GalleryError
-from rumu.gallery import annotations as said
+from rumu.gallery import annotations as gallery_annotations
 from rumu.gallery import catalog
 from rumu.gallery.derived import KINDS, MESHES, viewer_facts
 from rumu.gallery.filters import Filters, count_facets
+from rumu.gallery.single_page import single_page
 from rumu.studio.errors import Missing, Unusable
-from rumu.web.caching import file_response, requested_etags
-from rumu.web.cards import collection_facts, file_version, work_card, work_facts
 from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep
 from rumu.web.files import FileContent
-from rumu.web.schemas import CollectionRead, FacetValueRead, SurfaceRead, WorkPage, WorkRead, WorkUpdate
+from rumu.web.responses import file_response, requested_etags
+from rumu.web.schemas import (
+    AnnotationCreate,
+    AnnotationRead,
+    AnnotationUpdate,
+    CollectionRead,
+    Extended,
+    FacetValueRead,
+    SurfaceRead,
+    WorkPage,
+    WorkRead,
+    WorkUpdate,
+    file_version,
+)
 from rumu.web.service import Service
 
 router = APIRouter(tags=["works"])
-Kind = Literal[
+annotations_router = APIRouter(tags=["annotations"])
+FileKind = Literal[
     "thumb", "thumb-normals", "picture", "albedo", "normals", "normals-16", "height16", "heights", "mask",
     "lamp-a", "lamp-b", "lamp-c", "glb", "stl", "ply", "facts",
 ]  # fmt: skip
 Exaggeration = Annotated[float, Query(ge=0.01, le=100, allow_inf_nan=False)]
 
 
-def found_work(service: Service, work_id: str) -> Work:
-    """Raises Missing."""
+def find_work(service: Service, work_id: str) -> Work:
+    """The row of a work. Raises Missing when there is none."""
     try:
         return catalog.work(service.gallery, work_id)
     except GalleryError as error:
         raise Missing("沒有這件作品。", "There is no such work.") from error
 
 
-def asked_for(
+def work_filters(
     *,
     script: SearchText = None,
     dynasty: SearchText = None,
@@ -47,147 +61,186 @@ def asked_for(
     collection: SearchText = None,
     q: SearchText = None,
 ) -> dict[str, Any]:
-    """What is asked of works, as the catalogue names it."""
+    """What works must match, by the names of `gallery.filters.Filters`."""
     if script not in (None, "", "none", *SCRIPTS):
         raise Unusable("script", zh="沒有這種書體。", en=f"Expected a script among {', '.join(SCRIPTS)}.")
-    asked = {"script": script, "dynasty": dynasty, "hand": hand, "character": character}
-    return asked | {"collection": collection, "query": q}
+    filters = {"script": script, "dynasty": dynasty, "hand": hand, "character": character}
+    return filters | {"collection": collection, "query": q}
 
 
-AskedFor = Annotated[dict[str, Any], Depends(asked_for)]
+WorkFilters = Annotated[dict[str, Any], Depends(work_filters)]
 
 
 @router.get("/api/works", response_model=WorkPage)
-def works(service: ServiceDep, asked: AskedFor, offset: Offset = 0, limit: Limit = 60) -> dict[str, Any]:
-    """Works that match all that is asked; a character is found in any of its forms."""
-    page = catalog.works(service.gallery, **asked, offset=offset, limit=limit)
-    return {"total": page.total, "items": [work_card(work) for work in page.items]}
+def list_works(
+    service: ServiceDep, filters: WorkFilters, offset: Offset = 0, limit: Limit = 60
+) -> catalog.Page[Work]:
+    """Works that match all filters; a character is found in any of its forms."""
+    return catalog.works(service.gallery, **filters, offset=offset, limit=limit)
 
 
 @router.get("/api/facets", response_model=dict[str, list[FacetValueRead]])
-def facets(service: ServiceDep, asked: AskedFor) -> dict[str, Any]:
-    """What can be chosen further; the counts of a facet heed all choices but its own."""
-    found = count_facets(service.gallery, Filters(**asked))
-    return {
-        name: [{"value": v.value, "zh": v.zh, "en": v.en, "count": v.count} for v in values]
-        for name, values in found.items()
-    }
+def list_facets(service: ServiceDep, filters: WorkFilters) -> dict[str, Any]:
+    """The values of each facet, counted among the works that match all filters but its own."""
+    return count_facets(service.gallery, Filters(**filters))
 
 
 @router.get("/api/collections", response_model=list[CollectionRead])
-def collections(service: ServiceDep) -> list[dict[str, Any]]:
+def list_collections(service: ServiceDep) -> list[Extended]:
     """Every collection."""
-    return [collection_facts(row, count) for row, count in catalog.collections(service.gallery)]
+    return [Extended(row, works=count) for row, count in catalog.collections(service.gallery)]
 
 
 @router.get("/api/collections/{collection_id}", response_model=CollectionRead)
-def collection(service: ServiceDep, collection_id: PathId) -> dict[str, Any]:
+def get_collection(service: ServiceDep, collection_id: PathId) -> Extended:
     """One collection."""
-    for row, count in catalog.collections(service.gallery):
+    for row in list_collections(service):
         if row.id == collection_id:
-            return collection_facts(row, count)
+            return row
     raise Missing("沒有這個集子。", "There is no such collection.")
 
 
 @router.get("/api/works/{work_id}", response_model=WorkRead)
-def work(service: ServiceDep, work_id: PathId) -> dict[str, Any]:
+def get_work(service: ServiceDep, work_id: PathId) -> Extended:
     """All that is known of a work."""
-    return told(service, found_work(service, work_id))
+    return work_details(service, find_work(service, work_id))
 
 
 @router.get("/api/works/{work_id}/viewer", response_model=SurfaceRead)
-def viewer(service: ServiceDep, work_id: PathId) -> dict[str, Any]:
-    """What the viewer needs of a work; the addresses in it may be kept for ever."""
-    found_work(service, work_id)
+def get_surface(service: ServiceDep, work_id: PathId) -> dict[str, Any]:
+    """What the viewer needs of a work; the files at the URLs in it never change."""
+    find_work(service, work_id)
     service.files.of_work(work_id, "facts")
-    return viewer_shape(viewer_facts(service.gallery, work_id))
+    return viewer_facts(service.gallery, work_id)
 
 
 @router.get("/api/works/{work_id}/files/{kind}", response_class=Response)
-async def file(
+async def get_file(
     *,
     request: Request,
     service: ServiceDep,
     work_id: PathId,
-    kind: Kind,
-    v: Annotated[str | None, Query(max_length=80, description="The version, as addresses have it.")] = None,
+    kind: FileKind,
+    v: Annotated[str | None, Query(max_length=80, description="The version, as URLs give it.")] = None,
     download: bool = False,
     exaggeration: Exaggeration = 1.0,
 ) -> Response:
     """A picture, map or mesh. exaggeration: of a mesh's height. download: to be saved."""
     name = f"{work_id}.{kind}" if kind in MESHES else f"{work_id}-{kind}{KINDS[kind].suffix}"
-    sent = service.files.at_address((work_id, kind, exaggeration, v or ""))
-    if sent is None:
-        sent = await run_sync(_file, request, service, work_id, kind, exaggeration)
-    return file_response(request, sent, filename=name if download else None)
+    content = service.files.at_address((work_id, kind, exaggeration, v or ""))
+    if content is None:
+        content = await run_sync(_file_content, request, service, work_id, kind, exaggeration)
+    return file_response(request, content, filename=name if download else None)
 
 
-def _file(request: Request, service: Service, work_id: str, kind: str, exaggeration: float) -> FileContent:
+def _file_content(
+    request: Request, service: Service, work_id: str, kind: str, exaggeration: float
+) -> FileContent:
     if exaggeration != 1.0 and kind not in MESHES:
         raise Unusable(zh="只有立體模型可以放大高度。", en="Only a mesh has an exaggeration.")
-    work = found_work(service, work_id)
-    sent = service.files.of_work(
-        work_id, kind, exaggeration=exaggeration, client_etags=requested_etags(request.headers)
-    )
+    work = find_work(service, work_id)
+    etags = requested_etags(request.headers)
+    content = service.files.of_work(work_id, kind, exaggeration=exaggeration, client_etags=etags)
     version = request.query_params.get("v")
-    if version is not None and version in (sent.etag, file_version(work)):
-        service.files.set_address((work_id, kind, exaggeration, version), sent)
-    return sent
+    if version is not None and version in (content.etag, file_version(work)):
+        service.files.set_address((work_id, kind, exaggeration, version), content)
+    return content
+
+
+@router.get("/api/works/{work_id}/export.html", response_class=Response)
+def export_work(service: ServiceDep, work_id: PathId) -> Response:
+    """The work with the viewer inside, in one file that needs no server and no network."""
+    find_work(service, work_id)
+    page = single_page(service.gallery, work_id, static=service.settings.static)
+    headers = {"Content-Disposition": f'attachment; filename="{work_id}.html"'}
+    return Response(page, media_type="text/html; charset=utf-8", headers=headers)
 
 
 @router.patch("/api/works/{work_id}", response_model=WorkRead)
-def change(service: ServiceDep, user: OwnerUser, work_id: PathId, changes: WorkUpdate) -> dict[str, Any]:
-    """Change what is known of a work. A spacing of null is one taken back."""
-    found = found_work(service, work_id)
-    given = columns(changes.model_dump())
+def update_work(service: ServiceDep, user: OwnerUser, work_id: PathId, changes: WorkUpdate) -> Extended:
+    """Change what is known of a work. A spacing of null takes the spacing back."""
+    work = find_work(service, work_id)
+    values = to_columns(changes.model_dump())
     if "spacing" in changes.model_fields_set:
-        given["spacing"] = _spacing(found, changes.spacing)
-    changed = catalog.change_work(service.gallery, work_id, given)
+        if work.kind == "capture" and changes.spacing != work.spacing:  # heights were measured at this size
+            raise Unusable(
+                "spacing",
+                zh="多燈照片的像素大小由照片而來，不能另改。",
+                en="The size of a pixel came with these photographs and cannot be changed here.",
+            )
+        values["spacing"] = changes.spacing
+    changed = catalog.change_work(service.gallery, work_id, values)
     service.files.forget_addresses()
-    return told(service, changed)
-
-
-def _spacing(work: Work, told: float | None) -> float | None:
-    """Raises Unusable for photographs under lamps: their heights were measured at the size they brought."""
-    if work.kind == "capture" and told != work.spacing:
-        raise Unusable(
-            "spacing",
-            zh="多燈照片的像素大小由照片而來，不能另改。",
-            en="The size of a pixel came with these photographs and cannot be changed here.",
-        )
-    return told
+    return work_details(service, changed)
 
 
 @router.delete("/api/works/{work_id}", status_code=204)
-def delete(service: ServiceDep, user: OwnerUser, work_id: PathId) -> None:
-    """Forget a work with everything that hangs on it, attempts too."""
-    found_work(service, work_id)
+def delete_work(service: ServiceDep, user: OwnerUser, work_id: PathId) -> None:
+    """Delete a work with everything that belongs to it, attempts too."""
+    find_work(service, work_id)
     catalog.delete_work(service.gallery, work_id)
     service.files.forget_addresses()
 
 
-def told(service: Service, work: Work) -> dict[str, Any]:
-    """All that is known of a work, as it goes out."""
-    return work_facts(
+@annotations_router.get("/api/works/{work_id}/annotations", response_model=list[AnnotationRead])
+def list_annotations(service: ServiceDep, work_id: PathId) -> Sequence[Annotation]:
+    """The annotations of a work, in order."""
+    find_work(service, work_id)
+    return gallery_annotations.said_of(service.gallery, work_id)
+
+
+@annotations_router.post("/api/works/{work_id}/annotations", response_model=AnnotationRead, status_code=201)
+def add_annotation(
+    service: ServiceDep, user: OwnerUser, work_id: PathId, annotation: AnnotationCreate
+) -> Annotation:
+    """Add a note on a point of a work."""
+    find_work(service, work_id)
+    values = to_columns(annotation.model_dump())
+    return gallery_annotations.add_annotation(service.gallery, work_id, values, author=user.id)
+
+
+@annotations_router.patch("/api/works/{work_id}/annotations/{annotation_id}", response_model=AnnotationRead)
+def update_annotation(
+    service: ServiceDep, user: OwnerUser, work_id: PathId, annotation_id: PathId, changes: AnnotationUpdate
+) -> Annotation:
+    """Change the point or the texts of an annotation."""
+    _check_annotation(service, work_id, annotation_id)
+    values = to_columns(changes.model_dump())
+    return gallery_annotations.change_annotation(service.gallery, annotation_id, values, of=work_id)
+
+
+@annotations_router.delete("/api/works/{work_id}/annotations/{annotation_id}", status_code=204)
+def delete_annotation(service: ServiceDep, user: OwnerUser, work_id: PathId, annotation_id: PathId) -> None:
+    """Delete an annotation."""
+    _check_annotation(service, work_id, annotation_id)
+    gallery_annotations.delete_annotation(service.gallery, annotation_id, of=work_id)
+
+
+def _check_annotation(service: Service, work_id: str, annotation_id: str) -> None:
+    with service.gallery.database.reading() as session:
+        row = session.get(Annotation, annotation_id)
+    if row is None or row.work_id != work_id:
+        raise Missing("沒有這條註解。", "There is no such annotation.")
+
+
+def work_details(service: Service, work: Work) -> Extended:
+    """A work with what a WorkRead takes from other tables."""
+    previous, following = catalog.neighbours(service.gallery, work.id)
+    return Extended(
         work,
-        collection=catalog.collection(service.gallery, work.collection_id),
-        annotations=said.said_of(service.gallery, work.id),
-        neighbours=catalog.neighbours(service.gallery, work.id),
+        collection_title=catalog.collection(service.gallery, work.collection_id).title,
+        annotations=gallery_annotations.said_of(service.gallery, work.id),
+        previous=previous,
+        next=following,
     )
 
 
-def viewer_shape(facts: dict[str, Any]) -> dict[str, Any]:
-    """What the gallery tells of a surface as the viewer reads it."""
-    told = dict(facts)
-    width, height = told.pop("pixels")
-    return told | {"heights": told.pop("height"), "width": width, "height": height}
-
-
-def columns(changes: dict[str, Any]) -> dict[str, Any]:
-    """{"title": {"zh", "en"}} as title_zh and title_en; what is null stays as it was."""
-    given = {name: value for name, value in changes.items() if value is not None}
-    flat = {name: value for name, value in given.items() if not isinstance(value, dict)}
-    for name, value in given.items():
+def to_columns(values: dict[str, Any]) -> dict[str, Any]:
+    """{"title": {"zh", "en"}} as title_zh and title_en; what is null is left out, so it stays as it was."""
+    columns: dict[str, Any] = {}
+    for name, value in values.items():
         if isinstance(value, dict):
-            flat |= {f"{name}_{language}": value[language] for language in ("zh", "en")}
-    return flat
+            columns |= {f"{name}_{language}": value[language] for language in ("zh", "en")}
+        elif value is not None:
+            columns[name] = value
+    return columns
