@@ -1,7 +1,7 @@
 // One door to the service: JSON in, JSON out, the CSRF token on everything that changes something.
 
 import { signal } from "@preact/signals";
-import type { SessionFacts, Text } from "./types";
+import type { Bilingual, SessionFacts } from "./types";
 
 export const session = signal<SessionFacts | null>(null);
 
@@ -10,7 +10,7 @@ export class ServiceError extends Error {
   constructor(
     readonly status: number,
     readonly code: string,
-    readonly text: Text,
+    readonly text: Bilingual,
   ) {
     super(text.en);
   }
@@ -22,11 +22,11 @@ export async function refreshSession(): Promise<SessionFacts> {
   return facts;
 }
 
-export const get = <T>(url: string, signal?: AbortSignal): Promise<T> => ask<T>("GET", url, undefined, signal);
-export const post = <T>(url: string, body?: object | FormData): Promise<T> => ask<T>("POST", url, body);
-export const put = <T>(url: string, body: object): Promise<T> => ask<T>("PUT", url, body);
-export const patch = <T>(url: string, body: object): Promise<T> => ask<T>("PATCH", url, body);
-export const remove = <T>(url: string): Promise<T> => ask<T>("DELETE", url);
+export const get = <T>(url: string, signal?: AbortSignal): Promise<T> => request<T>("GET", url, undefined, signal);
+export const post = <T>(url: string, body?: object | FormData): Promise<T> => request<T>("POST", url, body);
+export const put = <T>(url: string, body: object): Promise<T> => request<T>("PUT", url, body);
+export const patch = <T>(url: string, body: object): Promise<T> => request<T>("PATCH", url, body);
+export const remove = <T>(url: string): Promise<T> => request<T>("DELETE", url);
 
 /** A query string of what is not empty, with its question mark. */
 export function query(values: Record<string, string | number | null | undefined>): string {
@@ -34,26 +34,26 @@ export function query(values: Record<string, string | number | null | undefined>
   return pairs.length ? `?${new URLSearchParams(pairs.map(([name, value]) => [name, String(value)]))}` : "";
 }
 
-async function ask<T>(method: string, url: string, body?: object | FormData, signal?: AbortSignal): Promise<T> {
+async function request<T>(method: string, url: string, body?: object | FormData, signal?: AbortSignal): Promise<T> {
   const headers: Record<string, string> = { Accept: "application/json" };
   if (method !== "GET") headers["X-CSRF-Token"] = (session.value ?? (await refreshSession())).csrf;
   if (body && !(body instanceof FormData)) headers["Content-Type"] = "application/json";
-  const sent = body instanceof FormData ? body : body && JSON.stringify(body);
-  let answer: Response;
+  const payload = body instanceof FormData ? body : body && JSON.stringify(body);
+  let response: Response;
   try {
-    answer = await fetch(url, { method, headers, body: sent ?? null, signal: signal ?? null, credentials: "same-origin" });
+    response = await fetch(url, { method, headers, body: payload ?? null, signal: signal ?? null, credentials: "same-origin" });
   } catch (error) {
     if (signal?.aborted) throw error;
     throw new ServiceError(0, "offline", { zh: "連不上伺服器，請稍後再試。", en: "The server cannot be reached; try again." });
   }
-  if (answer.status === 204) return undefined as T;
-  const said: unknown = await answer.json().catch(() => null);
-  if (!answer.ok) throw refusal(answer.status, said);
-  return said as T;
+  if (response.status === 204) return undefined as T;
+  const json: unknown = await response.json().catch(() => null);
+  if (!response.ok) throw serviceError(response.status, json);
+  return json as T;
 }
 
-function refusal(status: number, said: unknown): ServiceError {
-  const error = (said as { error?: { code?: string; zh?: string; en?: string } } | null)?.error;
+function serviceError(status: number, json: unknown): ServiceError {
+  const error = (json as { error?: { code?: string; zh?: string; en?: string } } | null)?.error;
   const fallback = { zh: `伺服器回覆 ${status}。`, en: `The server answered ${status}.` };
   return new ServiceError(status, error?.code ?? "unknown", {
     zh: error?.zh ?? fallback.zh,

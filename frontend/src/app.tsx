@@ -1,49 +1,49 @@
 import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
 import { post, refreshSession, session } from "./api";
-import { language, t } from "./i18n";
-import { go, match, place, type PageProps } from "./router";
+import { common, language } from "./i18n";
+import { matchPath, navigate, type PageProps, route } from "./router";
 import { routes } from "./routes";
-import { PageTrouble, Waiting } from "./ui";
+import { ErrorPage, Loading } from "./ui";
 
-type Shown = { Page: ComponentType<PageProps>; path: string } | { error: unknown; path: string };
+type PageState = { Page: ComponentType<PageProps>; path: string } | { error: unknown; path: string };
 
 export function App() {
-  const { path, query } = place.value;
-  const [shown, setShown] = useState<Shown | null>(null);
-  const found = routes.map(([pattern, load]) => ({ pattern, load, params: match(pattern, path) })).find((r) => r.params);
+  const { path, query } = route.value;
+  const [pageState, setPageState] = useState<PageState | null>(null);
+  const matched = routes.map(([pattern, load]) => ({ pattern, load, params: matchPath(pattern, path) })).find((r) => r.params);
   useEffect(() => {
     let current = true;
-    if (found) {
-      found.load().then(
-        (module) => current && setShown({ Page: module.default, path: found.pattern }),
-        (error: unknown) => current && setShown({ error, path: found.pattern }),
+    if (matched) {
+      matched.load().then(
+        (module) => current && setPageState({ Page: module.default, path: matched.pattern }),
+        (error: unknown) => current && setPageState({ error, path: matched.pattern }),
       );
     }
     return () => {
       current = false;
     };
-  }, [found?.pattern]);
+  }, [matched?.pattern]);
   return (
     <>
       <a class="skip" href="#main" onClick={toMain}>
-        {t("skip")}
+        {common("skip")}
       </a>
       <Header path={path} />
       <main id="main" tabIndex={-1}>
-        {!found ? (
+        {!matched ? (
           <div class="trouble">
-            <h1>{t("nothere")}</h1>
+            <h1>{common("nothere")}</h1>
             <p>
-              <a href="#/">{t("home")}</a>
+              <a href="#/">{common("home")}</a>
             </p>
           </div>
-        ) : !shown || shown.path !== found.pattern ? (
-          <Waiting />
-        ) : "error" in shown ? (
-          <PageTrouble error={shown.error} />
+        ) : !pageState || pageState.path !== matched.pattern ? (
+          <Loading />
+        ) : "error" in pageState ? (
+          <ErrorPage error={pageState.error} />
         ) : (
-          <shown.Page key={path} params={found.params ?? {}} query={query} />
+          <pageState.Page key={path} params={matched.params ?? {}} query={query} />
         )}
       </main>
     </>
@@ -58,7 +58,7 @@ function toMain(event: Event): void {
 
 function Header({ path }: { path: string }) {
   const person = session.value?.person ?? null;
-  const links: [string, Parameters<typeof t>[0], boolean][] = [
+  const links: [string, Parameters<typeof common>[0], boolean][] = [
     ["/", "gallery", true],
     ["/collections", "collections", true],
     ["/tours", "tours", true],
@@ -74,12 +74,12 @@ function Header({ path }: { path: string }) {
         <img src="/seal.svg" alt="" width="28" height="28" />
         <span>入木</span> <small>rumu</small>
       </a>
-      <nav aria-label={t("menu")}>
+      <nav aria-label={common("menu")}>
         {links
           .filter(([, , allowed]) => allowed)
           .map(([href, name]) => (
-            <a key={href} href={`#${href}`} aria-current={path === href ? "page" : within(path, href) ? "true" : undefined}>
-              {t(name)}
+            <a key={href} href={`#${href}`} aria-current={path === href ? "page" : isWithin(path, href) ? "true" : undefined}>
+              {common(name)}
             </a>
           ))}
       </nav>
@@ -90,17 +90,17 @@ function Header({ path }: { path: string }) {
           lang={language.value === "zh" ? "en" : "zh-Hant"}
           onClick={() => (language.value = language.value === "zh" ? "en" : "zh")}
         >
-          {t("language")}
+          {common("language")}
         </button>
         {person ? (
           <>
             <a href="#/account">{person.name}</a>
             <button type="button" class="quiet" onClick={logout}>
-              {t("logout")}
+              {common("logout")}
             </button>
           </>
         ) : (
-          <a href="#/login">{t("login")}</a>
+          <a href="#/login">{common("login")}</a>
         )}
       </div>
     </header>
@@ -108,10 +108,10 @@ function Header({ path }: { path: string }) {
 }
 
 /** A page that lies below one of the menu: a work in the gallery, a sheet in the studio. */
-const within = (path: string, href: string): boolean => (href === "/" ? path.startsWith("/works/") : path.startsWith(`${href}/`));
+const isWithin = (path: string, href: string): boolean => (href === "/" ? path.startsWith("/works/") : path.startsWith(`${href}/`));
 
 async function logout(): Promise<void> {
   await post("/api/logout");
   await refreshSession();
-  go("/");
+  navigate("/");
 }

@@ -7,14 +7,14 @@ export type PageProps = { params: Record<string, string>; query: URLSearchParams
 const hash = signal(location.hash);
 addEventListener("hashchange", () => (hash.value = location.hash));
 
-export const place = computed(() => readHash(hash.value));
+export const route = computed(() => parseHash(hash.value));
 
-export function readHash(text: string): { path: string; query: URLSearchParams } {
+export function parseHash(text: string): { path: string; query: URLSearchParams } {
   const [path = "", search = ""] = text.replace(/^#/, "").split("?", 2);
   return { path: path || "/", query: new URLSearchParams(search) };
 }
 
-export function match(pattern: string, path: string): Record<string, string> | null {
+export function matchPath(pattern: string, path: string): Record<string, string> | null {
   const wanted = pattern.split("/");
   const found = path.split("/");
   if (wanted.length !== found.length) return null;
@@ -29,13 +29,13 @@ export function match(pattern: string, path: string): Record<string, string> | n
   return params;
 }
 
-export function go(path: string): void {
+export function navigate(path: string): void {
   location.hash = path;
 }
 
 /** Change the query of the present page without a new entry in the history: a view that is being turned. */
-export function rewrite(query: URLSearchParams): void {
+export function replaceQuery(query: URLSearchParams): void {
   const text = query.toString().replaceAll("%2C", ",");
-  history.replaceState(null, "", `#${place.value.path}${text ? `?${text}` : ""}`);
+  history.replaceState(null, "", `#${route.value.path}${text ? `?${text}` : ""}`);
   hash.value = location.hash; // replaceState tells nobody
 }

@@ -1,7 +1,7 @@
 // What the service says, as docs/service.md and /api/openapi.json have it.
 
 export type Language = "zh" | "en";
-export type Text = { zh: string; en: string };
+export type Bilingual = { zh: string; en: string };
 export type Role = "owner" | "teacher" | "pupil";
 export type HeightSource = "photometric" | "inflation" | "density";
 
@@ -10,12 +10,12 @@ export type SessionFacts = { person: Person | null; csrf: string; owner_exists: 
 
 export type WorkCard = {
   id: string;
-  title: Text;
+  title: Bilingual;
   character: string;
   script: string;
-  hand: Text;
+  hand: Bilingual;
   dynasty: string;
-  period: Text;
+  period: Bilingual;
   collection: string;
   kind: "image" | "capture";
   height_source: HeightSource;
@@ -25,14 +25,14 @@ export type WorkCard = {
   thumb_normals: string;
 };
 
-export type Annotation = { id: string; x: number; y: number; title: Text; text: Text };
+export type Annotation = { id: string; x: number; y: number; title: Bilingual; text: Bilingual };
 
 export type Work = WorkCard & {
-  material: Text;
+  material: Bilingual;
   source: string;
   licence: string;
   attribution: string;
-  collection_title: Text;
+  collection_title: Bilingual;
   files: Record<"picture" | "albedo" | "normals" | "normals16" | "height" | "glb" | "stl" | "ply" | "manifest", string>;
   annotations: Annotation[];
   spacing: number | null;
@@ -51,7 +51,7 @@ export type ViewerFacts = {
   unit: "mm" | "px";
   spacing: number;
   source: HeightSource;
-  source_text: Text;
+  source_text: Bilingual;
   /** Raw float32, little endian, row by row from the top, in `unit`. */
   heights: { url: string; width: number; height: number; min: number; max: number };
   normals: string;
@@ -62,14 +62,14 @@ export type ViewerFacts = {
   glb: string;
 };
 
-export type TourStep = { work: string; view: string; title: Text; text: Text };
-export type Tour = { id: string; title: Text; steps: TourStep[] };
+export type TourStep = { work: string; view: string; title: Bilingual; text: Bilingual };
+export type Tour = { id: string; title: Bilingual; steps: TourStep[] };
 
-export type Part = { name: string; zh: string; en: string; score: number; meaning: Text };
+export type Part = { name: string; zh: string; en: string; score: number; meaning: Bilingual };
 export type Remark = {
   kind: string;
   /** The kind in words. */
-  name?: Text;
+  name?: Bilingual;
   zh: string;
   en: string;
   severity: number;
@@ -82,19 +82,19 @@ export type Remark = {
 export type Mark = {
   score: number | null;
   level: "excellent" | "good" | "medium" | "bad" | null;
-  level_text: Text | null;
+  level_text: Bilingual | null;
   /** The lowest score of each level; below the last is bad. */
   cuts?: { excellent: number; good: number; medium: number } | null;
   interval: [number, number] | null;
-  interval_note: Text | null;
+  interval_note: Bilingual | null;
   parts: Part[];
   remarks: Remark[];
   similarity: number | null;
   sim_paper: number | null;
   pose: { angle: number; scale: number; shift: [number, number] } | null;
-  refused: null | (Text & { code: string });
+  refused: null | (Bilingual & { code: string });
   source: [HeightSource, HeightSource] | null;
-  source_text: Text | null;
+  source_text: Bilingual | null;
   /** Maps fractions of the copy's cell to fractions of the master's, origin top left: x' = a x + c y + e, y' = b x + d y + f. */
   align: { matrix: [number, number, number, number, number, number] } | null;
   /** [x, y, r]: fractions of the own cell; r 0 on the line to 1 far off. */
@@ -127,5 +127,5 @@ export type Job = {
   total: number;
   message: string;
   result: Record<string, unknown>;
-  error: Text | null;
+  error: Bilingual | null;
 };

@@ -1,8 +1,8 @@
 import { useState } from "preact/hooks";
 import { WorkFacts } from "../src/gallery/WorkFacts";
-import { language, say, t } from "../src/i18n";
+import { common, language, localize } from "../src/i18n";
 import type { ViewerFacts, Work } from "../src/types";
-import { ViewerPanel } from "../src/viewer/panel";
+import { ViewerPanel } from "../src/viewer/ViewerPanel";
 import { stateFromQuery } from "../src/viewer/state";
 import type { Viewer } from "../src/viewer/types";
 import "../src/gallery/work.css";
@@ -19,7 +19,7 @@ export function OnePage({ facts, onViewer }: { facts: PageFacts; onViewer: (view
     <main>
       <button type="button" class="quiet one-language" lang={language.value === "zh" ? "en" : "zh-Hant"}
         onClick={() => (language.value = language.value === "zh" ? "en" : "zh")}>
-        {t("language")}
+        {common("language")}
       </button>
       <article class="work">
         <div class="work-stage">
@@ -28,7 +28,7 @@ export function OnePage({ facts, onViewer }: { facts: PageFacts; onViewer: (view
         <aside class="label">
           <WorkFacts work={work} facts={viewer} alone />
           {work.annotations.map((note) => (
-            <section key={note.id}><h2>{say(note.title)}</h2><p>{say(note.text)}</p></section>
+            <section key={note.id}><h2>{localize(note.title)}</h2><p>{localize(note.text)}</p></section>
           ))}
         </aside>
       </article>

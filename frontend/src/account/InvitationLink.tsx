@@ -2,10 +2,10 @@
 
 import { useState } from "preact/hooks";
 import { post } from "../api";
-import { language } from "../i18n";
+import { formatDate } from "../i18n";
+import { t } from "../i18n/account";
 import type { Role } from "../types";
-import { Trouble } from "../ui";
-import { a } from "./say";
+import { ErrorMessage } from "../ui";
 
 type Made = { link: string; expires: string };
 
@@ -24,21 +24,19 @@ export function InvitationLink({ role, classId, onMade }: { role: Role; classId?
   return (
     <div class="invitation">
       <button type="button" class={made ? "quiet" : ""} onClick={make}>
-        {made ? a("another") : a("makeLink")}
+        {made ? t("another") : t("makeLink")}
       </button>
       {made && (
         <div class="invitation-link">
-          <input readOnly value={made.link} aria-label={a("link")} onFocus={(event) => event.currentTarget.select()} />
+          <input readOnly value={made.link} aria-label={t("link")} onFocus={(event) => event.currentTarget.select()} />
           <button type="button" class="quiet" onClick={copy}>
-            {copied ? a("copied") : a("copyLink")}
+            {copied ? t("copied") : t("copyLink")}
           </button>
-          <p class="note">{a("linkNote", { until: until(made.expires) })}</p>
+          <p class="note">{t("linkNote", { until: formatDate(made.expires) })}</p>
         </div>
       )}
-      {error !== null && <Trouble error={error} />}
+      {error !== null && <ErrorMessage error={error} />}
     </div>
   );
 }
 
-const until = (time: string): string =>
-  new Date(time).toLocaleDateString(language.value === "zh" ? "zh-Hant-TW" : "en-GB", { year: "numeric", month: "long", day: "numeric" });

@@ -1,31 +1,44 @@
 // A new password, twice, with its rules beside it.
 
+import { t } from "../i18n/account";
 import { Field } from "../ui";
-import { flawOf, LONGEST, SHORTEST } from "./password";
-import { a } from "./say";
 
-type Props = { password: string; again: string; name?: string; tried: boolean; onChange: (password: string, again: string) => void };
+type Props = { password: string; repeated: string; name?: string; tried: boolean; onChange: (password: string, repeated: string) => void };
 
-export function NewPassword({ password, again, name = "", tried, onChange }: Props) {
-  const flaw = flawOf(password, again, name);
-  const said = flaw && (tried || (flaw === "differs" && again.length > 0));
+export function NewPassword({ password, repeated, name = "", tried, onChange }: Props) {
+  const problem = passwordProblem(password, repeated, name);
+  const visible = problem && (tried || (problem === "differs" && repeated.length > 0));
   return (
     <>
-      <Field label={a("newPassword")} hint={a("rules", { shortest: SHORTEST })}>
+      <Field label={t("newPassword")} hint={t("rules", { shortest: MIN_LENGTH })}>
         <input
-          type="password" autocomplete="new-password" required minLength={SHORTEST} maxLength={LONGEST} value={password}
-          aria-invalid={Boolean(said)} onInput={(event) => onChange(event.currentTarget.value, again)}
+          type="password" autocomplete="new-password" required minLength={MIN_LENGTH} maxLength={MAX_LENGTH} value={password}
+          aria-invalid={Boolean(visible)} onInput={(event) => onChange(event.currentTarget.value, repeated)}
         />
       </Field>
-      <Field label={a("passwordAgain")}>
+      <Field label={t("passwordAgain")}>
         <input
-          type="password" autocomplete="new-password" required maxLength={LONGEST} value={again} aria-invalid={Boolean(said)}
+          type="password" autocomplete="new-password" required maxLength={MAX_LENGTH} value={repeated} aria-invalid={Boolean(visible)}
           onInput={(event) => onChange(password, event.currentTarget.value)}
         />
       </Field>
       <p class="flaw" role="status">
-        {said ? a(flaw, { shortest: SHORTEST }) : ""}
+        {visible ? t(problem, { shortest: MIN_LENGTH }) : ""}
       </p>
     </>
   );
+}
+
+export const MIN_LENGTH = 8;
+export const MAX_LENGTH = 200;
+
+export type PasswordProblem = "short" | "long" | "differs" | "isName" | "sameLetter";
+
+/** What is wrong with a new password; null when it will do. */
+export function passwordProblem(password: string, repeated: string, name = ""): PasswordProblem | null {
+  if (password.length < MIN_LENGTH) return "short";
+  if (password.length > MAX_LENGTH) return "long";
+  if (name && password.toLowerCase() === name.trim().toLowerCase()) return "isName";
+  if (new Set(password).size === 1) return "sameLetter";
+  return password === repeated ? null : "differs";
 }

@@ -1,24 +1,24 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { post } from "../api";
-import { say, words } from "../i18n";
-import { gallery as table } from "../i18n/gallery";
+import { localize } from "../i18n";
+import { t } from "../i18n/gallery";
 import type { Job } from "../types";
+import { messageInOneLanguage } from "./labels";
 
-const t = words(table);
 const NAMES = { queued: "queued", running: "runningJob", done: "doneJob", failed: "failedJob", cancelled: "cancelledJob" } as const;
-export const ENDED = new Set<Job["state"]>(["done", "failed", "cancelled"]);
+export const FINISHED_STATES = new Set<Job["state"]>(["done", "failed", "cancelled"]);
 
 /** What a job says of itself, as it goes: server-sent events, which the browser takes up again by itself. */
 export function useJob(given: Job | null): Job | null {
   const [job, setJob] = useState(given);
   useEffect(() => {
     setJob(given);
-    if (!given || ENDED.has(given.state)) return;
+    if (!given || FINISHED_STATES.has(given.state)) return;
     const events = new EventSource(`/api/jobs/${given.id}/events`);
     events.onmessage = (event: MessageEvent<string>) => {
       const now = JSON.parse(event.data) as Job;
       setJob(now);
-      if (ENDED.has(now.state)) events.close();
+      if (FINISHED_STATES.has(now.state)) events.close();
     };
     return () => events.close();
   }, [given?.id]);
@@ -26,15 +26,15 @@ export function useJob(given: Job | null): Job | null {
 }
 
 export function JobProgress({ job }: { job: Job }) {
-  const ended = ENDED.has(job.state);
+  const ended = FINISHED_STATES.has(job.state);
   const box = useRef<HTMLElement>(null);
   useEffect(() => box.current?.scrollIntoView({ block: "nearest", behavior: "smooth" }), [job.id, ended]); // below a long form
   return (
     <section class="panel job" ref={box}>
       <strong role="status">{t(NAMES[job.state])}</strong>{job.total > 0 && <span class="count-of">{job.done.toLocaleString()} / {job.total.toLocaleString()}</span>}
       {job.state === "queued" || (job.state === "running" && !job.total) ? <progress aria-label={t("runningJob")} /> : <progress aria-label={t("runningJob")} value={job.state === "done" ? 1 : job.done} max={job.state === "done" ? 1 : job.total || 1} />}
-      {job.message && !ended && <p class="note">{oneLanguage(job.message)}</p>}
-      {job.error && <p class="trouble" role="alert">{say(job.error)}</p>}
+      {job.message && !ended && <p class="note">{messageInOneLanguage(job.message)}</p>}
+      {job.error && <p class="trouble" role="alert">{localize(job.error)}</p>}
       {!ended && <button type="button" class="quiet" onClick={() => void post(`/api/jobs/${job.id}/cancel`)}>{t("stop")}</button>}
       {job.state === "done" && <Outcome result={job.result} />}
     </section>
@@ -65,8 +65,3 @@ function Outcome({ result }: { result: Imported }) {
   );
 }
 
-/** The service says each step in both languages, Chinese first: 「解開 Unpacking」. */
-export function oneLanguage(message: string): string {
-  const both = /^(\P{ASCII}+) (\p{ASCII}+)$/u.exec(message);
-  return both ? say({ zh: both[1]!, en: both[2]! }) : message;
-}

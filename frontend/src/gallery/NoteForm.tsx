@@ -1,12 +1,11 @@
 import { useState } from "preact/hooks";
 import { patch, post } from "../api";
-import { t as common, words } from "../i18n";
-import { gallery as table } from "../i18n/gallery";
-import type { Annotation, Text } from "../types";
-import { Dialog, Field, Trouble } from "../ui";
+import { common } from "../i18n";
+import { t } from "../i18n/gallery";
+import type { Annotation, Bilingual } from "../types";
+import { Dialog, ErrorMessage, Field } from "../ui";
 
-const t = words(table);
-const EMPTY: Text = { zh: "", en: "" };
+const EMPTY: Bilingual = { zh: "", en: "" };
 
 export function NoteForm({ work, note, onClose, onSaved }: { work: string; note: Partial<Annotation>; onClose: () => void; onSaved: (note: Annotation) => void }) {
   const [title, setTitle] = useState(note.title ?? EMPTY);
@@ -25,18 +24,18 @@ export function NoteForm({ work, note, onClose, onSaved }: { work: string; note:
   return (
     <Dialog title={t(note.id ? "editNote" : "addNote")} onClose={onClose}>
       <form onSubmit={(event) => void save(event)}>
-        <BothTexts title={title} text={text} onTitle={setTitle} onText={setText} />
-        {error ? <Trouble error={error} /> : null}
+        <BilingualFields title={title} text={text} onTitle={setTitle} onText={setText} />
+        {error ? <ErrorMessage error={error} /> : null}
         <button type="submit">{common("save")}</button>
       </form>
     </Dialog>
   );
 }
 
-type BothProps = { title: Text; text: Text; onTitle: (text: Text) => void; onText: (text: Text) => void };
+type BilingualProps = { title: Bilingual; text: Bilingual; onTitle: (text: Bilingual) => void; onText: (text: Bilingual) => void };
 
 /** A title and a text in both languages. */
-export function BothTexts({ title, text, onTitle, onText }: BothProps) {
+export function BilingualFields({ title, text, onTitle, onText }: BilingualProps) {
   return (
     <div class="both">
       <Field label={t("titleZh")}><input lang="zh-Hant" value={title.zh} maxLength={200} required={!title.en} onInput={(e) => onTitle({ ...title, zh: e.currentTarget.value })} /></Field>

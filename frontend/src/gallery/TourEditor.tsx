@@ -1,27 +1,25 @@
 import { useState } from "preact/hooks";
 import { patch, remove } from "../api";
-import { say, t as common, words } from "../i18n";
-import { gallery as table } from "../i18n/gallery";
-import { go } from "../router";
+import { common, localize } from "../i18n";
+import { t } from "../i18n/gallery";
+import { navigate } from "../router";
 import type { Tour, TourStep, WorkCard } from "../types";
-import { Field, Trouble } from "../ui";
-import { Icon } from "../viewer/icons";
-import { BothTexts } from "./NoteForm";
-import { unnumbered } from "./titles";
+import { ErrorMessage, Field } from "../ui";
+import { Icon } from "../viewer/Icon";
+import { BilingualFields } from "./NoteForm";
+import { withoutNumber } from "./labels";
 import { WorkPicker } from "./WorkPicker";
-
-const t = words(table);
 
 type Props = { tour: Tour; at: number; onMove: (to: number) => void; onChange: (tour: Tour) => void; view: () => string };
 
 /** For an owner: turn the work as it should be seen, take the view, say something to it. */
 export function TourEditor({ tour, at, onMove, onChange, view }: Props) {
   const [picking, setPicking] = useState(false);
-  const [said, setSaid] = useState("");
+  const [message, setMessage] = useState("");
   const [error, setError] = useState<unknown>(null);
   const step = tour.steps[at];
   const steps = (next: TourStep[]) => {
-    setSaid("");
+    setMessage("");
     onChange({ ...tour, steps: next });
   };
   const change = (partial: Partial<TourStep>) => steps(tour.steps.map((s, k) => (k === at ? { ...s, ...partial } : s)));
@@ -40,12 +38,12 @@ export function TourEditor({ tour, at, onMove, onChange, view }: Props) {
   };
   const save = () => attempt(async () => {
     await patch(`/api/tours/${encodeURIComponent(tour.id)}`, { title: tour.title, steps: tour.steps });
-    setSaid(t("saved"));
+    setMessage(t("saved"));
   });
   const drop = () => attempt(async () => {
     if (!confirm(t("sureRemove"))) return;
     await remove(`/api/tours/${encodeURIComponent(tour.id)}`);
-    go("/tours");
+    navigate("/tours");
   });
   return (
     <section class="tour-editor">
@@ -53,7 +51,7 @@ export function TourEditor({ tour, at, onMove, onChange, view }: Props) {
       <Field label={t("titleEn")}><input lang="en" value={tour.title.en} onInput={(e) => onChange({ ...tour, title: { ...tour.title, en: e.currentTarget.value } })} /></Field>
       <ol class="step-list">
         {tour.steps.map((s, k) => (
-          <li key={k}><button type="button" class="quiet" aria-pressed={k === at} onClick={() => onMove(k)}>{k + 1}. {unnumbered(say(s.title))}</button></li>
+          <li key={k}><button type="button" class="quiet" aria-pressed={k === at} onClick={() => onMove(k)}>{k + 1}. {withoutNumber(localize(s.title))}</button></li>
         ))}
       </ol>
       <button type="button" class="quiet" onClick={() => setPicking(true)}><Icon name="add" />{t("addStep")}</button>
@@ -61,19 +59,19 @@ export function TourEditor({ tour, at, onMove, onChange, view }: Props) {
         <fieldset>
           <legend>{t("step", { k: at + 1, n: tour.steps.length })}</legend>
           <div class="step-tools">
-            <button type="button" onClick={() => { change({ view: view() }); setSaid(t("taken")); }}><Icon name="camera" />{t("takeView")}</button>
+            <button type="button" onClick={() => { change({ view: view() }); setMessage(t("taken")); }}><Icon name="camera" />{t("takeView")}</button>
             <button type="button" class="quiet" disabled={at === 0} onClick={() => swap(at - 1)}>{t("up")}</button>
             <button type="button" class="quiet" disabled={at === tour.steps.length - 1} onClick={() => swap(at + 1)}>{t("down")}</button>
             <button type="button" class="quiet" onClick={() => { steps(tour.steps.filter((_, k) => k !== at)); onMove(Math.max(0, at - 1)); }}>{common("remove")}</button>
           </div>
-          <BothTexts title={step.title} text={step.text} onTitle={(title) => change({ title })} onText={(text) => change({ text })} />
+          <BilingualFields title={step.title} text={step.text} onTitle={(title) => change({ title })} onText={(text) => change({ text })} />
         </fieldset>
       )}
-      {error ? <Trouble error={error} /> : null}
+      {error ? <ErrorMessage error={error} /> : null}
       <div class="step-tools">
         <button type="button" onClick={() => void save()}>{common("save")}</button>
         <button type="button" class="quiet" onClick={() => void drop()}>{t("removeTour")}</button>
-        <span role="status">{said}</span>
+        <span role="status">{message}</span>
       </div>
       {picking && <WorkPicker title={t("chooseWork")} onClose={() => setPicking(false)} onChoose={add} />}
     </section>

@@ -1,14 +1,12 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { get, patch } from "../api";
-import { t as common, words } from "../i18n";
-import { gallery as table } from "../i18n/gallery";
-import type { ViewerFacts, Work } from "../types";
-import { Dialog, Trouble } from "../ui";
-import { changesOf } from "./editing";
+import { common } from "../i18n";
+import { t } from "../i18n/gallery";
+import type { Bilingual, ViewerFacts, Work } from "../types";
+import { Dialog, ErrorMessage } from "../ui";
 import { FactFields } from "./FactFields";
-import { forgetList } from "./lastlist";
-
-const t = words(table);
+import { clearLastList } from "./listState";
+import { licenceField } from "./labels";
 
 /** `facts`: what the viewer needs, where the change touched it. */
 export type Edited = { work: Work; facts: ViewerFacts | null };
@@ -28,7 +26,7 @@ export function WorkForm({ work, onClose, onSaved }: { work: Work; onClose: () =
     if (!`${form.get("title_zh")}${form.get("title_en")}`.trim()) return setError(new Error(t("titleNeeded")));
     setSending(true);
     try {
-      onSaved(await saved(work, form));
+      onSaved(await saveChanges(work, form));
     } catch (problem) {
       setError(problem);
       setSending(false);
@@ -38,19 +36,48 @@ export function WorkForm({ work, onClose, onSaved }: { work: Work; onClose: () =
     <Dialog title={t("editWork")} onClose={onClose}>
       <form onSubmit={(event) => void save(event)}>
         <FactFields work={work} spacing={work.kind === "image"} />
-        {error ? <Trouble error={error} /> : null}
+        {error ? <ErrorMessage error={error} /> : null}
         <button type="submit" ref={button} disabled={sending}>{sending ? t("sending") : common("save")}</button>
       </form>
     </Dialog>
   );
 }
 
-async function saved(work: Work, form: FormData): Promise<Edited> {
+async function saveChanges(work: Work, form: FormData): Promise<Edited> {
   const changes = changesOf(work, form);
   if (!Object.keys(changes).length) return { work, facts: null };
   const url = `/api/works/${encodeURIComponent(work.id)}`;
   const changed = await patch<Work>(url, changes);
-  forgetList();
+  clearLastList();
   // Another pixel's size is another height and another unit.
   return { work: changed, facts: "spacing" in changes ? await get<ViewerFacts>(`${url}/viewer`) : null };
 }
+
+const BILINGUAL_FIELDS = ["title", "hand", "period", "material"] as const;
+const PLAIN_FIELDS = ["character", "script", "dynasty", "source", "licence", "attribution"] as const;
+
+export type WorkChange = Partial<Record<(typeof BILINGUAL_FIELDS)[number], Bilingual> & Record<(typeof PLAIN_FIELDS)[number], string> & { spacing: number | null }>;
+
+/** The facts of a form that differ from the work's; what the form does not ask stays, so that two owners do not undo each other. */
+export function changesOf(work: Work, form: FormData): WorkChange {
+  const formValue = (name: string, before: string) => (form.has(name) ? normalized(String(form.get(name))) : normalized(before));
+  const changes: WorkChange = {};
+  for (const name of BILINGUAL_FIELDS) {
+    const before = work[name];
+    const now = { zh: formValue(`${name}_zh`, before.zh), en: formValue(`${name}_en`, before.en) };
+    if (now.zh !== normalized(before.zh) || now.en !== normalized(before.en)) changes[name] = now;
+  }
+  for (const name of PLAIN_FIELDS) {
+    const before = name === "licence" ? licenceField(work[name]) : work[name];
+    const now = formValue(name, before);
+    if (now !== normalized(before)) changes[name] = now;
+  }
+  if (form.has("spacing")) {
+    const spacing = formValue("spacing", "") === "" ? null : Number(form.get("spacing"));
+    if (spacing !== work.spacing) changes.spacing = spacing;
+  }
+  return changes;
+}
+
+/** Line ends as the service keeps them: a browser's form may send others. */
+const normalized = (text: string): string => text.replace(/\r\n?/g, "\n").trim();

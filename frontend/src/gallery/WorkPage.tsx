@@ -1,24 +1,23 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { get, remove, session } from "../api";
-import { say, words } from "../i18n";
-import { gallery as table } from "../i18n/gallery";
-import { go, rewrite, type PageProps } from "../router";
+import { localize } from "../i18n";
+import { t } from "../i18n/gallery";
+import { navigate, type PageProps, replaceQuery } from "../router";
 import type { Annotation, ViewerFacts, Work, WorkCard } from "../types";
-import { PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
-import { Icon } from "../viewer/icons";
-import { ViewerPanel, type Shown } from "../viewer/panel";
+import { ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
+import { Icon } from "../viewer/Icon";
+import { type ShownSurface, ViewerPanel } from "../viewer/ViewerPanel";
 import { stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
-import type { Place, Viewer } from "../viewer/types";
-import { forgetList } from "./lastlist";
+import type { SheetPoint, Viewer } from "../viewer/types";
+import { clearLastList } from "./listState";
 import { NoteForm } from "./NoteForm";
 import { WorkFacts } from "./WorkFacts";
-import { WorkForm, type Edited } from "./WorkForm";
+import { type Edited, WorkForm } from "./WorkForm";
 import { WorkPicker } from "./WorkPicker";
 import "./gallery.css";
 import "./work.css";
 
-const t = words(table);
-const WRITING = 300;
+const WRITE_DELAY_MS = 300;
 
 export const workUrl = (id: string): string => `/api/works/${encodeURIComponent(id)}`;
 
@@ -31,13 +30,13 @@ export async function loadWork(id: string, signal: AbortSignal): Promise<{ work:
 export default function WorkPage({ params, query }: PageProps) {
   const id = params.id ?? "";
   const loaded = useLoaded((signal) => loadWork(id, signal), id);
-  if (loaded.error) return <PageTrouble error={loaded.error} again={loaded.again} />;
-  if (!loaded.value) return <Waiting />;
-  return <Shelf key={id} work={loaded.value.work} facts={loaded.value.facts} query={query} />;
+  if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
+  if (!loaded.value) return <Loading />;
+  return <WorkView key={id} work={loaded.value.work} facts={loaded.value.facts} query={query} />;
 }
 
-function Shelf({ query, ...first }: { work: Work; facts: ViewerFacts; query: URLSearchParams }) {
-  const [{ work, facts }, setTold] = useState(first);
+function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: URLSearchParams }) {
+  const [{ work, facts }, setEdited] = useState(first);
   const [initial] = useState(() => stateFromQuery(query));
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const [notes, setNotes] = useState(work.annotations);
@@ -46,7 +45,7 @@ function Shelf({ query, ...first }: { work: Work; facts: ViewerFacts; query: URL
   const [picking, setPicking] = useState(false);
   const withId = query.get("with");
   const second = useLoaded((signal) => (withId ? loadWork(withId, signal) : Promise.resolve(null)), withId ?? "");
-  const beside: Shown | null = withId && second.value ? { facts: second.value.facts, title: second.value.work.title } : null;
+  const beside: ShownSurface | null = withId && second.value ? { facts: second.value.facts, title: second.value.work.title } : null;
   const shown = useMemo(() => ({ facts, title: work.title }), [facts, work]);
   const owner = session.value?.person?.role === "owner";
   const address = useAddress(initial, viewer, query);
@@ -62,7 +61,7 @@ function Shelf({ query, ...first }: { work: Work; facts: ViewerFacts; query: URL
     await remove(`${workUrl(work.id)}/annotations/${note.id}`);
     setNotes((before) => before.filter((n) => n.id !== note.id));
   };
-  const stand = (other: WorkCard | null) => {
+  const chooseSecond = (other: WorkCard | null) => {
     setPicking(false);
     address.put("with", other?.id ?? null);
   };
@@ -71,8 +70,8 @@ function Shelf({ query, ...first }: { work: Work; facts: ViewerFacts; query: URL
       <div class="work-stage">
         <ViewerPanel shown={shown} initial={initial} beside={beside} onViewer={setViewer} onState={address.note}
           files={{ ...work.files, page: `${workUrl(work.id)}/export.html` }} pins={{ items: notes, chosen, choose }} link={address.link}
-          onPair={() => (withId ? stand(null) : setPicking(true))} onPoint={owner ? (place: Place) => setForm({ x: place.x, y: place.y }) : undefined} />
-        {second.error ? <Trouble error={second.error} again={second.again} /> : null}
+          onPair={() => (withId ? chooseSecond(null) : setPicking(true))} onPoint={owner ? (place: SheetPoint) => setForm({ x: place.x, y: place.y }) : undefined} />
+        {second.error ? <ErrorMessage error={second.error} retry={second.retry} /> : null}
       </div>
       <aside class="label">
         <WorkFacts work={work} facts={facts} />
@@ -82,10 +81,10 @@ function Shelf({ query, ...first }: { work: Work; facts: ViewerFacts; query: URL
           {work.previous ? <a href={`#/works/${encodeURIComponent(work.previous)}`}><Icon name="previous" />{t("previous")}</a> : <span />}
           {work.next && <a href={`#/works/${encodeURIComponent(work.next)}`}>{t("next")}<Icon name="next" /></a>}
         </nav>
-        {owner && <OwnerTools work={work} onSaved={(edited) => setTold({ work: edited.work, facts: edited.facts ?? facts })} />}
+        {owner && <OwnerTools work={work} onSaved={(edited) => setEdited({ work: edited.work, facts: edited.facts ?? facts })} />}
       </aside>
       {form && <NoteForm work={work.id} note={form} onClose={() => setForm(null)} onSaved={saved} />}
-      {picking && <WorkPicker title={t("chooseBeside")} not={work.id} onClose={() => setPicking(false)} onChoose={stand} />}
+      {picking && <WorkPicker title={t("chooseBeside")} not={work.id} onClose={() => setPicking(false)} onChoose={chooseSecond} />}
     </article>
   );
 }
@@ -93,7 +92,7 @@ function Shelf({ query, ...first }: { work: Work; facts: ViewerFacts; query: URL
 function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) => void }) {
   const [editing, setEditing] = useState(false);
   const [error, setError] = useState<unknown>(null);
-  const drop = () => confirm(t("sureRemoveWork")) && remove(workUrl(work.id)).then(() => (forgetList(), go("/")), setError);
+  const drop = () => confirm(t("sureRemoveWork")) && remove(workUrl(work.id)).then(() => (clearLastList(), navigate("/")), setError);
   const close = () => setEditing(false);
   return (
     <div class="owner-tools">
@@ -101,7 +100,7 @@ function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) =
         <button type="button" class="quiet" onClick={() => setEditing(true)}>{t("editWork")}</button>
         <button type="button" class="quiet" onClick={drop}>{t("removeWork")}</button>
       </p>
-      {error ? <Trouble error={error} /> : null}
+      {error ? <ErrorMessage error={error} /> : null}
       {editing && <WorkForm work={work} onClose={close} onSaved={(edited) => (onSaved(edited), close())} />}
     </div>
   );
@@ -110,9 +109,9 @@ function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) =
 /** The view stands in the address, written when the hand rests; an address that is typed anew moves the view. */
 function useAddress(initial: ViewState, viewer: Viewer | null, query: URLSearchParams) {
   const now = useRef(initial);
-  const wait = useRef(0);
+  const timer = useRef(0);
   const extra = useRef({ with: query.get("with") });
-  const written = useRef(query.toString());
+  const lastWritten = useRef(query.toString());
   const whole = () => {
     const all = stateToQuery(now.current);
     if (extra.current.with) all.set("with", extra.current.with);
@@ -120,21 +119,21 @@ function useAddress(initial: ViewState, viewer: Viewer | null, query: URLSearchP
   };
   const write = () => {
     const all = whole();
-    written.current = all.toString();
-    rewrite(all);
+    lastWritten.current = all.toString();
+    replaceQuery(all);
   };
   useEffect(() => {
-    if (query.toString() === written.current) return;
-    written.current = query.toString();
+    if (query.toString() === lastWritten.current) return;
+    lastWritten.current = query.toString();
     extra.current = { with: query.get("with") };
     viewer?.set(stateFromQuery(query));
   }, [query.toString()]);
-  useEffect(() => () => clearTimeout(wait.current), []);
+  useEffect(() => () => clearTimeout(timer.current), []);
   return {
     note(state: ViewState) {
       now.current = state;
-      clearTimeout(wait.current);
-      wait.current = window.setTimeout(write, WRITING);
+      clearTimeout(timer.current);
+      timer.current = window.setTimeout(write, WRITE_DELAY_MS);
     },
     put(name: "with", value: string | null) {
       extra.current = { [name]: value };
@@ -161,8 +160,8 @@ function Notes({ notes, chosen, owner, choose, edit, drop }: NotesProps) {
       <ol>
         {notes.map((note) => (
           <li key={note.id} class={note.id === chosen ? "on" : ""}>
-            <button type="button" class="quiet note-head" aria-expanded={note.id === chosen} onClick={() => choose(note.id === chosen ? null : note.id)}>{say(note.title)}</button>
-            {note.id === chosen && <p>{say(note.text)}</p>}
+            <button type="button" class="quiet note-head" aria-expanded={note.id === chosen} onClick={() => choose(note.id === chosen ? null : note.id)}>{localize(note.title)}</button>
+            {note.id === chosen && <p>{localize(note.text)}</p>}
             {owner && note.id === chosen && (
               <p class="note-edit">
                 <button type="button" class="quiet" onClick={() => edit(note)}>{t("edit")}</button>

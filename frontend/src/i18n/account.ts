@@ -1,4 +1,6 @@
-export const account = {
+import { translator } from "./index";
+
+export const t = translator({
   name: { zh: "名字", en: "Name" },
   nameHint: { zh: "一到八十個字，老師和館主看得到。", en: "1 to 80 characters; your teacher and the owner see it." },
   password: { zh: "密碼", en: "Password" },
@@ -51,4 +53,4 @@ export const account = {
   copyLink: { zh: "複製", en: "Copy" },
   copied: { zh: "已複製", en: "Copied" },
   linkNote: { zh: "只能用一次，{until} 前有效。現在就抄下來，之後不會再顯示。", en: "Works once, until {until}. Take it now: it is not shown again." },
-} as const;
+});

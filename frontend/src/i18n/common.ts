@@ -1,4 +1,4 @@
-export const common = {
+export const commonTexts = {
   gallery: { zh: "展廳", en: "Gallery" },
   collections: { zh: "專題", en: "Collections" },
   tours: { zh: "導覽", en: "Tours" },

@@ -1,4 +1,6 @@
-export const gallery = {
+import { translator } from "./index";
+
+export const t = translator({
   lead: { zh: "移動燈光，看見筆走過的地方。", en: "Ink that went three tenths into the wood. Move the light and see where the brush has been." },
   search: { zh: "尋找", en: "Search" },
   searchHint: { zh: "字、書家、作品", en: "character, hand, work" },
@@ -104,4 +106,4 @@ export const gallery = {
   tours: { zh: "導覽", en: "Tours" },
   removeNote: { zh: "刪除", en: "Delete" },
   removeTour: { zh: "刪除導覽", en: "Delete the tour" },
-} as const;
+});

@@ -1,4 +1,6 @@
-export const studio = {
+import { translator } from "./index";
+
+export const t = translator({
   // the sheet
   chooseTitle: { zh: "選一個範字", en: "Choose a master" },
   chooseLead: { zh: "選好範字，在紙上寫一遍，或上傳寫好的照片，隨即得到評分與評語。", en: "Pick a character, write it on the page or send a photo of your sheet, and see a mark with remarks at once." },
@@ -222,4 +224,4 @@ export const studio = {
   leftSimulated: { zh: "剛才左邊那一張是模擬樣本，不是真人書寫。", en: "In the last pair the left one was simulated, not written by a person." },
   rightSimulated: { zh: "剛才右邊那一張是模擬樣本，不是真人書寫。", en: "In the last pair the right one was simulated, not written by a person." },
   notYours: { zh: "這一頁不是給您的；請找館主或老師。", en: "This page is not for your login; ask the owner or your teacher." },
-} as const;
+});

@@ -1,4 +1,6 @@
-export const viewer = {
+import { translator } from "./index";
+
+export const t = translator({
   viewer: { zh: "光下看字", en: "The work under a lamp" },
   hostSaid: { zh: "方向鍵轉動燈光，按問號看說明。", en: "Arrow keys turn the light; press ? for help." },
   picture: { zh: "作品圖片", en: "Picture of the work" },
@@ -76,4 +78,4 @@ export const viewer = {
   keyTools: { zh: "燈光、移動、剖面、量尺", en: "light, move, cross-section, ruler" },
   keyFull: { zh: "全螢幕", en: "full screen" },
   keyHelp: { zh: "這個說明", en: "this help" },
-} as const;
+});

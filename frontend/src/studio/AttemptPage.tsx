@@ -2,62 +2,61 @@
 
 import { useState } from "preact/hooks";
 import { get, put, remove, session } from "../api";
-import { say, t } from "../i18n";
-import { go, type PageProps } from "../router";
+import { common, formatDateTime, localize } from "../i18n";
+import { t } from "../i18n/studio";
+import { navigate, type PageProps } from "../router";
 import type { Attempt, TeacherMark } from "../types";
-import { Field, PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
-import { moment } from "./Curve";
+import { ErrorMessage, ErrorPage, Field, Loading, useLoaded } from "../ui";
 import { MarkView } from "./mark/MarkView";
 import { Replay } from "./Replay";
-import { w } from "./say";
-import { gridName } from "./Tools";
+import { gridName } from "./grids";
 import "./studio.css";
 
 export default function AttemptPage({ params }: PageProps) {
   const id = params["id"] ?? "";
   const who = session.value?.person?.id ?? ""; // asked again once it is known who asks
-  const found = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), `${id} ${who}`);
+  const loaded = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), `${id} ${who}`);
   const [error, setError] = useState<unknown>(null);
-  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
-  if (!found.value) return <Waiting />;
-  const attempt = found.value;
+  if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
+  if (!loaded.value) return <Loading />;
+  const attempt = loaded.value;
   const person = session.value?.person ?? null;
   const own = person !== null && attempt.person?.id === person.id;
-  const drop = () => confirm(w("deleteSure")) && remove(`/api/attempts/${id}`).then(() => go("/practice"), setError);
+  const drop = () => confirm(t("deleteSure")) && remove(`/api/attempts/${id}`).then(() => navigate("/practice"), setError);
   return (
     <div class="attempt-page">
       <header class="desk-head">
         <a class="desk-thumb" href={`#/works/${attempt.work.id}`}>
-          <img src={attempt.work.thumb} alt={w("seeMaster")} width="72" height="72" />
+          <img src={attempt.work.thumb} alt={t("seeMaster")} width="72" height="72" />
         </a>
         <div>
-          <h1>{say(attempt.work.title)}</h1>
+          <h1>{localize(attempt.work.title)}</h1>
           <p class="note">
-            {[attempt.person?.name ?? (attempt.kind === "simulated" ? w("nobody") : ""), moment(attempt.created), w(`kind_${attempt.kind}`), attempt.kind === "pen" && w(gridName(attempt.grid))]
+            {[attempt.person?.name ?? (attempt.kind === "simulated" ? t("nobody") : ""), formatDateTime(attempt.created), t(`kind_${attempt.kind}`), attempt.kind === "pen" && t(gridName(attempt.grid))]
               .filter(Boolean)
               .join(" · ")}
           </p>
           <p class="row">
             <a class="button quiet" href={`#/studio/${attempt.work.id}${attempt.task ? `?task=${attempt.task}` : ""}`}>
-              {w("writeAgain")}
+              {t("writeAgain")}
             </a>
             {own && (
               <a class="button quiet" href={`#/practice?work=${attempt.work.id}`}>
-                {t("practice")}
+                {common("practice")}
               </a>
             )}
             {(own || person?.role === "owner") && attempt.kind !== "simulated" && (
               <button type="button" class="quiet" onClick={drop}>
-                {w("delete")}
+                {t("delete")}
               </button>
             )}
           </p>
-          {error !== null && <Trouble error={error} />}
+          {error !== null && <ErrorMessage error={error} />}
         </div>
       </header>
       <MarkView attempt={attempt} />
       <div class="below">
-        <TeacherMarks attempt={attempt} onChange={found.again} />
+        <TeacherMarks attempt={attempt} onChange={loaded.retry} />
         {attempt.kind === "pen" && <Replay attempt={attempt} />}
       </div>
     </div>
@@ -70,7 +69,7 @@ function TeacherMarks({ attempt, onChange }: { attempt: Attempt; onChange: () =>
   if (!teaches && !attempt.teacher_marks.length) return null;
   return (
     <section class="panel teacher-marks">
-      <h2>{w("teacherMarks")}</h2>
+      <h2>{t("teacherMarks")}</h2>
       {attempt.teacher_marks.map((mark, k) => (
         <blockquote key={k}>
           <strong>{mark.mark.toFixed(0)}</strong> {mark.note} <footer class="note">— {mark.teacher}</footer>
@@ -94,17 +93,17 @@ export function GiveMark({ attempt, given, onChange }: { attempt: { id: string |
   };
   return (
     <form class="give-mark" onSubmit={save}>
-      <Field label={w("yourMark")} hint={w("yourMarkHint")}>
+      <Field label={t("yourMark")} hint={t("yourMarkHint")}>
         <input type="number" min="0" max="100" step="any" required value={mark} onInput={(event) => setMark(event.currentTarget.value)} />
       </Field>
-      <Field label={w("note")}>
+      <Field label={t("note")}>
         <textarea rows={2} maxLength={2000} value={note} onInput={(event) => setNote(event.currentTarget.value)} />
       </Field>
       <p class="row">
-        <button type="submit">{t("save")}</button>
-        <span role="status">{state === "saved" ? w("saved") : ""}</span>
+        <button type="submit">{common("save")}</button>
+        <span role="status">{state === "saved" ? t("saved") : ""}</span>
       </p>
-      {typeof state === "object" && <Trouble error={state.error} />}
+      {typeof state === "object" && <ErrorMessage error={state.error} />}
     </form>
   );
 }

@@ -2,15 +2,14 @@
 
 import { useState } from "preact/hooks";
 import { get, post, query, remove, session } from "../api";
-import { say } from "../i18n";
-import { go, type PageProps } from "../router";
+import { formatDay, localize } from "../i18n";
+import { t } from "../i18n/studio";
+import { navigate, type PageProps } from "../router";
 import type { Page, WorkCard } from "../types";
-import { Field, PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
+import { ErrorMessage, ErrorPage, Field, Loading, useLoaded } from "../ui";
 import { InvitationLink } from "../account/InvitationLink";
-import { ClassHead } from "./ClassHead";
-import { day } from "./Curve";
-import { NeedLogin } from "./NeedLogin";
-import { w } from "./say";
+import { ClassHeader } from "./ClassHeader";
+import { RequireLogin } from "../account/RequireLogin";
 
 export type TaskCard = { id: string; title: string; note: string; due: string | null; work: WorkCard };
 type Pupil = { id: string; name: string };
@@ -18,36 +17,36 @@ type SchoolClass = { id: string; name: string; pupils: Pupil[]; tasks: TaskCard[
 
 export default function ClassPage({ params }: PageProps) {
   return (
-    <NeedLogin why={w("classesNeed")}>
-      <Shown id={params["id"] ?? ""} />
-    </NeedLogin>
+    <RequireLogin why={t("classesNeed")}>
+      <ClassView id={params["id"] ?? ""} />
+    </RequireLogin>
   );
 }
 
-function Shown({ id }: { id: string }) {
-  const found = useLoaded((signal) => get<SchoolClass>(`/api/classes/${id}`, signal), id);
+function ClassView({ id }: { id: string }) {
+  const loaded = useLoaded((signal) => get<SchoolClass>(`/api/classes/${id}`, signal), id);
   const teaches = session.value?.person?.role !== "pupil";
-  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
-  if (!found.value) return <Waiting />;
-  const { name, pupils, tasks, invitations } = found.value;
+  if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
+  if (!loaded.value) return <Loading />;
+  const { name, pupils, tasks, invitations } = loaded.value;
   return (
     <div class="class-page">
       <p class="note">
-        <a href="#/classes">← {w("classesTitle")}</a>
+        <a href="#/classes">← {t("classesTitle")}</a>
       </p>
-      {teaches ? <ClassHead id={id} name={name} pupils={pupils.length} tasks={tasks.length} onChange={found.again} /> : <h1>{name}</h1>}
+      {teaches ? <ClassHeader id={id} name={name} pupils={pupils.length} tasks={tasks.length} onChange={loaded.retry} /> : <h1>{name}</h1>}
       <div class="two-columns">
         <section class="panel">
-          <h2>{w("tasks")}</h2>
-          {tasks.length ? <Tasks tasks={tasks} /> : <p class="note">{w(teaches ? "noTasksTeacher" : "noTasksPupil")}</p>}
+          <h2>{t("tasks")}</h2>
+          {tasks.length ? <Tasks tasks={tasks} /> : <p class="note">{t(teaches ? "noTasksTeacher" : "noTasksPupil")}</p>}
           {teaches && <NewTask classId={id} />}
         </section>
         {teaches && (
           <section class="panel">
-            <h2>{w("pupils", { count: pupils.length })}</h2>
-            <Pupils pupils={pupils} classId={id} onChange={found.again} />
+            <h2>{t("pupils", { count: pupils.length })}</h2>
+            <Pupils pupils={pupils} classId={id} onChange={loaded.retry} />
             <p class="note">
-              {w("inviteNote")} {invitations.length > 0 && w("openLinks", { count: invitations.length })}
+              {t("inviteNote")} {invitations.length > 0 && t("openLinks", { count: invitations.length })}
             </p>
             <InvitationLink role="pupil" classId={id} />
           </section>
@@ -60,22 +59,22 @@ function Shown({ id }: { id: string }) {
 function Pupils({ pupils, classId, onChange }: { pupils: Pupil[]; classId: string; onChange: () => void }) {
   const [error, setError] = useState<unknown>(null);
   const takeOut = (pupil: Pupil) =>
-    confirm(`${w("takeOutOne", { name: pupil.name })}?`) && remove(`/api/classes/${classId}/pupils/${pupil.id}`).then(onChange, setError);
+    confirm(`${t("takeOutOne", { name: pupil.name })}?`) && remove(`/api/classes/${classId}/pupils/${pupil.id}`).then(onChange, setError);
   return (
     <>
       <ul class="pupils">
         {pupils.map((pupil) => (
           <li key={pupil.id} class="row">
-            <a class="grow" href={`#/practice?person=${pupil.id}`} aria-label={w("practiceOf", { name: pupil.name })}>
+            <a class="grow" href={`#/practice?person=${pupil.id}`} aria-label={t("practiceOf", { name: pupil.name })}>
               {pupil.name}
             </a>
-            <button type="button" class="quiet small" aria-label={w("takeOutOne", { name: pupil.name })} onClick={() => takeOut(pupil)}>
-              {w("takeOut")}
+            <button type="button" class="quiet small" aria-label={t("takeOutOne", { name: pupil.name })} onClick={() => takeOut(pupil)}>
+              {t("takeOut")}
             </button>
           </li>
         ))}
       </ul>
-      {error !== null && <Trouble error={error} />}
+      {error !== null && <ErrorMessage error={error} />}
     </>
   );
 }
@@ -88,10 +87,10 @@ function Tasks({ tasks }: { tasks: TaskCard[] }) {
           <a class="task-card" href={`#/tasks/${task.id}`}>
             <img src={task.work.thumb} alt="" width="64" height="64" />
             <span>
-              <b>{task.title || say(task.work.title)}</b>
+              <b>{task.title || localize(task.work.title)}</b>
               <small class="note">
-                {say(task.work.title)}
-                {task.due && ` · ${w("due", { day: day(task.due) })}`}
+                {localize(task.work.title)}
+                {task.due && ` · ${t("due", { day: formatDay(task.due) })}`}
               </small>
             </span>
           </a>
@@ -111,29 +110,29 @@ function NewTask({ classId }: { classId: string }) {
     event.preventDefault();
     if (!master) return;
     const until = due ? new Date(`${due}T23:59`).toISOString() : null;
-    post<{ id: string }>(`/api/classes/${classId}/tasks`, { work: master.id, title: title.trim() || say(master.title), note, due: until }).then(
-      (made) => go(`/tasks/${made.id}`),
+    post<{ id: string }>(`/api/classes/${classId}/tasks`, { work: master.id, title: title.trim() || localize(master.title), note, due: until }).then(
+      (made) => navigate(`/tasks/${made.id}`),
       setError,
     );
   };
   return (
     <details class="new-task">
-      <summary>{w("newTask")}</summary>
+      <summary>{t("newTask")}</summary>
       <form onSubmit={make}>
         <PickMaster chosen={master} onChoose={setMaster} />
-        <Field label={w("taskTitle")}>
-          <input maxLength={200} value={title} placeholder={master ? say(master.title) : ""} onInput={(event) => setTitle(event.currentTarget.value)} />
+        <Field label={t("taskTitle")}>
+          <input maxLength={200} value={title} placeholder={master ? localize(master.title) : ""} onInput={(event) => setTitle(event.currentTarget.value)} />
         </Field>
-        <Field label={w("taskNote")}>
+        <Field label={t("taskNote")}>
           <textarea rows={2} maxLength={2000} value={note} onInput={(event) => setNote(event.currentTarget.value)} />
         </Field>
-        <Field label={w("taskDue")}>
+        <Field label={t("taskDue")}>
           <input type="date" value={due} onInput={(event) => setDue(event.currentTarget.value)} />
         </Field>
         <button type="submit" disabled={!master}>
-          {w("giveTask")}
+          {t("giveTask")}
         </button>
-        {error !== null && <Trouble error={error} />}
+        {error !== null && <ErrorMessage error={error} />}
       </form>
     </details>
   );
@@ -142,20 +141,20 @@ function NewTask({ classId }: { classId: string }) {
 function PickMaster({ chosen, onChoose }: { chosen: WorkCard | null; onChoose: (work: WorkCard) => void }) {
   const [text, setText] = useState("");
   const url = `/api/works${query({ q: text, limit: 24 })}`;
-  const found = useLoaded((signal) => get<Page<WorkCard>>(url, signal), url);
+  const loaded = useLoaded((signal) => get<Page<WorkCard>>(url, signal), url);
   return (
     <fieldset class="pick-master">
-      <legend>{w("taskMaster")}</legend>
-      <input type="search" value={text} placeholder={w("searchHint")} aria-label={w("search")} onInput={(event) => setText(event.currentTarget.value)} />
+      <legend>{t("taskMaster")}</legend>
+      <input type="search" value={text} placeholder={t("searchHint")} aria-label={t("search")} onInput={(event) => setText(event.currentTarget.value)} />
       <div class="pick-row">
-        {(found.value?.items ?? []).map((work) => (
-          <label key={work.id} title={say(work.title)}>
+        {(loaded.value?.items ?? []).map((work) => (
+          <label key={work.id} title={localize(work.title)}>
             <input type="radio" name="master" class="visually-hidden" checked={chosen?.id === work.id} onChange={() => onChoose(work)} />
-            <img src={work.thumb} alt={say(work.title)} width="64" height="64" loading="lazy" />
+            <img src={work.thumb} alt={localize(work.title)} width="64" height="64" loading="lazy" />
           </label>
         ))}
       </div>
-      {chosen && <p class="note">{w("chosen", { title: say(chosen.title) })}</p>}
+      {chosen && <p class="note">{t("chosen", { title: localize(chosen.title) })}</p>}
     </fieldset>
   );
 }

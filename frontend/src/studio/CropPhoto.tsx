@@ -1,10 +1,10 @@
 // A photograph, and the square of it that is the cell: dragged, resized by its corners, or moved by the arrow keys.
 
 import { useEffect, useRef, useState } from "preact/hooks";
+import { t } from "../i18n/studio";
 import type { Grid } from "../types";
-import { firstSquare, grown, HANDLES, resized, shifted, type Handle, type Size, type Square } from "./crop";
-import { linesOf } from "./ink/grids";
-import { w } from "./say";
+import { growSquare, type Handle, HANDLES, initialSquare, moveSquare, resizeSquare, type Size, type Square } from "./crop";
+import { linesOf } from "./grids";
 
 const LONGEST = 2400; // pixels of the photograph as it is worked on
 const SENT = 1200; // pixels of the cell as it is sent
@@ -18,14 +18,14 @@ export function CropPhoto({ grid, onCell }: Props) {
   const [photo, setPhoto] = useState<Photo | null>(null);
   const [square, setSquare] = useState<Square | null>(null);
   const [trouble, setTrouble] = useState(false);
-  useEffect(() => onCell(photo && square ? () => cut(photo.canvas, square) : null), [photo, square]);
+  useEffect(() => onCell(photo && square ? () => cropToBlob(photo.canvas, square) : null), [photo, square]);
   useEffect(() => () => void (photo && URL.revokeObjectURL(photo.url)), [photo]);
   const take = async (drawn: Promise<HTMLCanvasElement>) => {
     try {
       const canvas = await drawn;
       const blob = await blobOf(canvas, "image/jpeg");
       setPhoto({ canvas, url: URL.createObjectURL(blob) });
-      setSquare(firstSquare(canvas));
+      setSquare(initialSquare(canvas));
       setTrouble(false);
     } catch {
       setTrouble(true);
@@ -37,20 +37,20 @@ export function CropPhoto({ grid, onCell }: Props) {
         <CropBox photo={photo} square={square} grid={grid} onSquare={setSquare} />
       ) : (
         <div class="photo-empty">
-          <p>{w("photoHint")}</p>
+          <p>{t("photoHint")}</p>
         </div>
       )}
       {trouble && (
         <p class="trouble" role="alert">
-          {w("photoTrouble")}
+          {t("photoTrouble")}
         </p>
       )}
       <div class="row">
-        <PickFile label={w("takePhoto")} camera onFile={(file) => take(upright(file))} />
-        <PickFile label={w("choosePhoto")} onFile={(file) => take(upright(file))} />
+        <PickFile label={t("takePhoto")} camera onFile={(file) => take(upright(file))} />
+        <PickFile label={t("choosePhoto")} onFile={(file) => take(upright(file))} />
         {photo && (
-          <button type="button" class="quiet" onClick={() => take(Promise.resolve(turned(photo.canvas)))}>
-            ↻ {w("turnPhoto")}
+          <button type="button" class="quiet" onClick={() => take(Promise.resolve(quarterTurn(photo.canvas)))}>
+            ↻ {t("turnPhoto")}
           </button>
         )}
       </div>
@@ -74,7 +74,7 @@ function PickFile({ label, camera, onFile }: { label: string; camera?: boolean; 
 
 function CropBox({ photo, square, grid, onSquare }: { photo: Photo; square: Square; grid: Grid; onSquare: (s: Square) => void }) {
   const box = useRef<SVGSVGElement>(null);
-  const held = useRef<{ handle: Handle | "all"; x: number; y: number; square: Square } | null>(null);
+  const dragged = useRef<{ handle: Handle | "all"; x: number; y: number; square: Square } | null>(null);
   const size: Size = { width: photo.canvas.width, height: photo.canvas.height };
   const at = (event: PointerEvent) => {
     const seen = box.current!.getBoundingClientRect();
@@ -85,20 +85,20 @@ function CropBox({ photo, square, grid, onSquare }: { photo: Photo; square: Squa
     event.stopPropagation();
     box.current!.focus();
     box.current!.setPointerCapture(event.pointerId);
-    held.current = { handle, ...at(event), square };
+    dragged.current = { handle, ...at(event), square };
   };
   const drag = (event: PointerEvent) => {
-    const now = held.current;
+    const now = dragged.current;
     if (!now) return;
     const { x, y } = at(event);
-    onSquare(now.handle === "all" ? shifted(now.square, x - now.x, y - now.y, size) : resized(now.square, now.handle, x, y, size));
+    onSquare(now.handle === "all" ? moveSquare(now.square, x - now.x, y - now.y, size) : resizeSquare(now.square, now.handle, x, y, size));
   };
   const nudge = (event: KeyboardEvent) => {
     const step = Math.max(1, Math.round(size.width / (event.shiftKey ? 20 : 100)));
     const move = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] }[event.key];
-    if (move) onSquare(shifted(square, move[0]!, move[1]!, size));
-    else if (event.key === "+" || event.key === "=") onSquare(grown(square, 2 * step, size));
-    else if (event.key === "-") onSquare(grown(square, -2 * step, size));
+    if (move) onSquare(moveSquare(square, move[0]!, move[1]!, size));
+    else if (event.key === "+" || event.key === "=") onSquare(growSquare(square, 2 * step, size));
+    else if (event.key === "-") onSquare(growSquare(square, -2 * step, size));
     else return;
     event.preventDefault();
   };
@@ -107,11 +107,11 @@ function CropBox({ photo, square, grid, onSquare }: { photo: Photo; square: Squa
   return (
     <div class="crop">
       <div class="crop-frame" style={{ aspectRatio: `${size.width} / ${size.height}`, "--shape": size.width / size.height }}>
-        <img src={photo.url} alt={w("photoAlt")} width={size.width} height={size.height} />
+        <img src={photo.url} alt={t("photoAlt")} width={size.width} height={size.height} />
         <svg
           ref={box} viewBox={`0 0 ${size.width} ${size.height}`} tabIndex={0} role="application"
-          aria-label={w("cropLabel", { x: Math.round((100 * x) / size.width), y: Math.round((100 * y) / size.height), side: Math.round((100 * side) / size.width) })}
-          onPointerMove={drag} onPointerUp={() => (held.current = null)} onPointerCancel={() => (held.current = null)} onKeyDown={nudge}
+          aria-label={t("cropLabel", { x: Math.round((100 * x) / size.width), y: Math.round((100 * y) / size.height), side: Math.round((100 * side) / size.width) })}
+          onPointerMove={drag} onPointerUp={() => (dragged.current = null)} onPointerCancel={() => (dragged.current = null)} onKeyDown={nudge}
         >
           <path class="crop-shade" fill-rule="evenodd" d={`M0 0H${size.width}V${size.height}H0ZM${x} ${y}v${side}h${side}v${-side}Z`} />
           <rect class="crop-square" {...{ x, y }} width={side} height={side} onPointerDown={grab("all")} />
@@ -127,12 +127,12 @@ function CropBox({ photo, square, grid, onSquare }: { photo: Photo; square: Squa
           ))}
         </svg>
       </div>
-      <p class="note">{w("cropHint")}</p>
+      <p class="note">{t("cropHint")}</p>
     </div>
   );
 }
 
-/** The file's picture, turned as the camera was held (browsers read EXIF when an image is drawn), at most LONGEST. */
+/** The file's picture, turned as the camera was dragged (browsers read EXIF when an image is drawn), at most LONGEST. */
 async function upright(file: Blob): Promise<HTMLCanvasElement> {
   const url = URL.createObjectURL(file);
   try {
@@ -140,7 +140,7 @@ async function upright(file: Blob): Promise<HTMLCanvasElement> {
     image.src = url;
     await image.decode();
     const shrink = Math.min(1, LONGEST / Math.max(image.naturalWidth, image.naturalHeight));
-    return painted(image.naturalWidth * shrink, image.naturalHeight * shrink, (context, width, height) => {
+    return drawCanvas(image.naturalWidth * shrink, image.naturalHeight * shrink, (context, width, height) => {
       context.fillStyle = "#fff";
       context.fillRect(0, 0, width, height); // what is clear is paper
       context.drawImage(image, 0, 0, width, height);
@@ -150,21 +150,21 @@ async function upright(file: Blob): Promise<HTMLCanvasElement> {
   }
 }
 
-const turned = (canvas: HTMLCanvasElement): HTMLCanvasElement =>
-  painted(canvas.height, canvas.width, (context, width) => {
+const quarterTurn = (canvas: HTMLCanvasElement): HTMLCanvasElement =>
+  drawCanvas(canvas.height, canvas.width, (context, width) => {
     context.translate(width, 0);
     context.rotate(Math.PI / 2);
     context.drawImage(canvas, 0, 0);
   });
 
-const cut = (photo: HTMLCanvasElement, { x, y, side }: Square): Promise<Blob> => {
+const cropToBlob = (photo: HTMLCanvasElement, { x, y, side }: Square): Promise<Blob> => {
   const to = Math.min(SENT, Math.round(side));
-  return blobOf(painted(to, to, (context) => context.drawImage(photo, x, y, side, side, 0, 0, to, to)), "image/png");
+  return blobOf(drawCanvas(to, to, (context) => context.drawImage(photo, x, y, side, side, 0, 0, to, to)), "image/png");
 };
 
 type Draw = (context: CanvasRenderingContext2D, width: number, height: number) => void;
 
-function painted(width: number, height: number, draw: Draw): HTMLCanvasElement {
+function drawCanvas(width: number, height: number, draw: Draw): HTMLCanvasElement {
   const canvas = document.createElement("canvas");
   canvas.width = Math.max(1, Math.round(width));
   canvas.height = Math.max(1, Math.round(height));

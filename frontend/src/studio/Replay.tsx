@@ -2,17 +2,17 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { get } from "../api";
+import { t } from "../i18n/studio";
 import type { Attempt } from "../types";
-import { cleared, token, useSide } from "./canvas";
-import { paint } from "./ink/painting";
-import { strokesOf, type Stroke } from "./ink/stroke";
-import { w } from "./say";
-import { GridLines } from "./WritingCell";
+import { clearedContext, cssVariable, useCanvasSide } from "./canvas";
+import { paintStrokes } from "./ink/painting";
+import { parseStrokes, type Stroke } from "./ink/strokes";
+import { GridLines } from "./grids";
 
 const PAUSE = 250; // ms between strokes: how long the hand was in the air is not kept
 
 /** What was on the sheet after so many ms. */
-export function until(strokes: readonly Stroke[], ms: number): Stroke[] {
+export function strokesUntil(strokes: readonly Stroke[], ms: number): Stroke[] {
   const shown: Stroke[] = [];
   let begun = 0;
   for (const stroke of strokes) {
@@ -23,29 +23,29 @@ export function until(strokes: readonly Stroke[], ms: number): Stroke[] {
   return shown.filter((stroke) => stroke.points.length > 0);
 }
 
-export const lengthOf = (strokes: readonly Stroke[]): number =>
+export const replayDuration = (strokes: readonly Stroke[]): number =>
   strokes.reduce((sum, stroke) => sum + (stroke.points.at(-1)?.[2] ?? 0) + PAUSE, 0);
 
 export function Replay({ attempt }: { attempt: Attempt }) {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
-  const side = useSide(box);
+  const side = useCanvasSide(box);
   const [strokes, setStrokes] = useState<Stroke[] | null>(null);
   const [at, setAt] = useState(0);
   const [running, setRunning] = useState(false);
-  const whole = strokes ? lengthOf(strokes) : 0;
+  const whole = strokes ? replayDuration(strokes) : 0;
   useEffect(() => {
     get(`/api/attempts/${attempt.id}/strokes`).then((kept) => {
-      const found = strokesOf(kept);
+      const found = parseStrokes(kept);
       setStrokes(found);
-      setAt(lengthOf(found));
+      setAt(replayDuration(found));
     }, () => setStrokes([]));
   }, [attempt.id]);
   useEffect(() => {
-    const context = cleared(canvas.current, side);
+    const context = clearedContext(canvas.current, side);
     if (!context || !strokes) return;
-    context.fillStyle = token("soot");
-    paint(context, until(strokes, at), side);
+    context.fillStyle = cssVariable("soot");
+    paintStrokes(context, strokesUntil(strokes, at), side);
   }, [side, strokes, at]);
   useEffect(() => {
     if (!running) return;
@@ -60,17 +60,17 @@ export function Replay({ attempt }: { attempt: Attempt }) {
   if (strokes && !strokes.length) return null;
   return (
     <section class="panel replay">
-      <h2>{w("replay")}</h2>
+      <h2>{t("replay")}</h2>
       <div ref={box} class="sheet">
         <GridLines grid={attempt.grid} />
-        <canvas ref={canvas} role="img" aria-label={w("replayAlt", { count: strokes?.length ?? 0 })} />
+        <canvas ref={canvas} role="img" aria-label={t("replayAlt", { count: strokes?.length ?? 0 })} />
       </div>
       <label class="slider">
         <button type="button" class="quiet" onClick={() => (at >= whole && setAt(0), setRunning(!running))}>
-          {running ? w("pause") : w("play")}
+          {running ? t("pause") : t("play")}
         </button>
         <input
-          type="range" min="0" max={whole} value={at} aria-label={w("replay")} aria-valuetext={`${(at / 1000).toFixed(1)} s`}
+          type="range" min="0" max={whole} value={at} aria-label={t("replay")} aria-valuetext={`${(at / 1000).toFixed(1)} s`}
           onInput={(event) => (setRunning(false), setAt(Number(event.currentTarget.value)))}
         />
       </label>

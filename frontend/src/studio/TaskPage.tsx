@@ -2,97 +2,95 @@
 
 import { useState } from "preact/hooks";
 import { get, query, remove, session } from "../api";
-import { say } from "../i18n";
-import { go, type PageProps } from "../router";
-import type { Attempt, Page, Text } from "../types";
-import { Dialog, PageTrouble, Trouble, useLoaded, Waiting } from "../ui";
+import { formatDay, localize } from "../i18n";
+import { t } from "../i18n/studio";
+import { navigate, type PageProps } from "../router";
+import type { Attempt, Bilingual, Page } from "../types";
+import { Dialog, ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
 import { GiveMark } from "./AttemptPage";
-import { AttemptCard } from "./AttemptCard";
+import { AttemptCard, MasterPicture } from "./cards";
 import type { TaskCard } from "./ClassPage";
-import { day } from "./Curve";
-import { MasterPicture } from "./MasterPicture";
-import { NeedLogin } from "./NeedLogin";
-import { w } from "./say";
+import { RequireLogin } from "../account/RequireLogin";
 
 type Row = { person: { id: string; name: string }; attempts: number; best: number | null; last: number | null; last_attempt: string | null; teacher_mark: number | null };
-type Told = { task: TaskCard & { class_id: string }; rows: Row[]; common: (Text & { kind: string; count: number })[] };
+type TaskData = { task: TaskCard & { class_id: string }; rows: Row[]; common: (Bilingual & { kind: string; count: number })[] };
 
 export default function TaskPage({ params }: PageProps) {
   return (
-    <NeedLogin why={w("classesNeed")}>
-      <Shown id={params["id"] ?? ""} />
-    </NeedLogin>
+    <RequireLogin why={t("classesNeed")}>
+      <TaskView id={params["id"] ?? ""} />
+    </RequireLogin>
   );
 }
 
-function Shown({ id }: { id: string }) {
-  const found = useLoaded((signal) => get<Told>(`/api/tasks/${id}`, signal), id);
+function TaskView({ id }: { id: string }) {
+  const loaded = useLoaded((signal) => get<TaskData>(`/api/tasks/${id}`, signal), id);
   const teaches = session.value?.person?.role !== "pupil";
-  if (found.error) return <PageTrouble error={found.error} again={found.again} />;
-  if (!found.value) return <Waiting />;
-  const { task } = found.value;
+  if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
+  if (!loaded.value) return <Loading />;
+  const { task } = loaded.value;
   return (
     <div class="task-page">
       <p class="note">
-        <a href={`#/classes/${task.class_id}`}>← {w("toClass")}</a>
+        <a href={`#/classes/${task.class_id}`}>← {t("toClass")}</a>
       </p>
       <header class="desk-head">
         <a class="desk-thumb" href={`#/works/${task.work.id}`}>
-          <img src={task.work.thumb} alt={w("seeMaster")} width="72" height="72" />
+          <img src={task.work.thumb} alt={t("seeMaster")} width="72" height="72" />
         </a>
         <div>
-          <h1>{task.title || say(task.work.title)}</h1>
+          <h1>{task.title || localize(task.work.title)}</h1>
           <p class="note">
-            {say(task.work.title)}
-            {task.due && ` · ${w("due", { day: day(task.due) })}`}
+            {localize(task.work.title)}
+            {task.due && ` · ${t("due", { day: formatDay(task.due) })}`}
           </p>
           {task.note && <p>{task.note}</p>}
-          <p class="row">{teaches ? <TakeBack task={task} /> : <WriteIt task={task} />}</p>
+          <p class="row">{teaches ? <WithdrawTask task={task} /> : <WriteLink task={task} />}</p>
         </div>
       </header>
-      {teaches ? <Table told={found.value} onChange={found.again} /> : <OwnCopies task={task} />}
+      {teaches ? <MarksTable data={loaded.value} onChange={loaded.retry} /> : <OwnCopies task={task} />}
     </div>
   );
 }
 
-const WriteIt = ({ task }: { task: TaskCard }) => (
+const WriteLink = ({ task }: { task: TaskCard }) => (
   <a class="button" href={`#/studio/${task.work.id}?task=${task.id}`}>
-    {w("writeTask")}
+    {t("writeTask")}
   </a>
 );
 
-function TakeBack({ task }: { task: TaskCard & { class_id: string } }) {
+function WithdrawTask({ task }: { task: TaskCard & { class_id: string } }) {
   const [error, setError] = useState<unknown>(null);
   const takeBack = () =>
-    confirm(w("takeBackSure")) && remove(`/api/tasks/${task.id}`).then(() => go(`/classes/${task.class_id}`), setError);
+    confirm(t("takeBackSure")) && remove(`/api/tasks/${task.id}`).then(() => navigate(`/classes/${task.class_id}`), setError);
   return (
     <>
       <button type="button" class="quiet small" onClick={takeBack}>
-        {w("takeBack")}
+        {t("takeBack")}
       </button>
-      {error !== null && <Trouble error={error} />}
+      {error !== null && <ErrorMessage error={error} />}
     </>
   );
 }
 
-function Table({ told, onChange }: { told: Told; onChange: () => void }) {
+function MarksTable({ data, onChange }: { data: TaskData; onChange: () => void }) {
   const [marking, setMarking] = useState<Row | null>(null);
-  const { task, rows, common } = told;
+  const { task, rows, common } = data;
   return (
     <div class="two-columns wide-first">
       <section class="panel">
-        <h2>{w("table")}</h2>
-        <div class="scroll" tabIndex={0} role="region" aria-label={w("table")}>
+        <h2>{t("table")}</h2>
+        <div class="scroll" tabIndex={0} role="region" aria-label={t("table")}>
           <table>
             <thead>
               <tr>
-                <th scope="col">{w("pupil")}</th>
-                <th scope="col" class="number">{w("attempts")}</th>
-                <th scope="col" class="number">{w("best")}</th>
-                <th scope="col" class="number">{w("last")}</th>
-                <th scope="col" class="number">{w("teacherColumn")}</th>
+                <th scope="col">{t("pupil")}</th>
+                <th scope="col" class="number">{t("attempts")}</th>
+                <th scope="col" class="number">{t("best")}</th>
+                <th scope="col" class="number">{t("last")}</th>
+                <th scope="col" class="number">{t("teacherColumn")}</th>
                 <th scope="col">
-                  <span class="visually-hidden">{w("actions")}</span>
+                  <span class="visually-hidden">{t("actions")}</span>
                 </th>
               </tr>
             </thead>
@@ -107,9 +105,9 @@ function Table({ told, onChange }: { told: Told; onChange: () => void }) {
                   <td>
                     {row.last_attempt && (
                       <span class="row">
-                        <a href={`#/attempts/${row.last_attempt}`}>{w("open")}</a>
-                        <button type="button" class="quiet small" onClick={() => setMarking(row)} aria-label={w("markOf", { name: row.person.name })}>
-                          {w("giveMark")}
+                        <a href={`#/attempts/${row.last_attempt}`}>{t("open")}</a>
+                        <button type="button" class="quiet small" onClick={() => setMarking(row)} aria-label={t("markOf", { name: row.person.name })}>
+                          {t("giveMark")}
                         </button>
                       </span>
                     )}
@@ -119,70 +117,70 @@ function Table({ told, onChange }: { told: Told; onChange: () => void }) {
             </tbody>
           </table>
         </div>
-        {!rows.length && <p class="note">{w("noRows")}</p>}
+        {!rows.length && <p class="note">{t("noRows")}</p>}
         <p class="row">
           <a class="button quiet" href={`/api/tasks/${task.id}/marks.csv`} download="marks.csv">
             marks.csv
           </a>
           <a class="button quiet" href={`/api/tasks/${task.id}/marks.zip`} download="marks.zip">
-            {w("marksZip")}
+            {t("marksZip")}
           </a>
         </p>
         <p class="note">
-          {w("calibrate")} <code>rumu calibrate marks.csv -o mine.json</code>
+          {t("calibrate")} <code>rumu calibrate marks.csv -o mine.json</code>
         </p>
       </section>
       <section class="panel">
-        <h2>{w("common")}</h2>
-        {common.length ? <Common told={told} /> : <p class="note">{w("noCommon")}</p>}
+        <h2>{t("common")}</h2>
+        {common.length ? <CommonRemarks data={data} /> : <p class="note">{t("noCommon")}</p>}
       </section>
       {marking && (
-        <Dialog title={w("markOf", { name: marking.person.name })} onClose={() => setMarking(null)}>
-          <MarkOne id={marking.last_attempt!} onChange={onChange} />
+        <Dialog title={t("markOf", { name: marking.person.name })} onClose={() => setMarking(null)}>
+          <MarkCopy id={marking.last_attempt!} onChange={onChange} />
         </Dialog>
       )}
     </div>
   );
 }
 
-function Common({ told }: { told: Told }) {
-  const pupils = told.rows.filter((row) => row.attempts > 0).length;
+function CommonRemarks({ data }: { data: TaskData }) {
+  const pupils = data.rows.filter((row) => row.attempts > 0).length;
   return (
     <ul class="common">
-      {told.common.map((one) => (
+      {data.common.map((one) => (
         <li key={one.kind}>
-          <span>{say(one)}</span>
-          <meter min={0} max={Math.max(1, pupils)} value={one.count} aria-label={say(one)} />
-          <span class="number">{w("ofPupils", { count: one.count, pupils })}</span>
+          <span>{localize(one)}</span>
+          <meter min={0} max={Math.max(1, pupils)} value={one.count} aria-label={localize(one)} />
+          <span class="number">{t("ofPupils", { count: one.count, pupils })}</span>
         </li>
       ))}
     </ul>
   );
 }
 
-function MarkOne({ id, onChange }: { id: string; onChange: () => void }) {
-  const found = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), id);
-  if (found.error) return <Trouble error={found.error} />;
-  if (!found.value) return <Waiting />;
-  const attempt = found.value;
+function MarkCopy({ id, onChange }: { id: string; onChange: () => void }) {
+  const loaded = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), id);
+  if (loaded.error) return <ErrorMessage error={loaded.error} />;
+  if (!loaded.value) return <Loading />;
+  const attempt = loaded.value;
   const given = attempt.teacher_marks.find((mark) => mark.teacher === session.value?.person?.name) ?? null;
   return (
     <div class="mark-one">
       <div class="side-by-side">
         <figure>
-          <MasterPicture work={attempt.work} alt={w("master")} />
-          <figcaption>{w("master")}</figcaption>
+          <MasterPicture work={attempt.work} alt={t("master")} />
+          <figcaption>{t("master")}</figcaption>
         </figure>
         <figure>
-          {attempt.picture && <img class="sheet-picture" src={attempt.picture} alt={w("copy")} />}
-          <figcaption>{w("copy")}</figcaption>
+          {attempt.picture && <img class="sheet-picture" src={attempt.picture} alt={t("copy")} />}
+          <figcaption>{t("copy")}</figcaption>
         </figure>
       </div>
       <GiveMark attempt={attempt} given={given} onChange={onChange} />
       <details>
-        <summary>{w("ourMark")}</summary>
+        <summary>{t("ourMark")}</summary>
         <p>
-          {attempt.mark.score?.toFixed(0) ?? w("noMark")} {say(attempt.mark.level_text)}
+          {attempt.mark.score?.toFixed(0) ?? t("noMark")} {localize(attempt.mark.level_text)}
         </p>
       </details>
     </div>
@@ -191,15 +189,15 @@ function MarkOne({ id, onChange }: { id: string; onChange: () => void }) {
 
 function OwnCopies({ task }: { task: TaskCard }) {
   const url = `/api/attempts${query({ task: task.id, person: session.value?.person?.id, limit: 60 })}`;
-  const found = useLoaded((signal) => get<Page<Attempt>>(url, signal), url);
-  if (found.error) return <Trouble error={found.error} again={found.again} />;
-  if (!found.value) return <Waiting />;
+  const loaded = useLoaded((signal) => get<Page<Attempt>>(url, signal), url);
+  if (loaded.error) return <ErrorMessage error={loaded.error} retry={loaded.retry} />;
+  if (!loaded.value) return <Loading />;
   return (
     <section class="panel">
-      <h2>{w("allAttempts", { count: found.value.total })}</h2>
-      {!found.value.total && <p class="note">{w("nothingYet")}</p>}
+      <h2>{t("allAttempts", { count: loaded.value.total })}</h2>
+      {!loaded.value.total && <p class="note">{t("nothingYet")}</p>}
       <ul class="attempts">
-        {found.value.items.map((attempt) => (
+        {loaded.value.items.map((attempt) => (
           <li key={attempt.id}>
             <AttemptCard attempt={attempt} />
           </li>

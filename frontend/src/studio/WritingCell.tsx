@@ -2,15 +2,14 @@
 // is ink/shaping.ts's matter.
 
 import { useEffect, useRef, useState } from "preact/hooks";
+import { t } from "../i18n/studio";
 import type { Grid, WorkCard } from "../types";
-import { cleared, token, useSide } from "./canvas";
-import { inkLayer } from "./ink/inklayer";
-import { linesOf } from "./ink/grids";
-import { paint } from "./ink/painting";
-import { admit, handOf, openGate, release, sampleOf, type Gate } from "./ink/pointers";
-import type { Stroke } from "./ink/stroke";
-import { contained } from "./mark/align";
-import { w } from "./say";
+import { clearedContext, cssVariable, masterInkLayer, useCanvasSide } from "./canvas";
+import { GridLines } from "./grids";
+import { paintStrokes } from "./ink/painting";
+import { acceptPointer, NO_POINTER, pointerKind, type PointerState, releasePointer, sampleOf } from "./ink/pointers";
+import type { Stroke } from "./ink/strokes";
+import { fitInSquare } from "./mark/alignment";
 
 type Props = {
   strokes: readonly Stroke[];
@@ -22,31 +21,31 @@ type Props = {
   ghost: number;
   onStroke: (stroke: Stroke) => void;
   /** Told when the hand comes down, and when it is lifted. */
-  onHand?: (down: boolean) => void;
+  onWriting?: (down: boolean) => void;
 };
 
-export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, onHand }: Props) {
+export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, onWriting }: Props) {
   const box = useRef<HTMLDivElement>(null);
   const dry = useRef<HTMLCanvasElement>(null);
   const wet = useRef<HTMLCanvasElement>(null);
-  const side = useSide(box);
-  const hand = useRef<{ gate: Gate; stroke: Stroke | null; cell: DOMRect | null; began: number; frame: number }>({
-    gate: openGate, stroke: null, cell: null, began: 0, frame: 0,
+  const side = useCanvasSide(box);
+  const hand = useRef<{ pointers: PointerState; stroke: Stroke | null; cell: DOMRect | null; began: number; frame: number }>({
+    pointers: NO_POINTER, stroke: null, cell: null, began: 0, frame: 0,
   });
-  useEffect(() => drawn(dry.current, strokes, side), [strokes, side]);
+  useEffect(() => drawStrokes(dry.current, strokes, side), [strokes, side]);
   useEffect(() => () => cancelAnimationFrame(hand.current.frame), []);
 
   const redraw = () => {
     const now = hand.current;
     now.frame ||= requestAnimationFrame(() => {
       now.frame = 0;
-      drawn(wet.current, now.stroke ? [now.stroke] : [], side);
+      drawStrokes(wet.current, now.stroke ? [now.stroke] : [], side);
     });
   };
   const begin = (event: PointerEvent) => {
     const now = hand.current;
-    const { begins, gate } = admit(now.gate, event);
-    now.gate = gate;
+    const { begins, pointers } = acceptPointer(now.pointers, event);
+    now.pointers = pointers;
     if (!begins) return;
     event.preventDefault();
     const cell = event.currentTarget as HTMLElement;
@@ -57,30 +56,30 @@ export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, o
     }
     now.cell = dry.current!.getBoundingClientRect();
     now.began = event.timeStamp;
-    now.stroke = { hand: handOf(event.pointerType), size, ink, points: [sampleOf(event, now.cell, now.began)] };
-    onHand?.(true);
+    now.stroke = { hand: pointerKind(event.pointerType), size, ink, points: [sampleOf(event, now.cell, now.began)] };
+    onWriting?.(true);
     redraw();
   };
   const move = (event: PointerEvent) => {
     const now = hand.current;
-    if (event.pointerId !== now.gate.active || !now.stroke || !now.cell) return;
+    if (event.pointerId !== now.pointers.active || !now.stroke || !now.cell) return;
     const all = event.getCoalescedEvents?.() ?? [];
     for (const one of all.length ? all : [event]) now.stroke.points.push(sampleOf(one, now.cell, now.began));
     redraw();
   };
   const end = (event: PointerEvent) => {
     const now = hand.current;
-    if (event.pointerId !== now.gate.active) return;
-    now.gate = release(now.gate, event.pointerId);
+    if (event.pointerId !== now.pointers.active) return;
+    now.pointers = releasePointer(now.pointers, event.pointerId);
     const stroke = now.stroke;
     now.stroke = null;
-    onHand?.(false);
+    onWriting?.(false);
     redraw();
     if (!stroke || event.type === "pointercancel" || !now.cell) return;
     const last = stroke.points.at(-1)!;
     const up = sampleOf(event, now.cell, now.began);
     stroke.points.push([up[0], up[1], up[2], last[3], last[4], last[5]]); // a lifted pen says pressure 0
-    drawn(dry.current, [...strokes, stroke], side); // before the next frame, so that nothing flickers
+    drawStrokes(dry.current, [...strokes, stroke], side); // before the next frame, so that nothing flickers
     onStroke(stroke);
   };
   return (
@@ -88,7 +87,7 @@ export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, o
       ref={box}
       class="cell"
       role="img"
-      aria-label={w("cell", { count: strokes.length })}
+      aria-label={t("cell", { count: strokes.length })}
       onPointerDown={begin}
       onPointerMove={move}
       onPointerUp={end}
@@ -96,53 +95,41 @@ export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, o
       onContextMenu={(event) => event.preventDefault()}
     >
       <GridLines grid={grid} />
-      <Ghost work={work} opacity={ghost} side={side} />
+      <TracedMaster work={work} opacity={ghost} side={side} />
       <canvas ref={dry} aria-hidden="true" />
       <canvas ref={wet} aria-hidden="true" />
     </div>
   );
 }
 
-function drawn(canvas: HTMLCanvasElement | null, strokes: readonly Stroke[], side: number): void {
-  const context = cleared(canvas, side);
+function drawStrokes(canvas: HTMLCanvasElement | null, strokes: readonly Stroke[], side: number): void {
+  const context = clearedContext(canvas, side);
   if (!context) return;
-  context.fillStyle = token("soot");
-  paint(context, strokes, side);
-}
-
-export function GridLines({ grid }: { grid: Grid }) {
-  return (
-    <svg class="cell-grid" viewBox="0 0 1 1" aria-hidden="true">
-      {linesOf(grid).map(([x1, y1, x2, y2], k) => (
-        <line key={k} {...{ x1, y1, x2, y2 }} vector-effect="non-scaling-stroke" />
-      ))}
-    </svg>
-  );
+  context.fillStyle = cssVariable("soot");
+  paintStrokes(context, strokes, side);
 }
 
 /** The master in pale cinnabar, as the sheets for tracing have it. */
-function Ghost({ work, opacity, side }: { work: WorkCard; opacity: number; side: number }) {
+function TracedMaster({ work, opacity, side }: { work: WorkCard; opacity: number; side: number }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [layer, setLayer] = useState<HTMLCanvasElement | null>(null);
   const wanted = opacity > 0;
   useEffect(() => {
     let current = true;
-    if (wanted) masterInk(work, token("rule")).then((found) => current && setLayer(found), () => undefined);
+    if (wanted) masterInkLayer(work, cssVariable("rule")).then((found) => current && setLayer(found), () => undefined);
     return () => {
       current = false;
     };
   }, [work.id, wanted]);
   useEffect(() => {
-    const context = cleared(canvas.current, side);
+    const context = clearedContext(canvas.current, side);
     if (!context || !layer) return;
-    context.setTransform(...scaled(contained(work.width, work.height), side));
+    context.setTransform(...scaled(fitInSquare(work.width, work.height), side));
     context.drawImage(layer, 0, 0, 1, 1);
   }, [layer, side]);
   return <canvas ref={canvas} aria-hidden="true" style={{ opacity }} />;
 }
 
-const scaled = ([a, b, c, d, e, f]: ReturnType<typeof contained>, side: number) =>
+const scaled = ([a, b, c, d, e, f]: ReturnType<typeof fitInSquare>, side: number) =>
   [a * side, b * side, c * side, d * side, e * side, f * side] as [number, number, number, number, number, number];
 
-export const masterInk = (work: WorkCard, colour: string): Promise<HTMLCanvasElement> =>
-  inkLayer(`/api/works/${encodeURIComponent(work.id)}/files/mask`, { ink: "white", colour });

@@ -2,16 +2,17 @@
 
 import { useEffect, useState } from "preact/hooks";
 import type { RefObject } from "preact";
+import type { WorkCard } from "../types";
 
-const FINE = 2; // pixels of a canvas to one of a coarse screen: edges of many footprints in one path are hard otherwise
+const OVERSAMPLING = 2; // pixels of a canvas to one of a coarse screen: edges of many footprints in one path are hard otherwise
 
 /** Side in pixels of the canvas in a square element; 0 until it is on the page. */
-export function useSide(element: RefObject<HTMLElement | null>): number {
+export function useCanvasSide(element: RefObject<HTMLElement | null>): number {
   const [side, setSide] = useState(0);
   useEffect(() => {
     const box = element.current;
     if (!box) return;
-    const measure = () => setSide(Math.round(box.clientWidth * Math.max(FINE, devicePixelRatio || 1)));
+    const measure = () => setSide(Math.round(box.clientWidth * Math.max(OVERSAMPLING, devicePixelRatio || 1)));
     measure();
     const watch = new ResizeObserver(measure);
     watch.observe(box);
@@ -25,7 +26,7 @@ export function useSide(element: RefObject<HTMLElement | null>): number {
 }
 
 /** The canvas, cleared and of this side; null before it can be drawn on. */
-export function cleared(canvas: HTMLCanvasElement | null, side: number): CanvasRenderingContext2D | null {
+export function clearedContext(canvas: HTMLCanvasElement | null, side: number): CanvasRenderingContext2D | null {
   if (!canvas || !side) return null;
   if (canvas.width !== side) canvas.width = canvas.height = side;
   const context = canvas.getContext("2d");
@@ -35,4 +36,51 @@ export function cleared(canvas: HTMLCanvasElement | null, side: number): CanvasR
 }
 
 /** A colour of the page's tokens, as a canvas needs it. */
-export const token = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+export const cssVariable = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+/** ink: what is dark in a picture, or white in a mask. colour: of the result. side: longest side in pixels. */
+export async function inkLayer(
+  source: string | Blob, options: { ink: "dark" | "white"; colour: string; side?: number },
+): Promise<HTMLCanvasElement> {
+  const image = await loaded(source);
+  const shrink = Math.min(1, (options.side ?? 768) / Math.max(image.naturalWidth, image.naturalHeight));
+  const canvas = document.createElement("canvas");
+  canvas.width = Math.max(1, Math.round(image.naturalWidth * shrink));
+  canvas.height = Math.max(1, Math.round(image.naturalHeight * shrink));
+  const context = canvas.getContext("2d", { willReadFrequently: true })!;
+  context.drawImage(image, 0, 0, canvas.width, canvas.height);
+  const pixels = context.getImageData(0, 0, canvas.width, canvas.height);
+  const value = (options.ink === "white" ? (v: number) => v : darkness(pixels.data));
+  for (let k = 0; k < pixels.data.length; k += 4) {
+    const light = 0.299 * pixels.data[k]! + 0.587 * pixels.data[k + 1]! + 0.114 * pixels.data[k + 2]!;
+    pixels.data[k + 3] = value(light);
+  }
+  context.putImageData(pixels, 0, 0);
+  context.globalCompositeOperation = "source-in";
+  context.fillStyle = options.colour;
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  return canvas;
+}
+
+/** 0-255 lightness -> 0-255 ink: between the darkest and the palest hundredth, so that the grey of a sheet is no ink. */
+function darkness(data: Uint8ClampedArray): (light: number) => number {
+  const lights: number[] = [];
+  for (let k = 0; k < data.length; k += 4 * 7) lights.push(data[k + 1]!);
+  lights.sort((a, b) => a - b);
+  const [low, high] = [lights[Math.floor(lights.length * 0.01)] ?? 0, lights[Math.floor(lights.length * 0.9)] ?? 255];
+  const [from, to] = [low + 0.65 * (high - low), low + 0.35 * (high - low)];
+  return (light) => 255 * Math.min(1, Math.max(0, (from - light) / Math.max(1, from - to)));
+}
+
+function loaded(source: string | Blob): Promise<HTMLImageElement> {
+  const url = typeof source === "string" ? source : URL.createObjectURL(source);
+  return new Promise((done, fail) => {
+    const image = new Image();
+    image.onload = () => done(image);
+    image.onerror = () => fail(new Error("expected a picture, got none"));
+    image.src = url;
+  }).finally(() => typeof source === "string" || setTimeout(() => URL.revokeObjectURL(url), 0)) as Promise<HTMLImageElement>;
+}
+
+export const masterInkLayer = (work: WorkCard, colour: string): Promise<HTMLCanvasElement> =>
+  inkLayer(`/api/works/${encodeURIComponent(work.id)}/files/mask`, { ink: "white", colour });

@@ -5,15 +5,15 @@ export type Size = { width: number; height: number };
 export type Handle = "nw" | "ne" | "sw" | "se";
 export const HANDLES: Handle[] = ["nw", "ne", "sw", "se"];
 
-const LEAST = 32; // pixels; nothing smaller can be marked
+const MIN_SIDE = 32; // pixels; nothing smaller can be marked
 
-export function firstSquare({ width, height }: Size): Square {
+export function initialSquare({ width, height }: Size): Square {
   const side = Math.round(Math.min(width, height) * 0.9);
   return { x: (width - side) / 2, y: (height - side) / 2, side };
 }
 
-export function shifted(square: Square, dx: number, dy: number, size: Size): Square {
-  const clamp = (value: number, most: number) => Math.min(Math.max(0, value), Math.max(0, most));
+export function moveSquare(square: Square, dx: number, dy: number, size: Size): Square {
+  const clamp = (value: number, max: number) => Math.min(Math.max(0, value), Math.max(0, max));
   return {
     x: clamp(square.x + dx, size.width - square.side),
     y: clamp(square.y + dy, size.height - square.side),
@@ -22,18 +22,18 @@ export function shifted(square: Square, dx: number, dy: number, size: Size): Squ
 }
 
 /** The corner `handle` goes to (x, y) as nearly as a square within the picture can; the opposite corner stays. */
-export function resized(square: Square, handle: Handle, x: number, y: number, size: Size): Square {
+export function resizeSquare(square: Square, handle: Handle, x: number, y: number, size: Size): Square {
   const [west, north] = [handle.endsWith("w"), handle.startsWith("n")];
   const fixed = { x: square.x + (west ? square.side : 0), y: square.y + (north ? square.side : 0) };
-  const room = Math.min(west ? fixed.x : size.width - fixed.x, north ? fixed.y : size.height - fixed.y);
+  const space = Math.min(west ? fixed.x : size.width - fixed.x, north ? fixed.y : size.height - fixed.y);
   const wanted = Math.max(west ? fixed.x - x : x - fixed.x, north ? fixed.y - y : y - fixed.y);
-  const side = Math.min(room, Math.max(Math.min(LEAST, room), wanted));
+  const side = Math.min(space, Math.max(Math.min(MIN_SIDE, space), wanted));
   return { x: west ? fixed.x - side : fixed.x, y: north ? fixed.y - side : fixed.y, side };
 }
 
 /** Larger or smaller about its middle, as far as the picture goes. */
-export function grown(square: Square, by: number, size: Size): Square {
-  const side = Math.min(size.width, size.height, Math.max(LEAST, square.side + by));
+export function growSquare(square: Square, by: number, size: Size): Square {
+  const side = Math.min(size.width, size.height, Math.max(MIN_SIDE, square.side + by));
   const shift = (square.side - side) / 2;
-  return shifted({ x: square.x + shift, y: square.y + shift, side }, 0, 0, size);
+  return moveSquare({ x: square.x + shift, y: square.y + shift, side }, 0, 0, size);
 }

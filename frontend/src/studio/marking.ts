@@ -5,48 +5,48 @@ import { post, ServiceError, session } from "../api";
 import type { Attempt, Grid } from "../types";
 
 export type Copy = { kind: "pen" | "photo"; picture: Blob; strokes?: string; grid: Grid };
-export type Marked =
+export type MarkingState =
   | { state: "none" }
   | { state: "asking" }
-  | { state: "told"; attempt: Attempt; picture: Blob; tried: boolean }
+  | { state: "done"; attempt: Attempt; picture: Blob; tried: boolean }
   | { state: "failed"; error: unknown };
 
-export const AUTO_AFTER = 800; // ms after the last stroke
+export const AUTO_MARK_DELAY_MS = 800; // ms after the last stroke
 
 /** try: asked by itself while the hand rests; such a mark is shown and not kept. */
 export function useMarking(work: string, task: string | null) {
-  const [marked, setMarked] = useState<Marked>({ state: "none" });
+  const [marked, setMarked] = useState<MarkingState>({ state: "none" });
   const turn = useRef(0);
   useEffect(() => () => void turn.current++, []);
-  const drop = () => {
+  const discard = () => {
     turn.current++;
     setMarked((old) => (old.state === "none" ? old : { state: "none" }));
   };
-  const ask = async (make: () => Promise<Copy>, options: { tried: boolean }) => {
+  const requestMark = async (make: () => Promise<Copy>, options: { tried: boolean }) => {
     const mine = ++turn.current;
     setMarked({ state: "asking" });
     try {
       const copy = await make();
-      const attempt = await sent(copy, work, task, !options.tried && Boolean(session.value?.person));
-      if (mine === turn.current) setMarked({ state: "told", attempt, picture: copy.picture, tried: options.tried });
+      const attempt = await sendCopy(copy, work, task, !options.tried && Boolean(session.value?.person));
+      if (mine === turn.current) setMarked({ state: "done", attempt, picture: copy.picture, tried: options.tried });
     } catch (error) {
       if (mine === turn.current) setMarked({ state: "failed", error });
     }
   };
-  return { marked, ask, drop };
+  return { marked, requestMark, discard };
 }
 
 /** A task that is there no more takes no copies, but what was written for it is its writer's all the same. */
-async function sent(copy: Copy, work: string, task: string | null, keep: boolean): Promise<Attempt> {
+async function sendCopy(copy: Copy, work: string, task: string | null, keep: boolean): Promise<Attempt> {
   try {
-    return await post<Attempt>("/api/marks", formOf(copy, work, task, keep));
+    return await post<Attempt>("/api/marks", markForm(copy, work, task, keep));
   } catch (error) {
     if (!task || !(error instanceof ServiceError) || error.status !== 404) throw error;
-    return await post<Attempt>("/api/marks", formOf(copy, work, null, keep));
+    return await post<Attempt>("/api/marks", markForm(copy, work, null, keep));
   }
 }
 
-export function formOf(copy: Copy, work: string, task: string | null, keep: boolean): FormData {
+export function markForm(copy: Copy, work: string, task: string | null, keep: boolean): FormData {
   const form = new FormData();
   form.set("work", work);
   form.set("kind", copy.kind);

@@ -4,47 +4,47 @@ import { cloneElement, isValidElement } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import { ServiceError } from "../api";
-import { say, t } from "../i18n";
+import { common, localize } from "../i18n";
 
-export function Waiting() {
+export function Loading() {
   return (
     <p class="waiting" role="status">
-      {t("loading")}
+      {common("loading")}
     </p>
   );
 }
 
-type TroubleProps = { error: unknown; again?: () => void };
+type ErrorProps = { error: unknown; retry?: () => void };
 
-export function Trouble({ error, again }: TroubleProps) {
+export function ErrorMessage({ error, retry }: ErrorProps) {
   return (
     <div class="trouble" role="alert">
       <p>{reason(error)}</p>
-      {again && (
-        <button type="button" onClick={again}>
-          {t("again")}
+      {retry && (
+        <button type="button" onClick={retry}>
+          {common("again")}
         </button>
       )}
     </div>
   );
 }
 
-/** Trouble in place of a whole page: its reason is the heading, and what is not there is not asked for again. */
-export function PageTrouble({ error, again }: TroubleProps) {
+/** ErrorMessage in place of a whole page: its reason is the heading, and what is not there is not asked for again. */
+export function ErrorPage({ error, retry }: ErrorProps) {
   const missing = error instanceof ServiceError && error.status === 404;
   return (
     <div class="trouble" role="alert">
       <h1>{reason(error)}</h1>
-      {again && !missing ? <button type="button" onClick={again}>{t("again")}</button> : <p><a href="#/">{t("home")}</a></p>}
+      {retry && !missing ? <button type="button" onClick={retry}>{common("again")}</button> : <p><a href="#/">{common("home")}</a></p>}
     </div>
   );
 }
 
 function reason(error: unknown): string {
-  return error instanceof ServiceError ? say(error.text) : String(error instanceof Error ? error.message : error);
+  return error instanceof ServiceError ? localize(error.text) : String(error instanceof Error ? error.message : error);
 }
 
-/** What `load` brings, asked again whenever `key` changes; an answer to an older question is dropped. */
+/** What `load` brings, asked retry whenever `key` changes; an answer to an older question is dropped. */
 export function useLoaded<T>(load: (signal: AbortSignal) => Promise<T>, key: string) {
   const [state, setState] = useState<{ value?: T; error?: unknown; key: string }>({ key: "" });
   const [turn, setTurn] = useState(0);
@@ -56,7 +56,7 @@ export function useLoaded<T>(load: (signal: AbortSignal) => Promise<T>, key: str
     );
     return () => stop.abort();
   }, [key, turn]);
-  return { ...state, fresh: state.key === key, again: () => setTurn((n) => n + 1) };
+  return { ...state, fresh: state.key === key, retry: () => setTurn((n) => n + 1) };
 }
 
 /** The hint describes what is typed into; it is no part of its name. */
@@ -89,7 +89,7 @@ export function Dialog({ title, onClose, children }: { title: string; onClose: (
     <dialog ref={box} class="dialog" onClose={onClose} aria-label={title}>
       <header>
         <h2>{title}</h2>
-        <button type="button" class="quiet" aria-label={t("close")} onClick={() => box.current?.close()}>
+        <button type="button" class="quiet" aria-label={common("close")} onClick={() => box.current?.close()}>
           ×
         </button>
       </header>

@@ -1,7 +1,7 @@
-// Pointer, wheel, pinch and keys become a few verbs. What they do is decided elsewhere.
+// Pointer, wheel, pinch and keys become a few handlers. What they do is decided elsewhere.
 
 export type Action = "light" | "orbit" | "pan" | "line" | "point";
-export type Verbs = {
+export type InputHandlers = {
   /** What dragging with one finger or the main button does now. */
   action(): Action;
   /** The lamp stands over (x, y) of the picture, in CSS pixels from its top left. */
@@ -12,14 +12,14 @@ export type Verbs = {
   zoom(factor: number, x: number, y: number): void;
   line(phase: "start" | "move" | "end", x: number, y: number): void;
   point(x: number, y: number): void;
-  hover(place: { x: number; y: number } | null): void;
+  hover(point: { x: number; y: number } | null): void;
   key(event: KeyboardEvent): boolean;
 };
 
-const TAP = 5;
+const MAX_TAP_DISTANCE = 5;
 
 /** Listens on `host`; the answer stops listening. */
-export function listen(host: HTMLElement, verbs: Verbs): () => void {
+export function listenForInput(host: HTMLElement, handlers: InputHandlers): () => void {
   const stop = new AbortController();
   const fingers = new Map<number, { x: number; y: number }>();
   let doing: Action | "pinch" | null = null;
@@ -32,66 +32,66 @@ export function listen(host: HTMLElement, verbs: Verbs): () => void {
     host.addEventListener(name, act as EventListener, { signal: stop.signal, passive });
 
   on("pointerdown", (event) => {
-    const place = at(event);
-    fingers.set(event.pointerId, place);
+    const point = at(event);
+    fingers.set(event.pointerId, point);
     host.setPointerCapture?.(event.pointerId);
     if (fingers.size === 2) {
-      if (doing === "line") verbs.line("end", start.x, start.y);
+      if (doing === "line") handlers.line("end", start.x, start.y);
       doing = "pinch";
       return;
     }
     if (fingers.size > 2) return;
-    start = place;
-    doing = event.button === 2 ? "orbit" : event.button === 1 || event.shiftKey ? "pan" : verbs.action();
-    if (doing === "light") verbs.light(place.x, place.y);
-    if (doing === "line") verbs.line("start", place.x, place.y);
+    start = point;
+    doing = event.button === 2 ? "orbit" : event.button === 1 || event.shiftKey ? "pan" : handlers.action();
+    if (doing === "light") handlers.light(point.x, point.y);
+    if (doing === "line") handlers.line("start", point.x, point.y);
   });
   on("pointermove", (event) => {
-    const place = at(event);
+    const point = at(event);
     const before = fingers.get(event.pointerId);
-    verbs.hover(place);
+    handlers.hover(point);
     if (!before || !doing) return;
-    if (doing === "pinch") pinch(fingers, event.pointerId, place, verbs);
-    else if (doing === "light") verbs.light(place.x, place.y);
-    else if (doing === "orbit") verbs.orbit(place.x - before.x, place.y - before.y);
-    else if (doing === "pan") verbs.pan(place.x - before.x, place.y - before.y);
-    else if (doing === "line") verbs.line("move", place.x, place.y);
-    fingers.set(event.pointerId, place);
+    if (doing === "pinch") pinch(fingers, event.pointerId, point, handlers);
+    else if (doing === "light") handlers.light(point.x, point.y);
+    else if (doing === "orbit") handlers.orbit(point.x - before.x, point.y - before.y);
+    else if (doing === "pan") handlers.pan(point.x - before.x, point.y - before.y);
+    else if (doing === "line") handlers.line("move", point.x, point.y);
+    fingers.set(event.pointerId, point);
   });
   const lift = (event: PointerEvent) => {
-    const place = at(event);
-    if (doing === "line") verbs.line("end", place.x, place.y);
-    if (doing === "point" && event.type === "pointerup" && Math.hypot(place.x - start.x, place.y - start.y) < TAP) {
-      verbs.point(place.x, place.y);
+    const point = at(event);
+    if (doing === "line") handlers.line("end", point.x, point.y);
+    if (doing === "point" && event.type === "pointerup" && Math.hypot(point.x - start.x, point.y - start.y) < MAX_TAP_DISTANCE) {
+      handlers.point(point.x, point.y);
     }
     fingers.delete(event.pointerId);
     doing = null;
-    if (event.pointerType !== "mouse") verbs.hover(null);
+    if (event.pointerType !== "mouse") handlers.hover(null);
   };
   on("pointerup", lift);
   on("pointercancel", lift);
-  on("pointerleave", () => verbs.hover(null));
+  on("pointerleave", () => handlers.hover(null));
   on(
     "wheel",
     (event) => {
       event.preventDefault();
-      const place = at(event);
+      const point = at(event);
       const lines = event.deltaMode === 1 ? 16 : 1;
-      verbs.zoom(Math.exp(Math.max(-120, Math.min(120, event.deltaY * lines)) * 0.0018), place.x, place.y);
+      handlers.zoom(Math.exp(Math.max(-120, Math.min(120, event.deltaY * lines)) * 0.0018), point.x, point.y);
     },
     false,
   );
   on("contextmenu", (event) => event.preventDefault(), false);
-  on("keydown", (event) => verbs.key(event) && event.preventDefault(), false);
+  on("keydown", (event) => handlers.key(event) && event.preventDefault(), false);
   return () => stop.abort();
 }
 
-function pinch(fingers: Map<number, { x: number; y: number }>, id: number, place: { x: number; y: number }, verbs: Verbs): void {
+function pinch(fingers: Map<number, { x: number; y: number }>, id: number, point: { x: number; y: number }, handlers: InputHandlers): void {
   const [other] = [...fingers].filter(([key]) => key !== id).map(([, value]) => value);
   const before = fingers.get(id);
   if (!other || !before) return;
-  const middle = { x: (place.x + other.x) / 2, y: (place.y + other.y) / 2 };
-  const [was, is] = [Math.hypot(before.x - other.x, before.y - other.y), Math.hypot(place.x - other.x, place.y - other.y)];
-  verbs.pan((place.x - before.x) / 2, (place.y - before.y) / 2);
-  if (was > 1 && is > 1) verbs.zoom(was / is, middle.x, middle.y);
+  const middle = { x: (point.x + other.x) / 2, y: (point.y + other.y) / 2 };
+  const [was, is] = [Math.hypot(before.x - other.x, before.y - other.y), Math.hypot(point.x - other.x, point.y - other.y)];
+  handlers.pan((point.x - before.x) / 2, (point.y - before.y) / 2);
+  if (was > 1 && is > 1) handlers.zoom(was / is, middle.x, middle.y);
 }

@@ -1,8 +1,8 @@
 // Heights over the sheet: looked up anywhere, along a line, or under a ray from the eye.
 
 import type { ViewerFacts } from "../types";
-import { bilinear, type Vec3 } from "./arithmetic";
-import type { Line } from "./state";
+import { bilinear, type Vec3 } from "./shading";
+import type { SheetLine } from "./state";
 
 export type ProfilePoint = { distance: number; height: number };
 
@@ -41,12 +41,12 @@ export class HeightField {
   }
 
   /** Length in `unit` of a line of fractions, along the sheet. */
-  length([x0, y0, x1, y1]: Line): number {
+  length([x0, y0, x1, y1]: SheetLine): number {
     return Math.hypot((x1 - x0) * this.wide, (y1 - y0) * this.tall) * this.scale;
   }
 
   /** `count` heights along the line, both ends included; distance from its first point; both in `unit`. */
-  section(line: Line, count = 256): ProfilePoint[] {
+  section(line: SheetLine, count = 256): ProfilePoint[] {
     const [x0, y0, x1, y1] = line;
     const whole = this.length(line);
     return Array.from({ length: count }, (_, k) => {
@@ -61,7 +61,7 @@ export class HeightField {
   }
 
   /** Fractions of the first point that a ray meets, or null beside the sheet. */
-  meet(origin: Vec3, direction: Vec3, lift: number, steps = 400): { u: number; v: number } | null {
+  intersectRay(origin: Vec3, direction: Vec3, lift: number, steps = 400): { u: number; v: number } | null {
     const bound = (Math.max(Math.abs(this.min), Math.abs(this.max)) / this.scale) * lift + 1e-4;
     if (Math.abs(direction[2]) < 1e-9) return null;
     const [near, far] = [(bound - origin[2]) / direction[2], (-bound - origin[2]) / direction[2]].sort((a, b) => a - b) as [number, number];

@@ -3,21 +3,21 @@
 import { ServiceError } from "../api";
 
 /** The bytes behind a URL; data: URLs are read here, because a page opened from a disk may not fetch. Gzip is undone. */
-export async function bytes(url: string, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+async function loadBytes(url: string, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
   const found = url.startsWith("data:") ? fromData(url) : await fromNetwork(url, signal);
   return found[0] === 0x1f && found[1] === 0x8b ? unzip(found) : found;
 }
 
-export async function heights(url: string, count: number, signal?: AbortSignal): Promise<Float32Array> {
-  const found = await bytes(url, signal);
+export async function loadHeights(url: string, count: number, signal?: AbortSignal): Promise<Float32Array> {
+  const found = await loadBytes(url, signal);
   if (found.byteLength !== count * 4) throw new Error(`expected ${count * 4} bytes of heights, got ${found.byteLength}`);
   const view = new DataView(found.buffer, found.byteOffset, found.byteLength);
   return Float32Array.from({ length: count }, (_, k) => view.getFloat32(k * 4, true));
 }
 
 /** A decoded picture, first row on top, its numbers untouched. */
-export async function picture(url: string, signal?: AbortSignal): Promise<ImageBitmap> {
-  const blob = new Blob([await bytes(url, signal)]);
+export async function loadPicture(url: string, signal?: AbortSignal): Promise<ImageBitmap> {
+  const blob = new Blob([await loadBytes(url, signal)]);
   return createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
 }
 
@@ -29,14 +29,14 @@ function fromData(url: string): Uint8Array<ArrayBuffer> {
 }
 
 async function fromNetwork(url: string, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
-  const answer = await fetch(url, { signal: signal ?? null, credentials: "same-origin" });
-  if (!answer.ok) {
-    throw new ServiceError(answer.status, "file", {
-      zh: `讀不到檔案（${answer.status}）。`,
-      en: `A file could not be read (${answer.status}).`,
+  const response = await fetch(url, { signal: signal ?? null, credentials: "same-origin" });
+  if (!response.ok) {
+    throw new ServiceError(response.status, "file", {
+      zh: `讀不到檔案（${response.status}）。`,
+      en: `A file could not be read (${response.status}).`,
     });
   }
-  return new Uint8Array(await answer.arrayBuffer());
+  return new Uint8Array(await response.arrayBuffer());
 }
 
 async function unzip(packed: Uint8Array<ArrayBuffer>): Promise<Uint8Array<ArrayBuffer>> {

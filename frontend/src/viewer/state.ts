@@ -7,7 +7,7 @@ export type Lens = (typeof LENSES)[number];
 /** How the sheet is lit: a warm lamp with some sheen, Lambert's law and nothing else, or all of it as clay. */
 export const LOOKS = ["lamp", "exact", "clay"] as const;
 export type Look = (typeof LOOKS)[number];
-export type Line = [number, number, number, number];
+export type SheetLine = [number, number, number, number];
 /** Where the eye is, then what it looks at; the longer side of the sheet is 1, x right, y up, z to the eye. */
 export type Camera = [number, number, number, number, number, number];
 
@@ -22,15 +22,15 @@ export type ViewState = {
   /** null: the whole sheet, seen as the mode sees it. */
   camera: Camera | null;
   /** A line over the sheet, x0 y0 x1 y1 as fractions, origin top left. */
-  section: Line | null;
-  ruler: Line | null;
+  section: SheetLine | null;
+  ruler: SheetLine | null;
   lens: Lens;
   look: Look;
   /** Mix the three photographs instead of shading the normals, where there are three. */
   mixture: boolean;
 };
 
-export const START: ViewState = {
+export const DEFAULT_VIEW: ViewState = {
   mode: "sheet",
   tilt: 135,
   slant: 45,
@@ -44,50 +44,50 @@ export const START: ViewState = {
 };
 
 /** Highest exaggeration that the slider offers. */
-export const MOST_EXAGGERATION = 10;
+export const MAX_EXAGGERATION = 10;
 /** A lamp lower than this lights nothing but edges. */
-export const MOST_SLANT = 88;
+export const MAX_SLANT = 88;
 
 /** Any numbers become a state that can be shown: angles turned into range, the rest clamped. */
-export function sane(state: ViewState): ViewState {
+export function normalizeView(state: ViewState): ViewState {
   return {
     ...state,
     tilt: ((state.tilt % 360) + 360) % 360,
-    slant: clamp(state.slant, 0, MOST_SLANT),
-    exaggeration: clamp(state.exaggeration, 0, MOST_EXAGGERATION),
-    section: state.section && (state.section.map((v) => clamp(v, 0, 1)) as Line),
-    ruler: state.ruler && (state.ruler.map((v) => clamp(v, 0, 1)) as Line),
+    slant: clamp(state.slant, 0, MAX_SLANT),
+    exaggeration: clamp(state.exaggeration, 0, MAX_EXAGGERATION),
+    section: state.section && (state.section.map((v) => clamp(v, 0, 1)) as SheetLine),
+    ruler: state.ruler && (state.ruler.map((v) => clamp(v, 0, 1)) as SheetLine),
   };
 }
 
 /** Only what differs from the start is said, so that links stay short. */
 export function stateToQuery(state: ViewState): URLSearchParams {
   const query = new URLSearchParams();
-  if (state.mode !== START.mode) query.set("mode", state.mode);
-  if (state.tilt !== START.tilt) query.set("tilt", short(state.tilt, 1));
-  if (state.slant !== START.slant) query.set("slant", short(state.slant, 1));
-  if (state.exaggeration !== START.exaggeration) query.set("ex", short(state.exaggeration, 2));
+  if (state.mode !== DEFAULT_VIEW.mode) query.set("mode", state.mode);
+  if (state.tilt !== DEFAULT_VIEW.tilt) query.set("tilt", short(state.tilt, 1));
+  if (state.slant !== DEFAULT_VIEW.slant) query.set("slant", short(state.slant, 1));
+  if (state.exaggeration !== DEFAULT_VIEW.exaggeration) query.set("ex", short(state.exaggeration, 2));
   if (state.camera) query.set("cam", state.camera.map((v) => short(v, 3)).join(","));
   if (state.section) query.set("sec", state.section.map((v) => short(v, 3)).join(","));
   if (state.ruler) query.set("rule", state.ruler.map((v) => short(v, 3)).join(","));
-  if (state.lens !== START.lens) query.set("lens", state.lens);
-  if (state.look !== START.look) query.set("look", state.look);
+  if (state.lens !== DEFAULT_VIEW.lens) query.set("lens", state.lens);
+  if (state.look !== DEFAULT_VIEW.look) query.set("look", state.look);
   if (state.mixture) query.set("lamps", "3");
   return query;
 }
 
 /** What cannot be read is left as at the start: a link that was cut still opens. */
 export function stateFromQuery(query: URLSearchParams): ViewState {
-  return sane({
-    mode: oneOf(MODES, query.get("mode"), START.mode),
-    tilt: number(query.get("tilt"), START.tilt),
-    slant: number(query.get("slant"), START.slant),
-    exaggeration: number(query.get("ex"), START.exaggeration),
+  return normalizeView({
+    mode: oneOf(MODES, query.get("mode"), DEFAULT_VIEW.mode),
+    tilt: number(query.get("tilt"), DEFAULT_VIEW.tilt),
+    slant: number(query.get("slant"), DEFAULT_VIEW.slant),
+    exaggeration: number(query.get("ex"), DEFAULT_VIEW.exaggeration),
     camera: numbers(query.get("cam"), 6) as Camera | null,
-    section: numbers(query.get("sec"), 4) as Line | null,
-    ruler: numbers(query.get("rule"), 4) as Line | null,
-    lens: oneOf(LENSES, query.get("lens"), START.lens),
-    look: oneOf(LOOKS, query.get("look"), START.look),
+    section: numbers(query.get("sec"), 4) as SheetLine | null,
+    ruler: numbers(query.get("rule"), 4) as SheetLine | null,
+    lens: oneOf(LENSES, query.get("lens"), DEFAULT_VIEW.lens),
+    look: oneOf(LOOKS, query.get("look"), DEFAULT_VIEW.look),
     mixture: query.get("lamps") === "3",
   });
 }
@@ -111,4 +111,15 @@ function number(text: string | null, otherwise: number): number {
 function numbers(text: string | null, count: number): number[] | null {
   const values = (text ?? "").split(",").map(Number);
   return text && values.length === count && values.every(Number.isFinite) ? values : null;
+}
+
+/** The lamp over (x, y): the middle is straight above, the edge of the largest circle is along the sheet. Degrees. */
+export function lightAt(x: number, y: number, size: { width: number; height: number }): { tilt: number; slant: number } {
+  const radius = Math.min(size.width, size.height) / 2;
+  const [right, up] = [(x - size.width / 2) / radius, (size.height / 2 - y) / radius];
+  const away = Math.min(Math.hypot(right, up), 1);
+  return {
+    tilt: ((Math.atan2(up, right) * 180) / Math.PI + 360) % 360,
+    slant: Math.min((Math.asin(away) * 180) / Math.PI, MAX_SLANT),
+  };
 }

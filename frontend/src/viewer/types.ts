@@ -2,10 +2,10 @@
 
 import type { ViewerFacts, Work } from "../types";
 import type { HeightField, ProfilePoint } from "./heightfield";
-import type { Camera, Line, ViewState } from "./state";
+import type { Camera, SheetLine, ViewState } from "./state";
 
 export type Tool = "light" | "move" | "section" | "ruler" | "pin";
-export type Place = { x: number; y: number; height: number };
+export type SheetPoint = { x: number; y: number; height: number };
 
 export type ViewerOptions = Partial<Omit<ViewState, "camera">> & {
   camera?: Camera | null;
@@ -13,7 +13,7 @@ export type ViewerOptions = Partial<Omit<ViewState, "camera">> & {
   interactive?: boolean;
   onChange?: (state: ViewState) => void;
   /** With the tool `pin`: where a point was set, as fractions of the sheet. */
-  onPoint?: (place: Place) => void;
+  onPoint?: (place: SheetPoint) => void;
   signal?: AbortSignal;
 };
 
@@ -28,7 +28,7 @@ export interface Viewer {
   tool: Tool;
   set(partial: Partial<ViewState>): void;
   /** As `set`, but gently; at once for those who asked for less motion. */
-  glide(partial: Partial<ViewState>, milliseconds?: number): void;
+  animateTo(partial: Partial<ViewState>, milliseconds?: number): void;
   /** Shares mode, light, look, exaggeration and camera with another, both ways; null parts them. */
   link(other: Viewer | null): void;
   /** The view as a PNG. */
@@ -38,8 +38,8 @@ export interface Viewer {
   resize(): void;
   dispose(): void;
   /** What lies under (x, y), CSS pixels from the host's top left: fractions of the sheet and the height there. */
-  pick(x: number, y: number): Place | null;
-  section(line: Line): ProfilePoint[];
+  pick(x: number, y: number): SheetPoint | null;
+  section(line: SheetLine): ProfilePoint[];
   /** CSS pixels from the host's top left of a point of the sheet. */
   project(u: number, v: number): { x: number; y: number } | null;
   /** Called after each drawing; the answer stops it. */

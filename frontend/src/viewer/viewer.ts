@@ -1,16 +1,16 @@
-// A viewer in a page: a stage, its state, what pointer and keys do to it. What surrounds it (buttons, plots) is in panel.tsx.
+// A viewer in a page: a scene, its state, what pointer and keys do to it. What surrounds it (buttons, plots) is in ViewerPanel.tsx.
 
 import { Vector3 } from "three";
 import type { ViewerFacts } from "../types";
-import { listen, type Action } from "./controls";
+import { type Action, listenForInput } from "./controls";
 import { HeightField, type ProfilePoint } from "./heightfield";
-import { lightAt } from "./light";
-import * as loading from "./loading";
-import { between, orbit, pan, zoom } from "./orbit";
-import { hasWebGL2, pictureOnly } from "./picture";
-import { Stage } from "./stage";
-import { sane, START, type Camera, type Line, type ViewState } from "./state";
-import type { Place, Tool, Viewer, ViewerOptions } from "./types";
+import { loadHeights, loadPicture } from "./loading";
+import { enterSession } from "./webxr";
+import { type Camera, DEFAULT_VIEW, lightAt, normalizeView, type SheetLine, type ViewState } from "./state";
+import { interpolateCamera, orbit, pan, zoom } from "./camera";
+import { createPictureViewer, hasWebGL2 } from "./fallback";
+import { SheetScene } from "./scene";
+import type { SheetPoint, Tool, Viewer, ViewerOptions } from "./types";
 import "./viewer.css"; // here, so that a viewer has its size in any page
 
 const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera", "look"] as const;
@@ -18,21 +18,21 @@ const KEY_STEP = 5;
 const LENS_RADIUS = 90;
 const SHEEN = 0.34;
 /** True while one viewer tells its partner: what it hears so is not told back. */
-let passing = false;
+let syncing = false;
 
 /** Fills `host` with a viewer. Without WebGL2 it shows the picture and a message. Rejects when a file cannot be read. */
 export async function createViewer(host: HTMLElement, facts: ViewerFacts, options: ViewerOptions = {}): Promise<Viewer> {
-  if (!hasWebGL2()) return pictureOnly(host, facts);
+  if (!hasWebGL2()) return createPictureViewer(host, facts);
   const { signal } = options;
   const lamps = facts.three_lamps;
   const measured = facts.source === "photometric";
   const [values, albedo, normals, photo, mask, three] = await Promise.all([
-    loading.heights(facts.heights.url, facts.heights.width * facts.heights.height, signal),
-    loading.picture(facts.albedo, signal),
-    loading.picture(facts.normals, signal),
-    loading.picture(facts.picture, signal),
-    measured ? loading.picture(facts.mask, signal) : null,
-    lamps && Promise.all([lamps.a, lamps.b, lamps.c].map((url) => loading.picture(url, signal))),
+    loadHeights(facts.heights.url, facts.heights.width * facts.heights.height, signal),
+    loadPicture(facts.albedo, signal),
+    loadPicture(facts.normals, signal),
+    loadPicture(facts.picture, signal),
+    measured ? loadPicture(facts.mask, signal) : null,
+    lamps && Promise.all([lamps.a, lamps.b, lamps.c].map((url) => loadPicture(url, signal))),
   ]);
   signal?.throwIfAborted();
   const [a, b, c] = three ?? [];
@@ -44,12 +44,12 @@ class SheetViewer implements Viewer {
   readonly canvas = document.createElement("canvas");
   state: ViewState;
   tool: Tool = "light";
-  private readonly stage: Stage;
+  private readonly scene: SheetScene;
   private readonly listeners = new Set<() => void>();
-  private readonly ends: (() => void)[] = [];
+  private readonly cleanups: (() => void)[] = [];
   private other: Viewer | null = null;
   private frame = 0;
-  private gliding = 0;
+  private animation = 0;
   private lens: { x: number; y: number } | null = null;
   private drawn: { line: "section" | "ruler"; from: { x: number; y: number } } | null = null;
 
@@ -57,23 +57,23 @@ class SheetViewer implements Viewer {
     private readonly host: HTMLElement,
     readonly facts: ViewerFacts,
     readonly field: HeightField,
-    maps: ConstructorParameters<typeof Stage>[2],
+    maps: ConstructorParameters<typeof SheetScene>[2],
     private readonly options: ViewerOptions,
   ) {
     const { interactive = true, onChange: _c, onPoint: _p, signal: _s, ...wanted } = options;
     const given = Object.fromEntries(Object.entries(wanted).filter(([, value]) => value !== undefined));
-    this.state = sane({ ...START, ...given });
+    this.state = normalizeView({ ...DEFAULT_VIEW, ...given });
     this.canvas.className = "viewer-canvas";
     this.host.append(this.canvas);
-    this.stage = new Stage(this.canvas, field, maps, facts.source === "photometric" ? 0 : SHEEN);
-    if (interactive) this.listen();
+    this.scene = new SheetScene(this.canvas, field, maps, facts.source === "photometric" ? 0 : SHEEN);
+    if (interactive) this.listenForInput();
     const watch = new ResizeObserver(() => this.resize());
     watch.observe(host);
     const dark = matchMedia("(prefers-color-scheme: dark)");
     const repaint = () => this.invalidate();
     dark.addEventListener("change", repaint);
     this.canvas.addEventListener("webglcontextrestored", repaint);
-    this.ends.push(
+    this.cleanups.push(
       () => watch.disconnect(),
       () => dark.removeEventListener("change", repaint),
     );
@@ -81,20 +81,20 @@ class SheetViewer implements Viewer {
   }
 
   get interval(): number {
-    return this.stage.interval;
+    return this.scene.interval;
   }
 
   set(partial: Partial<ViewState>): void {
-    cancelAnimationFrame(this.gliding);
+    cancelAnimationFrame(this.animation);
     this.change(partial);
   }
 
-  glide(partial: Partial<ViewState>, milliseconds = 1100): void {
-    cancelAnimationFrame(this.gliding);
-    const target = sane({ ...this.state, ...partial });
+  animateTo(partial: Partial<ViewState>, milliseconds = 1100): void {
+    cancelAnimationFrame(this.animation);
+    const target = normalizeView({ ...this.state, ...partial });
     if (matchMedia("(prefers-reduced-motion: reduce)").matches) return this.change(target);
     const from = this.state;
-    const [start, end] = [this.cameraNow(), target.camera ?? this.stage.home(target.mode)];
+    const [start, end] = [this.currentCamera(), target.camera ?? this.scene.defaultCamera(target.mode)];
     const turn = ((target.tilt - from.tilt + 540) % 360) - 180;
     this.change({ ...target, tilt: from.tilt, slant: from.slant, exaggeration: from.exaggeration, camera: start });
     let first: number | null = null;
@@ -107,11 +107,11 @@ class SheetViewer implements Viewer {
         tilt: from.tilt + turn * s,
         slant: from.slant + (target.slant - from.slant) * s,
         exaggeration: from.exaggeration + (target.exaggeration - from.exaggeration) * s,
-        camera: between(start, end, s),
+        camera: interpolateCamera(start, end, s),
       });
-      this.gliding = requestAnimationFrame(step);
+      this.animation = requestAnimationFrame(step);
     };
-    this.gliding = requestAnimationFrame(step);
+    this.animation = requestAnimationFrame(step);
   }
 
   link(other: Viewer | null): void {
@@ -121,23 +121,23 @@ class SheetViewer implements Viewer {
     before?.link(null);
     if (!other) return;
     other.link(this);
-    this.pass(Object.fromEntries(SHARED.map((name) => [name, this.state[name]])));
+    this.share(Object.fromEntries(SHARED.map((name) => [name, this.state[name]])));
   }
 
   async snapshot(): Promise<Blob> {
     this.draw();
     const { width, height } = this.canvas;
     const sheet = new OffscreenCanvas(width, height);
-    const pen = sheet.getContext("2d");
-    if (!pen) throw new Error("no 2-D canvas");
-    pen.fillStyle = getComputedStyle(this.host).getPropertyValue("--paper").trim() || "#fff";
-    pen.fillRect(0, 0, width, height);
-    pen.drawImage(this.canvas, 0, 0); // in the same task as the drawing: the buffer is not kept
+    const context = sheet.getContext("2d");
+    if (!context) throw new Error("no 2-D canvas");
+    context.fillStyle = getComputedStyle(this.host).getPropertyValue("--paper").trim() || "#fff";
+    context.fillRect(0, 0, width, height);
+    context.drawImage(this.canvas, 0, 0); // in the same task as the drawing: the buffer is not kept
     return sheet.convertToBlob({ type: "image/png" });
   }
 
   async relit(): Promise<Blob> {
-    const { width, height, pixels } = this.stage.flat(this.state);
+    const { width, height, pixels } = this.scene.renderFlat(this.state);
     const sheet = new OffscreenCanvas(width, height);
     sheet.getContext("2d")?.putImageData(new ImageData(pixels, width, height), 0, 0);
     this.invalidate();
@@ -147,35 +147,35 @@ class SheetViewer implements Viewer {
   resize(): void {
     const { clientWidth: width, clientHeight: height } = this.host;
     if (!width || !height) return;
-    this.stage.resize(width, height, Math.min(devicePixelRatio || 1, 2));
+    this.scene.resize(width, height, Math.min(devicePixelRatio || 1, 2));
     this.draw();
   }
 
   dispose(): void {
     cancelAnimationFrame(this.frame);
-    cancelAnimationFrame(this.gliding);
+    cancelAnimationFrame(this.animation);
     this.link(null);
-    this.ends.forEach((end) => end());
+    this.cleanups.forEach((end) => end());
     this.listeners.clear();
-    this.stage.dispose();
+    this.scene.dispose();
     this.canvas.remove();
   }
 
-  pick(x: number, y: number): Place | null {
+  pick(x: number, y: number): SheetPoint | null {
     const { clientWidth: width, clientHeight: height } = this.host;
-    const through = new Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5).unproject(this.stage.camera);
-    const eye = this.stage.camera.position;
+    const through = new Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5).unproject(this.scene.camera);
+    const eye = this.scene.camera.position;
     const direction = through.sub(eye).normalize();
-    const found = this.field.meet(eye.toArray(), direction.toArray(), this.lift());
+    const found = this.field.intersectRay(eye.toArray(), direction.toArray(), this.lift());
     return found && { x: found.u, y: found.v, height: this.field.at(found.u, found.v) };
   }
 
-  section(line: Line): ProfilePoint[] {
+  section(line: SheetLine): ProfilePoint[] {
     return this.field.section(line);
   }
 
   project(u: number, v: number): { x: number; y: number } | null {
-    const point = new Vector3(...this.field.point(u, v, this.lift())).project(this.stage.camera);
+    const point = new Vector3(...this.field.point(u, v, this.lift())).project(this.scene.camera);
     if (point.z > 1) return null;
     return { x: ((point.x + 1) / 2) * this.host.clientWidth, y: ((1 - point.y) / 2) * this.host.clientHeight };
   }
@@ -186,8 +186,7 @@ class SheetViewer implements Viewer {
   }
 
   async immerse(kind: "immersive-vr" | "immersive-ar"): Promise<void> {
-    const { immerse } = await import("./immersion");
-    await immerse(this.stage, () => this.state, kind);
+    await enterSession(this.scene, () => this.state, kind);
     this.resize();
   }
 
@@ -195,24 +194,24 @@ class SheetViewer implements Viewer {
     return this.state.mode === "sheet" ? 0 : this.state.exaggeration;
   }
 
-  private cameraNow(): Camera {
-    return this.state.camera ?? this.stage.home(this.state.mode);
+  private currentCamera(): Camera {
+    return this.state.camera ?? this.scene.defaultCamera(this.state.mode);
   }
 
   private change(partial: Partial<ViewState>): void {
-    this.state = sane({ ...this.state, ...partial });
+    this.state = normalizeView({ ...this.state, ...partial });
     this.invalidate();
     this.options.onChange?.(this.state);
-    this.pass(partial);
+    this.share(partial);
   }
 
   /** What both share goes to the other one, and is not sent back. */
-  private pass(partial: Partial<ViewState>): void {
+  private share(partial: Partial<ViewState>): void {
     const shared = Object.fromEntries(SHARED.filter((name) => name in partial).map((name) => [name, partial[name]]));
-    if (!this.other || passing || !Object.keys(shared).length) return;
-    passing = true;
+    if (!this.other || syncing || !Object.keys(shared).length) return;
+    syncing = true;
     this.other.set(shared);
-    passing = false;
+    syncing = false;
   }
 
   private invalidate(): void {
@@ -222,45 +221,45 @@ class SheetViewer implements Viewer {
   private draw(): void {
     cancelAnimationFrame(this.frame);
     this.frame = 0;
-    this.stage.draw(this.state, this.lensPlace());
+    this.scene.draw(this.state, this.lensPosition());
     this.listeners.forEach((listener) => listener());
   }
 
-  private lensPlace(): { u: number; v: number; radius: number } | null {
+  private lensPosition(): { u: number; v: number; radius: number } | null {
     if (this.state.lens === "none") return null;
     const middle = { x: this.host.clientWidth / 2, y: this.host.clientHeight / 2 };
-    const place = this.lens ?? middle;
-    const [centre, edge] = [this.pick(place.x, place.y), this.pick(place.x + 1, place.y)];
+    const point = this.lens ?? middle;
+    const [centre, edge] = [this.pick(point.x, point.y), this.pick(point.x + 1, point.y)];
     if (!centre) return null;
     // How much of the sheet lies under a pixel here makes the lens as large on the screen anywhere.
     const per = edge ? Math.abs(edge.x - centre.x) * this.field.wide : 1 / this.host.clientHeight;
     return { u: centre.x, v: centre.y, radius: Math.max(per, 1e-4) * LENS_RADIUS };
   }
 
-  private listen(): void {
+  private listenForInput(): void {
     this.host.tabIndex = 0;
     const size = () => ({ width: this.host.clientWidth, height: this.host.clientHeight });
-    const off = listen(this.host, {
+    const off = listenForInput(this.host, {
       action: () => this.action(),
       light: (x, y) => this.set(lightAt(x, y, size())),
-      orbit: (dx, dy) => this.set({ camera: orbit(this.cameraNow(), -dx * 0.008, dy * 0.008) }),
-      pan: (dx, dy) => this.set({ camera: pan(this.cameraNow(), -dx / size().height, dy / size().height) }),
+      orbit: (dx, dy) => this.set({ camera: orbit(this.currentCamera(), -dx * 0.008, dy * 0.008) }),
+      pan: (dx, dy) => this.set({ camera: pan(this.currentCamera(), -dx / size().height, dy / size().height) }),
       zoom: (factor, x, y) => {
         const { width, height } = size();
-        this.set({ camera: zoom(this.cameraNow(), factor, (x - width / 2) / height, (height / 2 - y) / height) });
+        this.set({ camera: zoom(this.currentCamera(), factor, (x - width / 2) / height, (height / 2 - y) / height) });
       },
       line: (phase, x, y) => this.line(phase, x, y),
       point: (x, y) => {
-        const place = this.pick(x, y);
-        if (place) this.options.onPoint?.(place);
+        const point = this.pick(x, y);
+        if (point) this.options.onPoint?.(point);
       },
-      hover: (place) => {
-        if (place) this.lens = place;
+      hover: (point) => {
+        if (point) this.lens = point;
         if (this.state.lens !== "none") this.invalidate();
       },
       key: (event) => this.key(event),
     });
-    this.ends.push(off);
+    this.cleanups.push(off);
   }
 
   private action(): Action {
@@ -272,16 +271,16 @@ class SheetViewer implements Viewer {
 
   private line(phase: "start" | "move" | "end", x: number, y: number): void {
     const kind = this.tool === "ruler" ? "ruler" : "section";
-    const place = this.pick(x, y);
-    if (phase === "start") this.drawn = place && { line: kind, from: place };
-    else if (this.drawn && place) this.set({ [this.drawn.line]: [this.drawn.from.x, this.drawn.from.y, place.x, place.y] });
+    const point = this.pick(x, y);
+    if (phase === "start") this.drawn = point && { line: kind, from: point };
+    else if (this.drawn && point) this.set({ [this.drawn.line]: [this.drawn.from.x, this.drawn.from.y, point.x, point.y] });
     if (phase === "end") this.drawn = null;
   }
 
   private key(event: KeyboardEvent): boolean {
     if (event.ctrlKey || event.metaKey || event.altKey) return false;
     const { tilt, slant } = this.state;
-    const camera = this.cameraNow();
+    const camera = this.currentCamera();
     const turns: Record<string, () => Partial<ViewState>> = event.shiftKey
       ? {
           ArrowLeft: () => ({ camera: orbit(camera, -0.1, 0) }),

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { changesOf, licenceField } from "../../src/gallery/editing";
+import { changesOf } from "../../src/gallery/WorkForm";
+import { licenceField } from "../../src/gallery/labels";
 import type { Work } from "../../src/types";
 
 const work = {

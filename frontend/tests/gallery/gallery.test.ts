@@ -1,11 +1,9 @@
 import { describe, expect, it } from "vitest";
-import { readFilters, without, writeFilters } from "../../src/gallery/filters";
-import { shade, type Card } from "../../src/gallery/relit";
-import { oneLanguage } from "../../src/gallery/JobProgress";
-import { licenceName } from "../../src/gallery/scripts";
-import { unnumbered } from "../../src/gallery/titles";
+import { readFilters, without, writeFilters } from "../../src/gallery/listState";
+import { type CardImage, shadePixels } from "../../src/gallery/relighting";
+import { licenceName, messageInOneLanguage, withoutNumber } from "../../src/gallery/labels";
 import { language } from "../../src/i18n";
-import { lamp } from "../../src/viewer/arithmetic";
+import { lampDirection } from "../../src/viewer/shading";
 
 describe("filters in the address", () => {
   it("come back as they were", () => {
@@ -21,21 +19,21 @@ describe("filters in the address", () => {
 
 describe("what the gallery says", () => {
   it("numbers a list once", () => {
-    expect(["1. The upright", "一、豎", "12) Last", "一個水", "3 steles", "2."].map(unnumbered)).toEqual(["The upright", "豎", "Last", "一個水", "3 steles", "2."]);
+    expect(["1. The upright", "一、豎", "12) Last", "一個水", "3 steles", "2."].map(withoutNumber)).toEqual(["The upright", "豎", "Last", "一個水", "3 steles", "2."]);
   });
 
   it("speaks one language, though the service sends both", () => {
     language.value = "zh";
-    expect([oneLanguage("重建表面 Reconstructing"), licenceName("none stated"), licenceName("CC0-1.0")]).toEqual(["重建表面", "未註明", "CC0-1.0"]);
+    expect([messageInOneLanguage("重建表面 Reconstructing"), licenceName("none stated"), licenceName("CC0-1.0")]).toEqual(["重建表面", "未註明", "CC0-1.0"]);
     language.value = "en";
-    expect([oneLanguage("重建表面 Reconstructing"), oneLanguage("plain words"), licenceName("none stated")]).toEqual(["Reconstructing", "plain words", "none stated"]);
+    expect([messageInOneLanguage("重建表面 Reconstructing"), messageInOneLanguage("plain words"), licenceName("none stated")]).toEqual(["Reconstructing", "plain words", "none stated"]);
   });
 });
 
 describe("a relit card", () => {
   const slope = Math.SQRT1_2;
   // White paper, then dark ink sloping to the left, then dark ink sloping to the right.
-  const card: Card = {
+  const card: CardImage = {
     width: 3,
     height: 1,
     linear: Float32Array.from([1, 1, 1, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02]),
@@ -43,7 +41,7 @@ describe("a relit card", () => {
   };
   const under = (tilt: number, slant: number, sheen?: number) => {
     const out = new Uint8ClampedArray(12);
-    shade(card, lamp(tilt, slant), out, sheen);
+    shadePixels(card, lampDirection(tilt, slant), out, sheen);
     return [out[0]!, out[4]!, out[8]!];
   };
 

@@ -1,54 +1,53 @@
 import { describe, expect, it } from "vitest";
-import { add, blank, canRedo, canUndo, clear, redo, undo, written } from "../../src/studio/ink/history";
-import { admit, openGate, release, sampleOf } from "../../src/studio/ink/pointers";
-import type { Stroke } from "../../src/studio/ink/stroke";
+import { addStroke, canRedo, canUndo, clearStrokes, EMPTY_HISTORY, historyOf, redo, type Stroke, undo } from "../../src/studio/ink/strokes";
+import { acceptPointer, NO_POINTER, releasePointer, sampleOf } from "../../src/studio/ink/pointers";
 
 const stroke = (x: number): Stroke => ({ hand: "pen", size: 0.04, ink: 0.5, points: [[x, x, 0, 1, 0, 0]] });
 const touch = (pointerId: number, pointerType: string, isPrimary = true) => ({ pointerId, pointerType, isPrimary, button: 0 });
 
 describe("undo and redo", () => {
-  const two = add(add(blank, stroke(0.1)), stroke(0.2));
+  const two = addStroke(addStroke(EMPTY_HISTORY, stroke(0.1)), stroke(0.2));
   it("go back and forth", () => {
     expect(undo(two).done).toEqual([stroke(0.1)]);
     expect(redo(undo(two)).done).toEqual(two.done);
     expect(canUndo(undo(undo(two)))).toBe(false);
-    expect(undo(blank)).toBe(blank);
+    expect(undo(EMPTY_HISTORY)).toBe(EMPTY_HISTORY);
     expect(redo(two)).toBe(two);
   });
   it("forget what was undone once something new is written", () => {
-    expect(canRedo(add(undo(two), stroke(0.3)))).toBe(false);
+    expect(canRedo(addStroke(undo(two), stroke(0.3)))).toBe(false);
   });
   it("take a clearing back whole", () => {
-    const cleared = clear(two);
+    const cleared = clearStrokes(two);
     expect(cleared.done).toEqual([]);
     expect(undo(cleared).done).toEqual(two.done);
-    expect(canUndo(clear(blank))).toBe(false);
+    expect(canUndo(clearStrokes(EMPTY_HISTORY))).toBe(false);
   });
-  it("begin from what was kept", () => expect(written([stroke(1)]).done).toHaveLength(1));
+  it("begin from what was kept", () => expect(historyOf([stroke(1)]).done).toHaveLength(1));
 });
 
 describe("palms", () => {
   it("write while no pen was seen, with one finger at a time", () => {
-    const first = admit(openGate, touch(1, "touch"));
+    const first = acceptPointer(NO_POINTER, touch(1, "touch"));
     expect(first.begins).toBe(true);
-    expect(admit(first.gate, touch(2, "touch", false)).begins).toBe(false);
-    expect(admit(release(first.gate, 1), touch(3, "touch")).begins).toBe(true);
+    expect(acceptPointer(first.pointers, touch(2, "touch", false)).begins).toBe(false);
+    expect(acceptPointer(releasePointer(first.pointers, 1), touch(3, "touch")).begins).toBe(true);
   });
   it("are nothing once a pen was seen", () => {
-    const pen = admit(openGate, touch(1, "pen"));
-    expect(admit(release(pen.gate, 1), touch(2, "touch")).begins).toBe(false);
-    expect(admit(release(pen.gate, 1), touch(3, "pen")).begins).toBe(true);
+    const pen = acceptPointer(NO_POINTER, touch(1, "pen"));
+    expect(acceptPointer(releasePointer(pen.pointers, 1), touch(2, "touch")).begins).toBe(false);
+    expect(acceptPointer(releasePointer(pen.pointers, 1), touch(3, "pen")).begins).toBe(true);
   });
   it("give way to the first pen that comes after them", () => {
-    const palm = admit(openGate, touch(1, "touch"));
-    const pen = admit(palm.gate, touch(2, "pen"));
+    const palm = acceptPointer(NO_POINTER, touch(1, "touch"));
+    const pen = acceptPointer(palm.pointers, touch(2, "pen"));
     expect(pen).toMatchObject({ begins: true, takesOver: true });
-    expect(pen.gate.active).toBe(2);
-    expect(release(pen.gate, 1).active).toBe(2);
+    expect(pen.pointers.active).toBe(2);
+    expect(releasePointer(pen.pointers, 1).active).toBe(2);
   });
   it("leave the mouse its main button alone", () => {
-    expect(admit(openGate, { ...touch(1, "mouse"), button: 2 }).begins).toBe(false);
-    expect(admit(openGate, touch(1, "mouse")).begins).toBe(true);
+    expect(acceptPointer(NO_POINTER, { ...touch(1, "mouse"), button: 2 }).begins).toBe(false);
+    expect(acceptPointer(NO_POINTER, touch(1, "mouse")).begins).toBe(true);
   });
 });
 

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { after, between, contained, IDENTITY, inverse, moved, parts, type Matrix } from "../../src/studio/mark/align";
-import { badges } from "../../src/studio/mark/badges";
-import { colourOf } from "../../src/studio/mark/colours";
-import { firstSquare, grown, resized, shifted } from "../../src/studio/crop";
+import { compose, decompose, fitInSquare, IDENTITY, interpolate, inverse, type Matrix, transformPoint } from "../../src/studio/mark/alignment";
+import { placeBadges } from "../../src/studio/mark/badges";
+import { distanceColour } from "../../src/studio/mark/DistanceOverlay";
+import { growSquare, initialSquare, moveSquare, resizeSquare } from "../../src/studio/crop";
 
 const close = (a: readonly number[], b: readonly number[]) => a.forEach((v, k) => expect(v).toBeCloseTo(b[k]!, 9));
 const turned = (degrees: number, size: number, e: number, f: number): Matrix => {
@@ -13,46 +13,46 @@ const turned = (degrees: number, size: number, e: number, f: number): Matrix => 
 describe("the way from as written to aligned", () => {
   const whole = turned(20, 1.44, 0.1, -0.05);
   it("begins with nothing and ends with all", () => {
-    close(between(whole, 0, [0.4, 0.6]), IDENTITY);
-    close(between(whole, 1, [0.4, 0.6]), whole);
+    close(interpolate(whole, 0, [0.4, 0.6]), IDENTITY);
+    close(interpolate(whole, 1, [0.4, 0.6]), whole);
   });
   it("takes half of the turn, the root of the size and half of the shift in the middle", () => {
-    const half = between(whole, 0.5, [0.4, 0.6]);
-    expect((parts(half).turn * 180) / Math.PI).toBeCloseTo(10);
-    expect(parts(half).size).toBeCloseTo(1.2);
-    const goal = moved(whole, [0.4, 0.6]);
-    close(moved(half, [0.4, 0.6]), [(0.4 + goal[0]) / 2, (0.6 + goal[1]) / 2]);
+    const half = interpolate(whole, 0.5, [0.4, 0.6]);
+    expect((decompose(half).turn * 180) / Math.PI).toBeCloseTo(10);
+    expect(decompose(half).size).toBeCloseTo(1.2);
+    const goal = transformPoint(whole, [0.4, 0.6]);
+    close(transformPoint(half, [0.4, 0.6]), [(0.4 + goal[0]) / 2, (0.6 + goal[1]) / 2]);
   });
   it("ends with all of a stretch too, as between pictures of other proportions", () => {
-    const stretched = after([1.3, 0, 0, 0.8, 0.02, 0], turned(-33, 0.9, 0, 0.1));
-    close(between(stretched, 1, [0.5, 0.5]), stretched);
+    const stretched = compose([1.3, 0, 0, 0.8, 0.02, 0], turned(-33, 0.9, 0, 0.1));
+    close(interpolate(stretched, 1, [0.5, 0.5]), stretched);
   });
-  it("can be gone back", () => close(after(inverse(whole), whole), IDENTITY));
+  it("can be gone back", () => close(compose(inverse(whole), whole), IDENTITY));
 });
 
 it("a long picture lies whole in the square", () => {
-  const place = contained(200, 400);
-  close(moved(place, [0, 0]), [0.25, 0]);
-  close(moved(place, [1, 1]), [0.75, 1]);
+  const place = fitInSquare(200, 400);
+  close(transformPoint(place, [0, 0]), [0.25, 0]);
+  close(transformPoint(place, [1, 1]), [0.75, 1]);
 });
 
 describe("colours of distance", () => {
   it("grow darker all the way", () => {
     const light = ([r, g, b]: readonly [number, number, number]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
-    const all = Array.from({ length: 21 }, (_, k) => light(colourOf(k / 20)));
+    const all = Array.from({ length: 21 }, (_, k) => light(distanceColour(k / 20)));
     for (const [k, value] of all.slice(2).entries()) expect(value).toBeLessThan(all[k]! + 10);
     expect(all[0]! - all[20]!).toBeGreaterThan(80);
   });
   it("hold for what lies beyond", () => {
-    expect(colourOf(7)).toEqual(colourOf(1));
-    expect(colourOf(-1)).toEqual(colourOf(0));
+    expect(distanceColour(7)).toEqual(distanceColour(1));
+    expect(distanceColour(-1)).toEqual(distanceColour(0));
   });
 });
 
 describe("badges", () => {
   it("stand apart and within the cell", () => {
     const remark = { region: [0.9, 0.0, 1, 0.2] as [number, number, number, number], outline: [] };
-    const set = badges([remark, remark, remark, { region: null, outline: [] }, { region: null, outline: [[[0.02, 0.99]]] }]);
+    const set = placeBadges([remark, remark, remark, { region: null, outline: [] }, { region: null, outline: [[[0.02, 0.99]]] }]);
     for (const [k, a] of set.entries()) {
       expect(Math.min(a.x, a.y, 1 - a.x, 1 - a.y)).toBeGreaterThanOrEqual(0.05 - 1e-9);
       for (const b of set.slice(k + 1)) expect(Math.hypot(a.x - b.x, a.y - b.y)).toBeGreaterThan(0.07);
@@ -62,18 +62,18 @@ describe("badges", () => {
 
 describe("the square of a photograph", () => {
   const size = { width: 400, height: 300 };
-  it("begins in the middle, inside", () => expect(firstSquare(size)).toEqual({ x: 65, y: 15, side: 270 }));
+  it("begins in the middle, inside", () => expect(initialSquare(size)).toEqual({ x: 65, y: 15, side: 270 }));
   it("never leaves the picture when it is dragged", () => {
-    expect(shifted({ x: 50, y: 50, side: 200 }, 900, -900, size)).toEqual({ x: 200, y: 0, side: 200 });
+    expect(moveSquare({ x: 50, y: 50, side: 200 }, 900, -900, size)).toEqual({ x: 200, y: 0, side: 200 });
   });
   it("keeps the corner that is not held, and stays square", () => {
-    expect(resized({ x: 100, y: 100, side: 100 }, "se", 260, 230, size)).toEqual({ x: 100, y: 100, side: 160 });
-    expect(resized({ x: 100, y: 100, side: 100 }, "nw", 40, 90, size)).toEqual({ x: 40, y: 40, side: 160 });
-    expect(resized({ x: 100, y: 100, side: 100 }, "ne", 999, -999, size)).toEqual({ x: 100, y: 0, side: 200 });
-    expect(resized({ x: 100, y: 100, side: 100 }, "se", 0, 0, size).side).toBe(32);
+    expect(resizeSquare({ x: 100, y: 100, side: 100 }, "se", 260, 230, size)).toEqual({ x: 100, y: 100, side: 160 });
+    expect(resizeSquare({ x: 100, y: 100, side: 100 }, "nw", 40, 90, size)).toEqual({ x: 40, y: 40, side: 160 });
+    expect(resizeSquare({ x: 100, y: 100, side: 100 }, "ne", 999, -999, size)).toEqual({ x: 100, y: 0, side: 200 });
+    expect(resizeSquare({ x: 100, y: 100, side: 100 }, "se", 0, 0, size).side).toBe(32);
   });
   it("grows about its middle up to the edges", () => {
-    expect(grown({ x: 100, y: 100, side: 100 }, 20, size)).toEqual({ x: 90, y: 90, side: 120 });
-    expect(grown({ x: 0, y: 0, side: 100 }, 999, size)).toEqual({ x: 0, y: 0, side: 300 });
+    expect(growSquare({ x: 100, y: 100, side: 100 }, 20, size)).toEqual({ x: 90, y: 90, side: 120 });
+    expect(growSquare({ x: 0, y: 0, side: 100 }, 999, size)).toEqual({ x: 0, y: 0, side: 300 });
   });
 });

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { distinct, eased, footprint, fromPressure, fromSpeed, resampled, shape, tiltOf } from "../../src/studio/ink/shaping";
-import { sheetOf, strokesOf, tellsPressure, type Sample, type Stroke } from "../../src/studio/ink/stroke";
+import { brushStamps, footprint, fromPressure, fromSpeed, limitSlope, mergeRepeated, penTilt, resample } from "../../src/studio/ink/brush";
+import { hasPressure, parseStrokes, type Sample, serializeStrokes, type Stroke } from "../../src/studio/ink/strokes";
 
 /** A straight stroke to the right; pressure by share of the way; speed in cells per second. */
 function line(pressure: (u: number) => number, speed = 0.8, hand: Stroke["hand"] = "pen"): Stroke {
@@ -12,7 +12,7 @@ function line(pressure: (u: number) => number, speed = 0.8, hand: Stroke["hand"]
 }
 /** Half the height that the footprints cover about x. */
 const halfAt = (stroke: Stroke, x: number) =>
-  Math.max(...shape(stroke).filter((s) => Math.abs(s.x - x) < 0.01).map((s) => s.b));
+  Math.max(...brushStamps(stroke).filter((s) => Math.abs(s.x - x) < 0.01).map((s) => s.b));
 
 describe("force", () => {
   it("grows with pressure", () => {
@@ -29,32 +29,32 @@ describe("force", () => {
   });
   it("is never more than the brush has, wet ink's run apart", () => {
     for (const ink of [0, 0.5, 1])
-      for (const { a } of shape({ ...line(() => 1), ink })) expect(a).toBeLessThan(0.04 * 1.13);
+      for (const { a } of brushStamps({ ...line(() => 1), ink })) expect(a).toBeLessThan(0.04 * 1.13);
   });
   it("rises and falls no faster than a brush gives", () => {
     const places = Array.from({ length: 9 }, (_, k) => ({ s: k }));
-    expect(eased([0, 0, 0, 0, 9, 0, 0, 0, 0], places, 1)).toEqual([0, 0, 0, 0, 1, 0, 0, 0, 0]);
-    expect(eased([5, 5, 5], places, 1)).toEqual([5, 5, 5]);
+    expect(limitSlope([0, 0, 0, 0, 9, 0, 0, 0, 0], places, 1)).toEqual([0, 0, 0, 0, 1, 0, 0, 0, 0]);
+    expect(limitSlope([5, 5, 5], places, 1)).toEqual([5, 5, 5]);
   });
 });
 
 describe("ends", () => {
   it("are narrower than the middle", () => {
-    const stamps = shape(line(() => 0.5, 0.8, "mouse"));
+    const stamps = brushStamps(line(() => 0.5, 0.8, "mouse"));
     const middle = stamps[Math.floor(stamps.length / 2)]!.b;
     expect(stamps[0]!.b).toBeLessThan(0.75 * middle);
     expect(stamps.at(-1)!.b).toBeLessThan(0.75 * middle);
   });
   it("run out in a longer point from flight than from rest", () => {
     const reach = (speed: number) => {
-      const stamps = shape(line(() => 0.5, speed, "mouse"));
+      const stamps = brushStamps(line(() => 0.5, speed, "mouse"));
       const middle = stamps[Math.floor(stamps.length / 2)]!.b;
       return 0.8 - stamps.findLast((s) => s.b > 0.8 * middle)!.x;
     };
     expect(reach(4)).toBeGreaterThan(2 * reach(0.2));
   });
   it("stay where the hand was", () => {
-    const stamps = shape(line(() => 0.5, 1, "mouse"));
+    const stamps = brushStamps(line(() => 0.5, 1, "mouse"));
     expect(stamps[0]!.x).toBeCloseTo(0.2, 3);
     expect(stamps.at(-1)!.x).toBeCloseTo(0.8, 3);
   });
@@ -63,21 +63,21 @@ describe("ends", () => {
 describe("the way", () => {
   it("goes through its points and does not overshoot a corner", () => {
     const corner: Sample[] = [[0.1, 0.1, 0, 1, 0, 0], [0.5, 0.1, 10, 1, 0, 0], [0.5, 0.5, 20, 1, 0, 0]];
-    const way = resampled(corner, 0.01);
+    const way = resample(corner, 0.01);
     for (const [x, y] of corner) expect(Math.min(...way.map((p) => Math.hypot(p[0] - x, p[1] - y)))).toBeLessThan(1e-9);
     expect(Math.max(...way.map((p) => p[0]))).toBeLessThan(0.56);
   });
   it("is as dense as asked for", () => {
-    const way = resampled([[0, 0, 0, 1, 0, 0], [1, 0, 10, 1, 0, 0]], 0.05);
+    const way = resample([[0, 0, 0, 1, 0, 0], [1, 0, 10, 1, 0, 0]], 0.05);
     const steps = way.slice(1).map((p, k) => p[0] - way[k]![0]);
     expect(Math.max(...steps)).toBeLessThan(0.08);
   });
   it("takes points in one place as one, with the firmer pressure", () => {
     const once: Sample[] = [[0.5, 0.5, 0, 0.2, 0, 0], [0.5, 0.5, 9, 0.7, 0, 0], [0.5, 0.5, 20, 0.4, 0, 0]];
-    expect(distinct(once)).toEqual([[0.5, 0.5, 20, 0.7, 0, 0]]);
+    expect(mergeRepeated(once)).toEqual([[0.5, 0.5, 20, 0.7, 0, 0]]);
   });
   it("leaves no gap: neighbouring footprints overlap", () => {
-    const stamps = shape(line((u) => (u < 0.5 ? 0.1 : 1)));
+    const stamps = brushStamps(line((u) => (u < 0.5 ? 0.1 : 1)));
     for (const [k, s] of stamps.slice(1).entries())
       expect(Math.hypot(s.x - stamps[k]!.x, s.y - stamps[k]!.y)).toBeLessThan(s.b + stamps[k]!.b);
   });
@@ -94,35 +94,35 @@ describe("tilt", () => {
     expect(more.x).toBeGreaterThan(0.5);
   });
   it("knows where the shaft points", () => {
-    expect(tiltOf(0, 45).turn).toBeCloseTo(Math.PI / 2);
-    expect(tiltOf(45, 0).lean).toBeCloseTo(Math.SQRT1_2);
-    expect(tiltOf(90, 0).lean).toBeLessThanOrEqual(1);
+    expect(penTilt(0, 45).turn).toBeCloseTo(Math.PI / 2);
+    expect(penTilt(45, 0).lean).toBeCloseTo(Math.SQRT1_2);
+    expect(penTilt(90, 0).lean).toBeLessThanOrEqual(1);
   });
 });
 
 describe("a dot", () => {
-  const dot = (ms: number): Stroke => ({ hand: "mouse", size: 0.04, ink: 0.5, points: [[0.5, 0.5, 0, 0.5, 0, 0], [0.5, 0.5, ms, 0.5, 0, 0]] });
+  const dotStamps = (ms: number): Stroke => ({ hand: "mouse", size: 0.04, ink: 0.5, points: [[0.5, 0.5, 0, 0.5, 0, 0], [0.5, 0.5, ms, 0.5, 0, 0]] });
   it("is ink, too, and grows while the brush stays", () => {
-    const widest = (stroke: Stroke) => Math.max(...shape(stroke).map((s) => s.a));
-    expect(widest(dot(20))).toBeGreaterThan(0.015);
-    expect(widest(dot(500))).toBeGreaterThan(1.3 * widest(dot(20)));
+    const widest = (stroke: Stroke) => Math.max(...brushStamps(stroke).map((s) => s.a));
+    expect(widest(dotStamps(20))).toBeGreaterThan(0.015);
+    expect(widest(dotStamps(500))).toBeGreaterThan(1.3 * widest(dotStamps(20)));
   });
-  it("of nothing is nothing", () => expect(shape({ ...dot(5), points: [] })).toEqual([]));
+  it("of nothing is nothing", () => expect(brushStamps({ ...dotStamps(5), points: [] })).toEqual([]));
 });
 
 describe("what is kept", () => {
   it("gives the same footprints when read again", () => {
     const stroke = line((u) => 0.2 + 0.6 * u);
-    const again = strokesOf(JSON.parse(JSON.stringify(sheetOf([stroke]))));
-    const [before, after] = [shape(stroke), shape(again[0]!)];
+    const again = parseStrokes(JSON.parse(JSON.stringify(serializeStrokes([stroke]))));
+    const [before, after] = [brushStamps(stroke), brushStamps(again[0]!)];
     expect(after.length).toBe(before.length);
     for (const [k, s] of after.entries()) expect(Math.hypot(s.x - before[k]!.x, s.b - before[k]!.b)).toBeLessThan(2e-4);
   });
   it("is nothing when it was no sheet", () => {
-    for (const wrong of [null, 3, {}, { strokes: "x" }, { strokes: [null, {}] }]) expect(strokesOf(wrong)).toEqual([]);
+    for (const wrong of [null, 3, {}, { strokes: "x" }, { strokes: [null, {}] }]) expect(parseStrokes(wrong)).toEqual([]);
   });
   it("knows a sensor from a constant", () => {
-    expect(tellsPressure(line(() => 0.5).points)).toBe(false);
-    expect(tellsPressure(line((u) => u).points)).toBe(true);
+    expect(hasPressure(line(() => 0.5).points)).toBe(false);
+    expect(hasPressure(line((u) => u).points)).toBe(true);
   });
 });

@@ -1,11 +1,10 @@
 import { PerspectiveCamera, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
-import { plot } from "../../src/viewer/figures";
+import { layoutPlot } from "../../src/viewer/scales";
 import { HeightField } from "../../src/viewer/heightfield";
-import { lightAt } from "../../src/viewer/light";
-import { FIELD_OF_VIEW, fit, orbit, pan, zoom } from "../../src/viewer/orbit";
-import { grid } from "../../src/viewer/stage";
-import type { Camera } from "../../src/viewer/state";
+import { type Camera, lightAt } from "../../src/viewer/state";
+import { FIELD_OF_VIEW, fitCamera, orbit, pan, zoom } from "../../src/viewer/camera";
+import { grid } from "../../src/viewer/scene";
 
 /** A cone, 10 high, over the middle of 40 x 20 pixels. */
 function cone(): HeightField {
@@ -28,17 +27,17 @@ describe("the mesh", () => {
 
 describe("a ray from the eye", () => {
   it("meets the flat sheet where it points", () => {
-    const found = cone().meet([0.25, -0.125, 2], [0, 0, -1], 0);
+    const found = cone().intersectRay([0.25, -0.125, 2], [0, 0, -1], 0);
     expect(found).toEqual({ u: 0.75, v: 0.75 });
-    expect(cone().meet([0.75, 0, 2], [0, 0, -1], 0)).toBeNull();
+    expect(cone().intersectRay([0.75, 0, 2], [0, 0, -1], 0)).toBeNull();
   });
 
   it("meets the near slope of a raised cone before the paper behind it", () => {
     const field = cone();
     const aslant = { x: -1, z: 1 };
     const length = Math.hypot(aslant.x, aslant.z);
-    const found = field.meet([aslant.x, 0, aslant.z], [-aslant.x / length, 0, -aslant.z / length], 2);
-    const flat = field.meet([aslant.x, 0, aslant.z], [-aslant.x / length, 0, -aslant.z / length], 0);
+    const found = field.intersectRay([aslant.x, 0, aslant.z], [-aslant.x / length, 0, -aslant.z / length], 2);
+    const flat = field.intersectRay([aslant.x, 0, aslant.z], [-aslant.x / length, 0, -aslant.z / length], 0);
     expect(flat!.u).toBeCloseTo(0.5);
     expect(found!.u).toBeLessThan(0.45);
     expect(found!.v).toBeCloseTo(0.5);
@@ -82,8 +81,8 @@ describe("the eye", () => {
   });
 
   it("sees a wide sheet whole on a narrow screen", () => {
-    const [, , far] = fit("sheet", { wide: 1, tall: 0.4 }, 0.5);
-    const [, , near] = fit("sheet", { wide: 1, tall: 0.4 }, 2);
+    const [, , far] = fitCamera("sheet", { wide: 1, tall: 0.4 }, 0.5);
+    const [, , near] = fitCamera("sheet", { wide: 1, tall: 0.4 }, 2);
     expect(far).toBeGreaterThan(near * 1.9);
     expect(Math.tan((14 * Math.PI) / 180) * far * 0.5).toBeGreaterThan(0.5);
   });
@@ -92,7 +91,7 @@ describe("the eye", () => {
     for (const aspect of [0.4, 1, 1.6, 3]) {
       for (const sheet of [{ wide: 1, tall: 1 }, { wide: 1, tall: 0.2 }, { wide: 0.3, tall: 1 }]) {
         const eye = new PerspectiveCamera(FIELD_OF_VIEW, aspect);
-        const [x, y, z, ...aim] = fit(mode, sheet, aspect);
+        const [x, y, z, ...aim] = fitCamera(mode, sheet, aspect);
         eye.position.set(x, y, z);
         eye.lookAt(...aim);
         eye.updateMatrixWorld();
@@ -107,7 +106,7 @@ describe("the eye", () => {
 
 describe("a plotted section", () => {
   it("puts higher points higher and later points to the right", () => {
-    const drawn = plot([{ distance: 0, height: 0 }, { distance: 10, height: 5 }], { left: 0, right: 100, top: 0, bottom: 50 });
+    const drawn = layoutPlot([{ distance: 0, height: 0 }, { distance: 10, height: 5 }], { left: 0, right: 100, top: 0, bottom: 50 });
     expect(drawn.x(10)).toBe(100);
     expect(drawn.y(5)).toBeLessThan(drawn.y(0));
     expect(drawn.up).toContain(4);

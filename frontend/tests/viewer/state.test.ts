@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { sane, START, stateFromQuery, stateToQuery, type ViewState } from "../../src/viewer/state";
+import { DEFAULT_VIEW, normalizeView, stateFromQuery, stateToQuery, type ViewState } from "../../src/viewer/state";
 
 const turned: ViewState = {
   mode: "heights",
@@ -20,19 +20,19 @@ describe("a permalink", () => {
   });
 
   it("is empty at the start", () => {
-    expect(stateToQuery(START).toString()).toBe("");
-    expect(stateFromQuery(new URLSearchParams())).toEqual(START);
+    expect(stateToQuery(DEFAULT_VIEW).toString()).toBe("");
+    expect(stateFromQuery(new URLSearchParams())).toEqual(DEFAULT_VIEW);
   });
 
   it("that was cut or bent still opens", () => {
     const query = new URLSearchParams("mode=horse&tilt=abc&slant=400&ex=-3&cam=1,2,3&sec=0,0,7,x&lens=&look=gold");
-    expect(stateFromQuery(query)).toEqual({ ...START, slant: 88, exaggeration: 0 });
+    expect(stateFromQuery(query)).toEqual({ ...DEFAULT_VIEW, slant: 88, exaggeration: 0 });
   });
 });
 
 describe("a state", () => {
   it("turns angles into one round", () => {
-    expect(sane({ ...START, tilt: -90 }).tilt).toBe(270);
-    expect(sane({ ...START, tilt: 725 }).tilt).toBe(5);
+    expect(normalizeView({ ...DEFAULT_VIEW, tilt: -90 }).tilt).toBe(270);
+    expect(normalizeView({ ...DEFAULT_VIEW, tilt: 725 }).tilt).toBe(5);
   });
 });

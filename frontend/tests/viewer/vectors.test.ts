@@ -2,8 +2,8 @@
 
 import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
-import { contourDistance, decode, decodeNormal, encode, lamp, lit, mixed, mixtureWeights, type Vec3 } from "../../src/viewer/arithmetic";
-import { heightColour, levels } from "../../src/viewer/colours";
+import { contourDistance, decodeNormal, heightColour, lambert, lampDirection, linearToSrgb, mixPhotographs, mixtureWeights, srgbToLinear, type Vec3 } from "../../src/viewer/shading";
+import { roundLevels } from "../../src/viewer/scales";
 import { HeightField } from "../../src/viewer/heightfield";
 
 type Vectors = {
@@ -27,9 +27,9 @@ const apart = (found: number[], wanted: number[]): number => {
 
 describe("arithmetic as in rumu", () => {
   it("encodes and decodes sRGB", () => {
-    const codes = given.srgb.linear.map((value) => encode(value) * 65535);
+    const codes = given.srgb.linear.map((value) => linearToSrgb(value) * 65535);
     expect(apart(codes, given.srgb.codes)).toBeLessThan(1);
-    expect(apart(given.srgb.codes.map((code) => decode(code / 65535)), given.srgb.linear)).toBeLessThan(1e-4);
+    expect(apart(given.srgb.codes.map((code) => srgbToLinear(code / 65535)), given.srgb.linear)).toBeLessThan(1e-4);
   });
 
   it("reads normals from bytes to within their rounding", () => {
@@ -40,7 +40,7 @@ describe("arithmetic as in rumu", () => {
   it("relights as rumu.relight", () => {
     const { albedo, normals, lamps, lit: wanted } = given.relight;
     for (const [k, [tilt, slant]] of lamps.entries()) {
-      const found = albedo.map((a, at) => lit(a, normals[at]!, lamp(tilt, slant)));
+      const found = albedo.map((a, at) => lambert(a, normals[at]!, lampDirection(tilt, slant)));
       expect(apart(found.flat(), wanted[k]!.flat())).toBeLessThan(2e-6);
     }
   });
@@ -49,7 +49,7 @@ describe("arithmetic as in rumu", () => {
     const { a, b, c, slant, lamps, mixed: wanted } = given.three;
     for (const [k, [tilt, fresh]] of lamps.entries()) {
       const weights = mixtureWeights(tilt, fresh, slant);
-      expect(apart(a.map((value, at) => mixed(value, b[at]!, c[at]!, weights)), wanted[k]!)).toBeLessThan(2e-6);
+      expect(apart(a.map((value, at) => mixPhotographs(value, b[at]!, c[at]!, weights)), wanted[k]!)).toBeLessThan(2e-6);
     }
   });
 
@@ -58,7 +58,7 @@ describe("arithmetic as in rumu", () => {
   });
 
   it("finds contour lines", () => {
-    for (const [low, high, count, wanted] of given.contours.ranges) expect(apart(levels(low, high, count), wanted)).toBeLessThan(1e-9);
+    for (const [low, high, count, wanted] of given.contours.ranges) expect(apart(roundLevels(low, high, count), wanted)).toBeLessThan(1e-9);
     const { heights, interval, distance } = given.contours;
     expect(apart(heights.map((height) => contourDistance(height, interval)), distance)).toBeLessThan(1e-9);
   });
@@ -77,10 +77,10 @@ describe("a raised dome", () => {
   const around = (row: number, column: number) => normals[row * side + column]!;
 
   it("is brighter on the side of the lamp: upper left", () => {
-    const light = lamp(135, 45);
+    const light = lampDirection(135, 45);
     const [quarter, far] = [Math.round(side * 0.35), Math.round(side * 0.65)];
     const grey: Vec3 = [0.5, 0.5, 0.5];
-    expect(lit(grey, around(quarter, quarter), light)[0]).toBeGreaterThan(1.5 * lit(grey, around(far, far), light)[0]);
+    expect(lambert(grey, around(quarter, quarter), light)[0]).toBeGreaterThan(1.5 * lambert(grey, around(far, far), light)[0]);
     expect(albedo.length).toBe(side * side);
   });
 });

@@ -1,12 +1,12 @@
 // Footprints -> pixels. The same strokes give the same picture on any screen.
 
-import { BRUSH, shape, type BrushSettings, type Stamp } from "./shaping";
-import type { Stroke } from "./stroke";
+import { BRUSH, type BrushSettings, brushStamps, type Stamp } from "./brush";
+import type { Stroke } from "./strokes";
 
 type Context = CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D;
 
 /** side: pixels of the cell. */
-export function stampOn(context: Context, stamps: readonly Stamp[], side: number): void {
+export function paintStamps(context: Context, stamps: readonly Stamp[], side: number): void {
   context.beginPath();
   for (const { x, y, a, b, angle } of stamps) {
     context.moveTo(x * side + a * side * Math.cos(angle), y * side + a * side * Math.sin(angle));
@@ -15,16 +15,16 @@ export function stampOn(context: Context, stamps: readonly Stamp[], side: number
   context.fill("nonzero");
 }
 
-export function paint(context: Context, strokes: readonly Stroke[], side: number, brush: BrushSettings = BRUSH): void {
-  for (const stroke of strokes) stampOn(context, shape(stroke, brush), side);
+export function paintStrokes(context: Context, strokes: readonly Stroke[], side: number, brush: BrushSettings = BRUSH): void {
+  for (const stroke of strokes) paintStamps(context, brushStamps(stroke, brush), side);
 }
 
-const FINE = 2; // drawn so much larger and shrunk: edges of many footprints in one path are hard otherwise
+const OVERSAMPLING = 2; // drawn so much larger and shrunk: edges of many footprints in one path are hard otherwise
 
 /** Black on white: what is marked. side: pixels. */
-export async function picture(strokes: readonly Stroke[], side = 512): Promise<Blob> {
-  const large = blank(FINE * side);
-  paint(large, strokes, FINE * side);
+export async function strokesPicture(strokes: readonly Stroke[], side = 512): Promise<Blob> {
+  const large = blank(OVERSAMPLING * side);
+  paintStrokes(large, strokes, OVERSAMPLING * side);
   const small = blank(side);
   small.imageSmoothingQuality = "high";
   small.drawImage(large.canvas, 0, 0, side, side);

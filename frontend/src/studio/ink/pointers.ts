@@ -1,33 +1,33 @@
 // Which touch is a stroke. A palm that rests on the page must leave no ink.
 
-import type { Hand, Sample } from "./stroke";
+import type { PointerKind, Sample } from "./strokes";
 
-export type Gate = { penSeen: boolean; active: number | null };
-export const openGate: Gate = { penSeen: false, active: null };
+export type PointerState = { penSeen: boolean; active: number | null };
+export const NO_POINTER: PointerState = { penSeen: false, active: null };
 
 type Touch = { pointerId: number; pointerType: string; isPrimary: boolean; button: number };
 
-export const handOf = (pointerType: string): Hand =>
+export const pointerKind = (pointerType: string): PointerKind =>
   pointerType === "pen" || pointerType === "touch" ? pointerType : "mouse";
 
-/** Whether this touch begins a stroke, and the gate afterwards. Once a pen was seen, fingers and palms are nothing. */
-export function admit(gate: Gate, touch: Touch): { begins: boolean; takesOver: boolean; gate: Gate } {
+/** Whether this touch begins a stroke, and the pointers afterwards. Once a pen was seen, fingers and palms are nothing. */
+export function acceptPointer(pointers: PointerState, touch: Touch): { begins: boolean; takesOver: boolean; pointers: PointerState } {
   const pen = touch.pointerType === "pen";
-  const penSeen = gate.penSeen || pen;
+  const penSeen = pointers.penSeen || pen;
   const allowed = pen || (touch.pointerType === "touch" ? !penSeen && touch.isPrimary : touch.button === 0);
-  const takesOver = pen && !gate.penSeen && gate.active !== null; // the palm came down before the pen
-  const begins = allowed && (gate.active === null || takesOver);
-  return { begins, takesOver, gate: { penSeen, active: begins ? touch.pointerId : gate.active } };
+  const takesOver = pen && !pointers.penSeen && pointers.active !== null; // the palm came down before the pen
+  const begins = allowed && (pointers.active === null || takesOver);
+  return { begins, takesOver, pointers: { penSeen, active: begins ? touch.pointerId : pointers.active } };
 }
 
-export const release = (gate: Gate, pointerId: number): Gate =>
-  gate.active === pointerId ? { ...gate, active: null } : gate;
+export const releasePointer = (pointers: PointerState, pointerId: number): PointerState =>
+  pointers.active === pointerId ? { ...pointers, active: null } : pointers;
 
-type Box = { left: number; top: number; width: number; height: number };
-type Event = { clientX: number; clientY: number; timeStamp: number; pressure: number; tiltX: number; tiltY: number };
+type CellBox = { left: number; top: number; width: number; height: number };
+type PointerSample = { clientX: number; clientY: number; timeStamp: number; pressure: number; tiltX: number; tiltY: number };
 
 /** A pointer event in fractions of the cell. began: time stamp of the stroke's first event. */
-export const sampleOf = (event: Event, cell: Box, began: number): Sample => [
+export const sampleOf = (event: PointerSample, cell: CellBox, began: number): Sample => [
   (event.clientX - cell.left) / cell.width,
   (event.clientY - cell.top) / cell.height,
   Math.max(0, event.timeStamp - began),

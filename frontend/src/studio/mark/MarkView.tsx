@@ -1,10 +1,10 @@
 // Everything of one mark: the verdict, and beside it the copy in three ways.
 
 import { useEffect, useState } from "preact/hooks";
+import { t } from "../../i18n/studio";
 import type { Attempt } from "../../types";
-import { w } from "../say";
 import { Tabs } from "../Tabs";
-import { Overlay } from "./Overlay";
+import { DistanceOverlay } from "./DistanceOverlay";
 import { Remarks } from "./Remarks";
 import { Surfaces } from "./Surfaces";
 import { Verdict } from "./Verdict";
@@ -20,12 +20,12 @@ export function MarkView({ attempt, picture }: { attempt: Attempt; picture?: Blo
     <div class="mark-view">
       <Verdict attempt={attempt} />
       {attempt.mark.refused ? null : (
-        <section class="panel" aria-label={w("views")}>
-          <Tabs names={VIEWS} chosen={view} onChoose={setView} label={w("views")} title={(name) => w(name)}>
+        <section class="panel" aria-label={t("views")}>
+          <Tabs names={VIEWS} chosen={view} onChoose={setView} label={t("views")} title={(name) => t(name)}>
             {view === "remarks" ? (
               <Remarks remarks={attempt.mark.remarks} picture={shown} />
             ) : view === "overlay" ? (
-              <Overlay attempt={attempt} picture={shown} />
+              <DistanceOverlay attempt={attempt} picture={shown} />
             ) : (
               <Surfaces attempt={attempt} />
             )}

@@ -1,10 +1,10 @@
 // What a teacher would say, numbered, and each with its strokes drawn on the copy.
 
 import { useState } from "preact/hooks";
-import { say } from "../../i18n";
+import { localize } from "../../i18n";
+import { t } from "../../i18n/studio";
 import type { Remark } from "../../types";
-import { w } from "../say";
-import { badges, placeOf } from "./badges";
+import { placeBadges, remarkBounds } from "./badges";
 
 export function Remarks({ remarks, picture }: { remarks: Remark[]; picture: string | null }) {
   const [pointed, setPointed] = useState<number | null>(null);
@@ -14,7 +14,7 @@ export function Remarks({ remarks, picture }: { remarks: Remark[]; picture: stri
     return (
       <div class="remarks">
         {picture && <CopySheet {...{ remarks, picture, active, onPoint: setPointed }} />}
-        <p>{w("noRemarks")}</p>
+        <p>{t("noRemarks")}</p>
       </div>
     );
   return (
@@ -35,8 +35,8 @@ export function Remarks({ remarks, picture }: { remarks: Remark[]; picture: stri
             >
               <span class="remark-number">{k + 1}</span>
               <span>
-                {remark.name && <b>{say(remark.name)}</b>}
-                {say(remark)}
+                {remark.name && <b>{localize(remark.name)}</b>}
+                {localize(remark)}
               </span>
             </button>
           </li>
@@ -49,11 +49,11 @@ export function Remarks({ remarks, picture }: { remarks: Remark[]; picture: stri
 type SheetProps = { remarks: Remark[]; picture: string; active: number | null; onPoint: (k: number | null) => void };
 
 function CopySheet({ remarks, picture, active, onPoint }: SheetProps) {
-  const places = badges(remarks);
+  const places = placeBadges(remarks);
   return (
     <figure class="sheet-figure">
       <div class={`sheet${active === null ? "" : " pointing"}`}>
-        <img src={picture} alt={w("copyAlt")} />
+        <img src={picture} alt={t("copyAlt")} />
         <svg viewBox="0 0 1 1" aria-hidden="true">
           {remarks.map((remark, k) => (
             <Outline key={k} remark={remark} on={active === k} />
@@ -82,7 +82,7 @@ function Outline({ remark, on }: { remark: Remark; on: boolean }) {
         ))}
       </g>
     );
-  const box = placeOf(remark) ?? [0.02, 0.02, 0.98, 0.98];
+  const box = remarkBounds(remark) ?? [0.02, 0.02, 0.98, 0.98];
   return (
     <rect class={`${state} region`} x={box[0]} y={box[1]} width={box[2] - box[0]} height={box[3] - box[1]} vector-effect="non-scaling-stroke" />
   );

@@ -1,15 +1,15 @@
 // The mark on its scale: where it lies, how sure it is, and which of the four levels that means.
 
-import { say } from "../../i18n";
+import { localize } from "../../i18n";
+import { t } from "../../i18n/studio";
 import type { Mark } from "../../types";
-import { w } from "../say";
 
 const LEVELS = ["bad", "medium", "good", "excellent"] as const;
 
 export function ScoreBand({ mark, teacher }: { mark: Mark; teacher?: number | null }) {
   if (mark.score === null) return null;
   const [low, high] = mark.interval ?? [mark.score, mark.score];
-  const label = w("bandLabel", { score: mark.score.toFixed(0), low: low.toFixed(0), high: high.toFixed(0) });
+  const label = t("bandLabel", { score: mark.score.toFixed(0), low: low.toFixed(0), high: high.toFixed(0) });
   return (
     <svg class="band" viewBox="0 0 320 64" role="img" aria-label={label}>
       <Levels mark={mark} />
@@ -23,7 +23,7 @@ export function ScoreBand({ mark, teacher }: { mark: Mark; teacher?: number | nu
       <path class="band-needle" d={`M${X(mark.score)} 20v24`} />
       {teacher !== null && teacher !== undefined && (
         <path class="band-teacher" d={`M${X(teacher)} 21l6 -9h-12z`}>
-          <title>{w("teacherSays", { mark: teacher })}</title>
+          <title>{t("teacherSays", { mark: teacher })}</title>
         </path>
       )}
     </svg>
@@ -42,7 +42,7 @@ function Levels({ mark }: { mark: Mark }) {
         <g key={level} class={`band-level${level === mark.level ? " here" : ""}`}>
           <rect class={`band-zone zone-${k}`} x={X(edges[k]!)} y="18" width={X(edges[k + 1]!) - X(edges[k]!)} height="28" />
           <text x={(X(edges[k]!) + X(edges[k + 1]!)) / 2} y="11">
-            {level === mark.level ? say(mark.level_text) : w(level)}
+            {level === mark.level ? localize(mark.level_text) : t(level)}
           </text>
         </g>
       ))}

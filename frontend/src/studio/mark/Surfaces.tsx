@@ -2,11 +2,11 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { get } from "../../api";
-import { say } from "../../i18n";
+import { localize } from "../../i18n";
+import { t } from "../../i18n/studio";
 import type { Attempt, ViewerFacts } from "../../types";
-import { Trouble } from "../../ui";
-import type { Viewer } from "../../viewer";
-import { w } from "../say";
+import { ErrorMessage } from "../../ui";
+import type { Viewer } from "../../viewer/types";
 
 const LAMP = { tilt: 135, slant: 55 };
 
@@ -20,7 +20,7 @@ export function Surfaces({ attempt }: { attempt: Attempt }) {
   useEffect(() => {
     if (!attempt.id) return;
     let gone = false;
-    shown(attempt, hosts.map((host) => host.current), (found) => gone || setFacts(found)).then(
+    showSurfaces(attempt, hosts.map((host) => host.current), (found) => gone || setFacts(found)).then(
       (made) => (gone ? made.forEach((viewer) => viewer.dispose()) : ((viewers.current = made), setLit(made.every((viewer) => viewer.field !== null)))),
       (why: unknown) => gone || setError(why),
     );
@@ -30,8 +30,8 @@ export function Surfaces({ attempt }: { attempt: Attempt }) {
       viewers.current = [];
     };
   }, [attempt.id]);
-  if (!attempt.id) return <p class="note">{w("surfacesNeedLogin")}</p>;
-  if (error) return <Trouble error={error} />;
+  if (!attempt.id) return <p class="note">{t("surfacesNeedLogin")}</p>;
+  if (error) return <ErrorMessage error={error} />;
   const turn = (part: Partial<typeof LAMP>) => {
     const next = { ...lamp, ...part };
     setLamp(next);
@@ -42,9 +42,9 @@ export function Surfaces({ attempt }: { attempt: Attempt }) {
       <div class="surfaces-pair">
         {(["master", "copy"] as const).map((name, k) => (
           <figure key={name}>
-            <figcaption>{w(name)}</figcaption>
-            <div ref={hosts[k]} class="surface-host" role="img" aria-label={w("surfaceAlt", { name: w(name) })} />
-            {facts && <small class="note">{say(facts[k]!.source_text)}</small>}
+            <figcaption>{t(name)}</figcaption>
+            <div ref={hosts[k]} class="surface-host" role="img" aria-label={t("surfaceAlt", { name: t(name) })} />
+            {facts && <small class="note">{localize(facts[k]!.source_text)}</small>}
           </figure>
         ))}
       </div>
@@ -57,12 +57,12 @@ function LampSliders({ lamp, turn }: { lamp: typeof LAMP; turn: (part: Partial<t
   return (
     <>
       <label class="slider">
-        <span>{w("lampTilt")}</span>
+        <span>{t("lampTilt")}</span>
         <input type="range" min="0" max="360" value={lamp.tilt} onInput={(event) => turn({ tilt: Number(event.currentTarget.value) })} />
         <span>{lamp.tilt}°</span>
       </label>
       <label class="slider">
-        <span>{w("lampSlant")}</span>
+        <span>{t("lampSlant")}</span>
         <input type="range" min="10" max="85" value={lamp.slant} onInput={(event) => turn({ slant: Number(event.currentTarget.value) })} />
         <span>{lamp.slant}°</span>
       </label>
@@ -70,11 +70,11 @@ function LampSliders({ lamp, turn }: { lamp: typeof LAMP; turn: (part: Partial<t
   );
 }
 
-async function shown(
+async function showSurfaces(
   attempt: Attempt, hosts: (HTMLElement | null)[], onFacts: (facts: [ViewerFacts, ViewerFacts]) => void,
 ): Promise<Viewer[]> {
   const [{ createViewer }, master, copy] = await Promise.all([
-    import("../../viewer"),
+    import("../../viewer/viewer"),
     get<ViewerFacts>(`/api/works/${encodeURIComponent(attempt.work.id)}/viewer`),
     get<ViewerFacts>(`/api/attempts/${attempt.id}/viewer`),
   ]);

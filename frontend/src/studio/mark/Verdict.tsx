@@ -1,8 +1,8 @@
 // Level, score, parts, and what the mark rests on; or kindly, why there is none.
 
-import { language, say } from "../../i18n";
+import { language, localize } from "../../i18n";
+import { t } from "../../i18n/studio";
 import type { Attempt, Mark } from "../../types";
-import { w } from "../say";
 import { ScoreBand } from "./ScoreBand";
 
 export function Verdict({ attempt }: { attempt: Attempt }) {
@@ -15,18 +15,18 @@ export function Verdict({ attempt }: { attempt: Attempt }) {
         <Seal mark={mark} />
         <div>
           <h2 id="verdict-title" class="visually-hidden">
-            {w("mark")}
+            {t("mark")}
           </h2>
           <p class="verdict-score">
             <strong>{mark.score?.toFixed(0)}</strong> <span>/ 100</span>
           </p>
           {mark.interval && (
-            <p class="note">{w("interval", { low: mark.interval[0].toFixed(0), high: mark.interval[1].toFixed(0) })}</p>
+            <p class="note">{t("interval", { low: mark.interval[0].toFixed(0), high: mark.interval[1].toFixed(0) })}</p>
           )}
         </div>
       </div>
       <ScoreBand mark={mark} teacher={teacher} />
-      {attempt.kind === "simulated" && <p class="simulated">{w("simulated")}</p>}
+      {attempt.kind === "simulated" && <p class="simulated">{t("simulated")}</p>}
       <Parts mark={mark} />
       <RestsOn mark={mark} />
     </section>
@@ -41,7 +41,7 @@ export function Seal({ mark }: { mark: Pick<Mark, "level" | "level_text"> }) {
       <span class="seal-character" lang="zh-Hant" aria-hidden={language.value === "en"}>
         {mark.level_text?.zh}
       </span>
-      <span class={language.value === "en" ? "seal-word" : "visually-hidden"}>{say(mark.level_text)}</span>
+      <span class={language.value === "en" ? "seal-word" : "visually-hidden"}>{localize(mark.level_text)}</span>
     </div>
   );
 }
@@ -56,9 +56,9 @@ function Parts({ mark }: { mark: Mark }) {
             {language.value === "en" && <span> {part.en}</span>}
           </dt>
           <dd>
-            <meter min={0} max={100} value={part.score} aria-label={say(part)} />
+            <meter min={0} max={100} value={part.score} aria-label={localize(part)} />
             <b>{part.score.toFixed(0)}</b>
-            <p class="note">{say(part.meaning)}</p>
+            <p class="note">{localize(part.meaning)}</p>
           </dd>
         </div>
       ))}
@@ -69,17 +69,17 @@ function Parts({ mark }: { mark: Mark }) {
 function RestsOn({ mark }: { mark: Mark }) {
   return (
     <div class="rests">
-      <p class="note">{w("estimate")}</p>
-      {mark.interval_note && <p class="note">{say(mark.interval_note)}</p>}
-      {mark.calibration && <p class="note">{w("calibrated", { by: mark.calibration })}</p>}
-      {mark.source_text && <p class="note">{say(mark.source_text)}</p>}
+      <p class="note">{t("estimate")}</p>
+      {mark.interval_note && <p class="note">{localize(mark.interval_note)}</p>}
+      {mark.calibration && <p class="note">{t("calibrated", { by: mark.calibration })}</p>}
+      {mark.source_text && <p class="note">{localize(mark.source_text)}</p>}
       {mark.sim_paper !== null && (
         <details>
-          <summary>{w("more")}</summary>
-          <p class="note">{w("simPaper", { value: mark.sim_paper.toFixed(1) })}</p>
-          {mark.similarity !== null && <p class="note">{w("similarity", { value: mark.similarity.toFixed(3) })}</p>}
-          {mark.pose && <p class="note">{w("pose", poseWords(mark.pose))}</p>}
-          <p class="note">{w("seconds", { value: mark.seconds.toFixed(2) })}</p>
+          <summary>{t("more")}</summary>
+          <p class="note">{t("simPaper", { value: mark.sim_paper.toFixed(1) })}</p>
+          {mark.similarity !== null && <p class="note">{t("similarity", { value: mark.similarity.toFixed(3) })}</p>}
+          {mark.pose && <p class="note">{t("pose", poseWords(mark.pose))}</p>}
+          <p class="note">{t("seconds", { value: mark.seconds.toFixed(2) })}</p>
         </details>
       )}
     </div>
@@ -98,9 +98,9 @@ const signed = (value: number, digits: number): string => `${value >= 0 ? "+" : 
 function Refused({ mark }: { mark: Mark }) {
   return (
     <section class="verdict refused panel" aria-labelledby="verdict-title">
-      <h2 id="verdict-title">{w("refusedTitle")}</h2>
-      <p>{say(mark.refused)}</p>
-      <p class="note">{w(mark.refused?.code === "another character" ? "refusedOther" : "refusedAdvice")}</p>
+      <h2 id="verdict-title">{t("refusedTitle")}</h2>
+      <p>{localize(mark.refused)}</p>
+      <p class="note">{t(mark.refused?.code === "another character" ? "refusedOther" : "refusedAdvice")}</p>
     </section>
   );
 }

@@ -3,10 +3,10 @@
 import type { Remark } from "../../types";
 
 export type Badge = { x: number; y: number };
-type Box = readonly [x0: number, y0: number, x1: number, y1: number];
+type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];
 
 /** What a remark points at, in fractions of the cell; null where it speaks of the whole. */
-export function placeOf(remark: Pick<Remark, "region" | "outline">): Box | null {
+export function remarkBounds(remark: Pick<Remark, "region" | "outline">): Bounds | null {
   const points = remark.outline.flat();
   if (points.length) {
     const [xs, ys] = [points.map((p) => p[0]), points.map((p) => p[1])];
@@ -16,12 +16,12 @@ export function placeOf(remark: Pick<Remark, "region" | "outline">): Box | null 
 }
 
 /** One badge a remark: at the upper left of its place, or along the top edge for the whole; apart by `gap`, within the cell. */
-export function badges(remarks: readonly Pick<Remark, "region" | "outline">[], gap = 0.075): Badge[] {
+export function placeBadges(remarks: readonly Pick<Remark, "region" | "outline">[], gap = 0.075): Badge[] {
   const set: Badge[] = [];
   for (const remark of remarks) {
-    const box = placeOf(remark);
+    const box = remarkBounds(remark);
     const wanted = box ? { x: within(box[0]), y: within(box[1]) } : { x: 0.05, y: 0.05 };
-    set.push(free(wanted, set, gap));
+    set.push(freePosition(wanted, set, gap));
   }
   return set;
 }
@@ -29,7 +29,7 @@ export function badges(remarks: readonly Pick<Remark, "region" | "outline">[], g
 const within = (value: number): number => Math.min(0.95, Math.max(0.05, value));
 
 /** The nearest place on widening rings that is clear of the others. */
-function free(wanted: Badge, taken: readonly Badge[], gap: number): Badge {
+function freePosition(wanted: Badge, taken: readonly Badge[], gap: number): Badge {
   for (let ring = 0; ring < 12; ring++) {
     for (let k = 0; k < Math.max(1, 8 * ring); k++) {
       const turn = (2 * Math.PI * k) / Math.max(1, 8 * ring);

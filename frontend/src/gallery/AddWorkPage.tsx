@@ -1,0 +1,116 @@
+import { useEffect, useState } from "preact/hooks";
+import { get, post, session } from "../api";
+import { localize } from "../i18n";
+import { t } from "../i18n/gallery";
+import { navigate, type PageProps } from "../router";
+import type { Job, Work } from "../types";
+import { ErrorMessage, Field, useLoaded } from "../ui";
+import { FactFields } from "./FactFields";
+import { FINISHED_STATES, JobProgress, useJob } from "./JobProgress";
+import { clearLastList } from "./listState";
+import "./gallery.css";
+import "./work.css";
+
+const SOURCES = ["addImage", "addCapture", "addImport"] as const;
+type Source = (typeof SOURCES)[number];
+const PICTURES = "image/jpeg,image/png,image/tiff,image/webp,.tif,.tiff";
+
+export default function AddWorkPage(_: PageProps) {
+  const role = session.value?.person?.role;
+  const [source, setSource] = useState<Source>("addImage");
+  if (role !== "owner" && role !== "teacher") return <div class="trouble"><h1>{t("ownersOnly")}</h1></div>;
+  return (
+    <div class="add">
+      <header class="page-head">
+        <h1>{t("add")}</h1>
+        <p class="lead">{t("addLead")}</p>
+      </header>
+      <div class="segments" role="group" aria-label={t("add")}>
+        {SOURCES.map((name) => (
+          <button key={name} type="button" class="tool" aria-pressed={source === name} onClick={() => setSource(name)}>{t(name)}</button>
+        ))}
+      </div>
+      <SendForm key={source} source={source} />
+    </div>
+  );
+}
+
+function SendForm({ source }: { source: Source }) {
+  const [file, setFile] = useState<File | null>(null);
+  const [started, setStarted] = useState<Job | null>(null);
+  const [sending, setSending] = useState(false);
+  const [error, setError] = useState<unknown>(null);
+  const job = useJob(started);
+  const send = async (event: SubmitEvent) => {
+    event.preventDefault();
+    if (!file) return;
+    const form = new FormData(event.currentTarget as HTMLFormElement);
+    for (const [name, value] of [...form]) if (value === "") form.delete(name);
+    form.set(source === "addImage" ? "picture" : "zip", file);
+    setSending(true);
+    setError(null);
+    clearLastList();
+    try {
+      if (source === "addImage") navigate(`/works/${encodeURIComponent((await post<Work>("/api/works", form)).id)}`);
+      else setStarted((await post<{ job: Job }>("/api/imports", form)).job);
+    } catch (problem) {
+      setError(problem);
+    } finally {
+      setSending(false);
+    }
+  };
+  return (
+    <form onSubmit={(event) => void send(event)}>
+      <FileDrop label={t(source === "addImage" ? "picture" : source === "addCapture" ? "captureZip" : "importZip")} accept={source === "addImage" ? PICTURES : ".zip,application/zip"} file={file} onFile={setFile} />
+      {source === "addImport" ? <><p class="note">{t("importNote")}</p><Collection hint={t("importCollectionHint")} /></> : <FactFields spacing={source === "addImage"}>{source === "addImage" && <Method />}<Collection /></FactFields>}
+      <button type="submit" disabled={!file || sending || (job !== null && !FINISHED_STATES.has(job.state))}>{t(sending ? "sending" : "send")}</button>
+      {error ? <ErrorMessage error={error} /> : null}
+      {job && <JobProgress job={job} />}
+    </form>
+  );
+}
+
+function FileDrop({ label, accept, file, onFile }: { label: string; accept: string; file: File | null; onFile: (file: File | null) => void }) {
+  const [over, setOver] = useState(false);
+  const [seen, setSeen] = useState<string | null>(null);
+  useEffect(() => {
+    if (!file || !/^image\/(jpeg|png|webp)$/.test(file.type)) return setSeen(null);
+    const url = URL.createObjectURL(file);
+    setSeen(url);
+    return () => URL.revokeObjectURL(url);
+  }, [file]);
+  const hold = (event: DragEvent) => {
+    event.preventDefault();
+    setOver(event.type === "dragover");
+  };
+  return (
+    <label class={over ? "drop over" : "drop"} onDragOver={hold} onDragLeave={hold}
+      onDrop={(event) => { hold(event); onFile(event.dataTransfer?.files[0] ?? null); }}>
+      <span>{label}</span>
+      <input type="file" accept={accept} onChange={(event) => onFile(event.currentTarget.files?.[0] ?? null)} />
+      {seen && <img src={seen} alt="" />}
+      {file && <small>{file.name}</small>}
+    </label>
+  );
+}
+
+function Method() {
+  return (
+    <Field label={t("method")}>
+      <select name="method">
+        <option value="inflation">{t("inflation")}</option>
+        <option value="density">{t("density")}</option>
+      </select>
+    </Field>
+  );
+}
+
+function Collection({ hint = "" }: { hint?: string }) {
+  const loaded = useLoaded((signal) => get<{ id: string; title: { zh: string; en: string } }[]>("/api/collections", signal), "all");
+  return (
+    <Field label={t("collectionId")} hint={hint}>
+      <input name="collection" list="collections" maxLength={100} />
+      <datalist id="collections">{(loaded.value ?? []).map((c) => <option key={c.id} value={localize(c.title)} />)}</datalist>
+    </Field>
+  );
+}

@@ -1,0 +1,215 @@
+// The studio: a master, a sheet to write on, and the mark.
+
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
+import { get, session } from "../api";
+import { common, localize } from "../i18n";
+import { t } from "../i18n/studio";
+import type { PageProps } from "../router";
+import type { Attempt, Work } from "../types";
+import { ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
+import { CropPhoto } from "./CropPhoto";
+import { addStroke, canRedo, canUndo, clearStrokes, type History, historyOf, redo, serializeStrokes, undo } from "./ink/strokes";
+import { strokesPicture } from "./ink/painting";
+import { MarkView } from "./mark/MarkView";
+import { loginLink } from "../account/RequireLogin";
+import { AUTO_MARK_DELAY_MS, type Copy, type MarkingState, useMarking } from "./marking";
+import { addRecentWork, loadDraft, loadSettings, saveDraft, saveSettings, type WritingSettings } from "./settings";
+import { Tabs } from "./Tabs";
+import { BrushTools } from "./BrushTools";
+import { WritingCell } from "./WritingCell";
+import "./studio.css";
+
+const MEDIA = ["pen", "photo"] as const;
+type Medium = (typeof MEDIA)[number];
+
+export default function WritePage({ params, query }: PageProps) {
+  const id = params["id"] ?? "";
+  const loaded = useLoaded((signal) => get<Work>(`/api/works/${encodeURIComponent(id)}`, signal), id);
+  if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
+  if (!loaded.value) return <Loading />;
+  return <WriteView key={id} work={loaded.value} task={query.get("task")} />;
+}
+
+function WriteView({ work, task }: { work: Work; task: string | null }) {
+  const [medium, setMedium] = useState<Medium>("pen");
+  const [history, setHistory] = useState<History>(() => historyOf(loadDraft(work.id)));
+  const [settings, setSettings] = useState<WritingSettings>(loadSettings);
+  const [cell, setCell] = useState<{ make: (() => Promise<Blob>) | null }>({ make: null });
+  // a task takes copies of the class's pupils; to their teacher it is a link back
+  const pupil = session.value?.person?.role === "pupil";
+  const { marked, requestMark, discard } = useMarking(work.id, pupil ? task : null);
+  const [writing, setWriting] = useState(false);
+  const strokes = history.done;
+  const change = (step: (history: History) => History) => {
+    discard();
+    setHistory(step);
+  };
+  const adjust = (part: Partial<WritingSettings>) => setSettings((old) => ({ ...old, ...part }));
+  const make = copyMaker(medium, strokes, cell.make, settings);
+  const mark = (tried = false) => void (make && requestMark(make, { tried }));
+  useEffect(() => addRecentWork(work.id), [work.id]);
+  useEffect(() => saveSettings(settings), [settings]);
+  useLayoutEffect(() => saveDraft(work.id, strokes), [strokes]); // at once: the next thing may be another page
+  useAutoMark(settings.auto && !writing && medium === "pen" && strokes.length > 0, strokes, () => mark(true));
+  useKeys({ undo: () => change(undo), redo: () => change(redo), mark: () => mark() });
+  return (
+    <div class="desk">
+      <Heading work={work} task={task} />
+      <section class="desk-sheet" aria-label={t("sheet")}>
+        <Tabs names={MEDIA} chosen={medium} onChoose={(next) => (discard(), setMedium(next))} label={t("ways")} title={(name) => t(name)}>
+          {medium === "pen" ? (
+            <WritingCell
+              {...settings} strokes={strokes} work={work} onWriting={(down) => (setWriting(down), down && discard())}
+              onStroke={(stroke) => change((old) => addStroke(old, stroke))}
+            />
+          ) : (
+            <CropPhoto grid={settings.grid} onCell={(next) => (discard(), setCell({ make: next }))} />
+          )}
+        </Tabs>
+        <div class="row desk-actions">
+          {medium === "pen" && <HistoryButtons history={history} onChange={change} />}
+          <button type="button" class="mark-it" disabled={!make || marked.state === "asking"} onClick={() => mark()}>
+            {marked.state === "asking" ? t("marking") : t("markIt")}
+          </button>
+        </div>
+        {medium === "pen" && (
+          <>
+            <BrushTools settings={settings} onChange={adjust} />
+            <label class="check">
+              <input type="checkbox" checked={settings.auto} onChange={(event) => adjust({ auto: event.currentTarget.checked })} />
+              <span>{t("auto")}</span>
+            </label>
+          </>
+        )}
+        {!session.value?.person && <VisitorNote />}
+      </section>
+      <section class="desk-mark" aria-label={t("mark")}>
+        <MarkAnnouncement marked={marked} />
+        <Result marked={marked} work={work} forTask={pupil && task !== null} onAgain={() => mark()} />
+      </section>
+    </div>
+  );
+}
+
+/** How to make what is sent to be marked; null while there is nothing to mark. */
+function copyMaker(
+  medium: Medium, strokes: History["done"], cut: (() => Promise<Blob>) | null, { grid }: WritingSettings,
+): (() => Promise<Copy>) | null {
+  if (medium === "photo") return cut && (async () => ({ kind: "photo", picture: await cut(), grid: "" }));
+  if (!strokes.length) return null;
+  return async () => ({ kind: "pen", picture: await strokesPicture(strokes), strokes: JSON.stringify(serializeStrokes(strokes)), grid });
+}
+
+function Heading({ work, task }: { work: Work; task: string | null }) {
+  return (
+    <header class="desk-head">
+      <a href={`#/works/${work.id}`} class="desk-thumb">
+        <img src={work.thumb} alt={t("seeMaster")} width="72" height="72" />
+      </a>
+      <div>
+        <h1>{localize(work.title)}</h1>
+        <p class="note">
+          {localize(work.hand)} <span class="period">· {localize(work.period)} </span>· <a href="#/studio">{t("otherMaster")}</a>
+        </p>
+        {task && (
+          <p>
+            <a href={`#/tasks/${task}`}>{t("forTask")}</a>
+          </p>
+        )}
+      </div>
+    </header>
+  );
+}
+
+function HistoryButtons({ history, onChange }: { history: History; onChange: (step: (history: History) => History) => void }) {
+  return (
+    <>
+      <button type="button" class="quiet" disabled={!canUndo(history)} onClick={() => onChange(undo)} title="Ctrl+Z">
+        ↶ {t("undo")}
+      </button>
+      <button type="button" class="quiet" disabled={!canRedo(history)} onClick={() => onChange(redo)} title="Ctrl+Shift+Z">
+        ↷ {t("redo")}
+      </button>
+      <button type="button" class="quiet" disabled={!history.done.length} onClick={() => onChange(clearStrokes)}>
+        {t("clear")}
+      </button>
+    </>
+  );
+}
+
+function VisitorNote() {
+  return (
+    <p class="visitor">
+      {t("visitor")} <a href={loginLink()}>{common("login")}</a>
+    </p>
+  );
+}
+
+/** The mark for those who hear the page. */
+function MarkAnnouncement({ marked }: { marked: MarkingState }) {
+  return (
+    <p class="visually-hidden" role="status" aria-live="polite">
+      {marked.state === "asking" ? t("marking") : marked.state === "done" ? spokenMark(marked.attempt) : ""}
+    </p>
+  );
+}
+
+function spokenMark({ mark }: Attempt): string {
+  if (mark.refused) return `${t("refusedTitle")} ${localize(mark.refused)}`;
+  const [low, high] = mark.interval ?? [0, 0];
+  const score = mark.score?.toFixed(0) ?? "";
+  return t("spoken", { score, level: localize(mark.level_text), low: low.toFixed(0), high: high.toFixed(0), count: mark.remarks.length });
+}
+
+function Result({ marked, work, forTask, onAgain }: { marked: MarkingState; work: Work; forTask: boolean; onAgain: () => void }) {
+  const result = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    // on a phone the mark stands below the sheet; a mark that came by itself must not move the page under the pen
+    if (marked.state === "done" && !marked.tried) result.current?.scrollIntoView({ block: "nearest", behavior: "smooth" });
+  }, [marked]);
+  if (marked.state === "failed") return <ErrorMessage error={marked.error} retry={onAgain} />;
+  if (marked.state !== "done")
+    return (
+      <div class="master-card">
+        <img src={work.files?.picture ?? work.thumb} alt={localize(work.title)} />
+        <p class="note">{marked.state === "asking" ? t("marking") : t("beginHint")}</p>
+      </div>
+    );
+  return (
+    <div ref={result}>
+      {marked.attempt.id ? (
+        <p class="note kept">
+          {t(forTask && !marked.attempt.task ? "keptLoose" : "kept")} <a href={`#/attempts/${marked.attempt.id}`}>{t("open")}</a> · <a href="#/practice">{common("practice")}</a>
+        </p>
+      ) : (
+        session.value?.person && <p class="note kept">{t("tried")}</p>
+      )}
+      <MarkView attempt={marked.attempt} picture={marked.picture} />
+    </div>
+  );
+}
+
+function useAutoMark(on: boolean, strokes: readonly unknown[], mark: () => void): void {
+  useEffect(() => {
+    if (!on) return;
+    const wait = setTimeout(mark, AUTO_MARK_DELAY_MS);
+    return () => clearTimeout(wait);
+  }, [on, strokes]);
+}
+
+function useKeys(steps: { undo: () => void; redo: () => void; mark: () => void }): void {
+  const latest = useRef(steps);
+  latest.current = steps;
+  useEffect(() => {
+    const press = (event: KeyboardEvent) => {
+      const target = event.target as HTMLElement;
+      const undoing = (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z";
+      if (undoing && !(target instanceof HTMLTextAreaElement)) {
+        event.preventDefault();
+        (event.shiftKey ? latest.current.redo : latest.current.undo)();
+      } else if (event.key === "Enter" && !target.closest("button, a, input, select, textarea, summary, dialog")) latest.current.mark();
+    };
+    addEventListener("keydown", press);
+    return () => removeEventListener("keydown", press);
+  }, []);
+}

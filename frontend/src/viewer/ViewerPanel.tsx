@@ -1,0 +1,225 @@
+// The viewer with everything around it: stages, light, legend, tools, the plotted cut.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { ComponentChildren } from "preact";
+import { localize } from "../i18n";
+import { t } from "../i18n/viewer";
+import type { Bilingual, ViewerFacts } from "../types";
+import { Dialog, ErrorMessage, Loading } from "../ui";
+import { LightDial } from "./LightDial";
+import { Legend, ScaleBar } from "./Legend";
+import { type Pins, SheetOverlay } from "./SheetOverlay";
+import { SectionPlot } from "./SectionPlot";
+import { type Mode, MODES, type ViewState } from "./state";
+import { Toolbar } from "./Toolbar";
+import type { Downloads, SheetPoint, Tool, Viewer } from "./types";
+import { createViewer } from "./viewer";
+
+export type ShownSurface = { facts: ViewerFacts; title: Bilingual };
+type PanelProps = {
+  shown: ShownSurface;
+  initial: ViewState;
+  /** A second work beside the first, with the same light and the same eye. */
+  beside?: ShownSurface | null;
+  files?: Downloads | null;
+  pins?: Pins | null;
+  onState?: (state: ViewState) => void;
+  onViewer?: (viewer: Viewer | null) => void;
+  /** Given: the owner may set a pin. */
+  onPoint?: (place: SheetPoint) => void;
+  onPair?: () => void;
+  /** A link to the present view. */
+  link?: () => string;
+  children?: ComponentChildren;
+};
+
+export function ViewerPanel(props: PanelProps) {
+  const { shown, beside = null, onPoint } = props;
+  const box = useRef<HTMLElement>(null);
+  const [state, setState] = useState(props.initial);
+  const [viewer, setViewer] = useState<Viewer | null>(null);
+  const [second, setSecond] = useState<Viewer | null>(null);
+  const [, secondChanged] = useState<ViewState | null>(null);
+  /** Which of two was touched last: the plotted cut and the hints are that one's. */
+  const [touched, setTouched] = useState<"first" | "second">("first");
+  const [tool, setTool] = useState<Tool>(props.initial.mode === "sheet" ? "light" : "move");
+  const [help, setHelp] = useState(false);
+  const { onState, onViewer } = props;
+
+  useEffect(() => {
+    viewer?.link(second);
+    return () => viewer?.link(null);
+  }, [viewer, second]);
+  if (viewer) viewer.tool = tool;
+  if (second) second.tool = tool === "pin" ? "move" : tool;
+
+  const change = (now: ViewState) => {
+    setState(now);
+    onState?.(now);
+  };
+  const setMode = (mode: Mode) => {
+    // From the flat sheet to depth and back the eye starts anew, and dragging does what is wanted there.
+    const flat = (name: Mode) => name === "sheet";
+    const other = flat(mode) !== flat(state.mode);
+    viewer?.animateTo({ mode, ...(other || isOblique(mode) !== isOblique(state.mode) ? { camera: null } : {}) }, 700);
+    if (other && (tool === "light" || tool === "move")) setTool(flat(mode) ? "light" : "move");
+  };
+  const keys = (event: KeyboardEvent) => {
+    if (event.target instanceof HTMLInputElement || event.ctrlKey || event.metaKey || event.altKey) return;
+    const mode = MODES[Number(event.key) - 1];
+    const tools: Record<string, Tool> = { l: "light", m: "move", c: "section", r: "ruler" };
+    const picked = tools[event.key];
+    if (event.key === "?") setHelp(true);
+    else if (mode) setMode(mode);
+    else if (picked) setTool(picked);
+    else if (event.key === "f") void toggleFull(box.current);
+    else return;
+    event.preventDefault();
+  };
+  const onSecond = beside !== null && second !== null && touched === "second";
+  const acting = onSecond ? second : viewer;
+  const { facts, title } = onSecond ? beside : shown;
+  const lines = onSecond ? second.state : state;
+  const points = acting?.field && lines.section ? acting.section(lines.section) : null;
+  const sign = beside && (points || tool === "section" || tool === "ruler") ? <ActiveSign /> : null;
+  return (
+    <section class="viewer" ref={box} aria-label={t("viewer")} onKeyDown={keys}>
+      <div class={`viewer-stages mode-${state.mode} tool-${tool}`} data-count={beside ? 2 : 1}>
+        <ViewerHost shown={shown} initial={state} onState={change} onPoint={onPoint} onTouch={() => setTouched("first")} sign={!onSecond && sign}
+          onViewer={(found) => { setViewer(found); onViewer?.(found); }}>
+          {(found) => (
+            <>
+              <SheetOverlay viewer={found} pins={props.pins ?? null} />
+              {(state.mode === "heights" || state.mode === "contours") && <Legend viewer={found} />}
+              <ScaleBar viewer={found} />
+              {found.field && <LightDial state={state} onTurn={(light) => found.set(light)} />}
+              {props.children}
+            </>
+          )}
+        </ViewerHost>
+        {beside && (
+          <ViewerHost key={beside.facts.heights.url} shown={beside} initial={{ ...state, section: null, ruler: null }} onState={secondChanged}
+            onTouch={() => setTouched("second")} sign={onSecond && sign} onViewer={(found) => { setSecond(found); if (!found) setTouched("first"); }} caption>
+            {(found) => <SheetOverlay viewer={found} pins={null} />}
+          </ViewerHost>
+        )}
+      </div>
+      <Toolbar viewer={viewer} state={state} tool={tool} mode={setMode} setTool={setTool} pairing={beside !== null} canPin={onPoint !== undefined}
+        files={props.files ?? null} onPair={props.onPair} link={props.link} onHelp={() => setHelp(true)} onFull={() => void toggleFull(box.current)} />
+      {points && (
+        <div class="viewer-profile">
+          {beside && <strong class="profile-of">{localize(title)}</strong>}
+          <SectionPlot points={points} unit={facts.unit} note={localize(facts.source_text)} />
+          <button type="button" class="quiet" onClick={() => acting?.set({ section: null })}>{t("clearSection")}</button>
+        </div>
+      )}
+      {tool === "section" && !points && <p class="viewer-hint">{t("drawSection")}</p>}
+      {tool === "ruler" && !lines.ruler && <p class="viewer-hint">{t("drawRuler")}</p>}
+      {tool === "pin" && <p class="viewer-hint">{t("setPin")}</p>}
+      {help && <HelpDialog onClose={() => setHelp(false)} />}
+    </section>
+  );
+}
+
+type ViewerHostProps = {
+  shown: ShownSurface;
+  initial: ViewState;
+  caption?: boolean;
+  onState?: (state: ViewState) => void;
+  onPoint?: ((place: SheetPoint) => void) | undefined;
+  onViewer: (viewer: Viewer | null) => void;
+  onTouch: () => void;
+  /** Given: this one of two is where cut and ruler are. */
+  sign: ComponentChildren;
+  children: (viewer: Viewer) => ComponentChildren;
+};
+
+function ViewerHost({ shown, initial, caption, onState, onPoint, onViewer, onTouch, sign, children }: ViewerHostProps) {
+  const host = useRef<HTMLDivElement>(null);
+  const [viewer, setViewer] = useState<Viewer | null>(null);
+  const [error, setError] = useState<unknown>(null);
+  const [turn, setTurn] = useState(0);
+  const callbacks = useRef({ onState, onPoint });
+  callbacks.current = { onState, onPoint };
+  useEffect(() => {
+    const stop = new AbortController();
+    let made: Viewer | null = null;
+    setError(null);
+    createViewer(host.current!, shown.facts, {
+      ...initial,
+      signal: stop.signal,
+      onChange: (state) => callbacks.current.onState?.(state),
+      onPoint: (place) => callbacks.current.onPoint?.(place),
+    }).then(
+      (found) => {
+        if (stop.signal.aborted) return found.dispose();
+        made = found;
+        setViewer(found);
+        onViewer(found);
+      },
+      (problem: unknown) => !stop.signal.aborted && setError(problem),
+    );
+    return () => {
+      stop.abort();
+      setViewer(null);
+      onViewer(null);
+      made?.dispose();
+    };
+  }, [shown.facts.heights.url, turn]);
+  return (
+    <div class={sign ? "viewer-stage acting" : "viewer-stage"}>
+      <div class="viewer-host" ref={host} onPointerDown={onTouch} onFocusIn={onTouch} role="application" aria-label={`${localize(shown.title)}. ${t("hostSaid")}`} />
+      {viewer ? children(viewer) : error ? <ErrorMessage error={error} retry={() => setTurn((n) => n + 1)} /> : <div class="viewer-wait"><img src={shown.facts.picture} alt="" /><Loading /></div>}
+      {sign}
+      {caption && <p class="viewer-caption">{localize(shown.title)}<small>{localize(shown.facts.source_text)}</small></p>}
+    </div>
+  );
+}
+
+/** Says it in words, too: a frame alone is not callbacks, nor seen by everybody. */
+const ActiveSign = () => (
+  <p class="viewer-acting" role="status">
+    {t("actingHere")}
+  </p>
+);
+
+const isOblique = (mode: Mode): boolean => mode === "surface" || mode === "mesh";
+
+async function toggleFull(box: HTMLElement | null): Promise<void> {
+  if (document.fullscreenElement) await document.exitFullscreen();
+  else await box?.requestFullscreen?.();
+}
+
+const KEYS: [string, Parameters<typeof t>[0]][] = [
+  ["← → ↑ ↓", "keyLight"],
+  ["⇧ ← → ↑ ↓", "keyOrbit"],
+  ["+ −", "keyZoom"],
+  ["0", "keyHome"],
+  ["1 – 5", "keyModes"],
+  ["L M C R", "keyTools"],
+  ["F", "keyFull"],
+  ["?", "keyHelp"],
+];
+const GESTURES: Parameters<typeof t>[0][] = ["handLight", "handMove", "handPinch", "handOther"];
+
+export function HelpDialog({ onClose }: { onClose: () => void }) {
+  return (
+    <Dialog title={t("help")} onClose={onClose}>
+      <ul class="hands">
+        {GESTURES.map((name) => (
+          <li key={name}>{t(name)}</li>
+        ))}
+      </ul>
+      <table class="keys">
+        <tbody>
+          {KEYS.map(([key, name]) => (
+            <tr key={key}>
+              <th scope="row"><kbd>{key}</kbd></th>
+              <td>{t(name)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </Dialog>
+  );
+}

@@ -1,0 +1,262 @@
+// One sheet on a GPU: textures, mesh, one material for every mode. Draws when told to, never by itself.
+
+import {
+  BufferAttribute,
+  BufferGeometry,
+  ClampToEdgeWrapping,
+  Color,
+  DataTexture,
+  DoubleSide,
+  FloatType,
+  GLSL3,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  Mesh,
+  NearestFilter,
+  NoColorSpace,
+  OrthographicCamera,
+  PerspectiveCamera,
+  RawShaderMaterial,
+  RedFormat,
+  Scene,
+  SRGBColorSpace,
+  Texture,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  WebGLRenderTarget,
+} from "three";
+import { lampDirection, mixtureWeights, type Vec3 } from "./shading";
+import { niceStep } from "./scales";
+import { fragment, vertex } from "./shaders";
+import type { HeightField } from "./heightfield";
+import { FIELD_OF_VIEW, fitCamera } from "./camera";
+import { type Camera, type Lens, LOOKS, type Mode, type ViewState } from "./state";
+
+/** Decoded pictures of one sheet; `lamps` where three photographs are there, `mask` where only a part was measured: white there. */
+export type Maps = {
+  albedo: ImageBitmap;
+  normals: ImageBitmap;
+  photo: ImageBitmap;
+  mask: ImageBitmap | null;
+  lamps: null | { a: ImageBitmap; b: ImageBitmap; c: ImageBitmap; slant: number };
+};
+
+const SHADER_MODES: Record<Mode | Exclude<Lens, "none" | "heights">, number> = {
+  sheet: 0,
+  surface: 0,
+  mesh: 1,
+  heights: 2,
+  contours: 3,
+  picture: 4,
+  normals: 5,
+  magnify: 6,
+};
+/** Squares along the longer side: two for a flat sheet, for small triangles are dear; fine for a surface; coarse enough to be seen in the mesh. */
+const FLAT_SQUARES = 2;
+const SURFACE_SQUARES = 256;
+const MESH_SQUARES = 96;
+const CONTOUR_COUNT = 14;
+/** The eye over a flat sheet: so far that every point sees it straight above. */
+const DISTANT_EYE: Vec3 = [0, 0, 1e4];
+
+export type LensPosition = { u: number; v: number; radius: number };
+
+export class SheetScene {
+  readonly renderer: WebGLRenderer;
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 30);
+  readonly sheet: Mesh<BufferGeometry, RawShaderMaterial>;
+  /** Units of height between two contour lines. */
+  readonly interval: number;
+  private readonly textures: Texture[] = [];
+  private readonly grids = new Map<number, BufferGeometry>();
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    readonly field: HeightField,
+    private readonly maps: Maps,
+    /** How much the ink shines under the warm lamp; 0 where the surface was measured. */
+    private readonly sheen: number,
+  ) {
+    this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
+    this.renderer.setClearColor(0, 0);
+    this.interval = niceStep(field.max - field.min, CONTOUR_COUNT);
+    this.sheet = new Mesh(this.grid(FLAT_SQUARES), this.material());
+    this.sheet.frustumCulled = false; // heights are only known on the GPU
+    this.scene.add(this.sheet);
+  }
+
+  resize(width: number, height: number, ratio: number): void {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / Math.max(height, 1);
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** The camera that is meant when the state names none. */
+  defaultCamera(mode: Mode): Camera {
+    return fitCamera(mode, this.field, this.camera.aspect);
+  }
+
+  draw(state: ViewState, lensPosition: LensPosition | null): void {
+    const [x, y, z, tx, ty, tz] = state.camera ?? this.defaultCamera(state.mode);
+    this.prepare(state, lensPosition, state.mode === "sheet" ? DISTANT_EYE : [x, y, z]);
+    this.camera.position.set(x, y, z);
+    this.camera.lookAt(tx, ty, tz);
+    this.camera.updateMatrixWorld();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** The flat sheet under the state's lamp, one pixel for each texel of the albedo: RGBA rows from the top. */
+  renderFlat(state: ViewState): { width: number; height: number; pixels: Uint8ClampedArray<ArrayBuffer> } {
+    const { width, height } = this.maps.albedo;
+    const target = new WebGLRenderTarget(width, height, { depthBuffer: false });
+    const { wide, tall } = this.field;
+    const camera = new OrthographicCamera(-wide / 2, wide / 2, tall / 2, -tall / 2, 0.1, 10);
+    camera.position.z = 2;
+    this.prepare({ ...state, mode: "sheet", lens: "none" }, null, DISTANT_EYE);
+    this.renderer.setRenderTarget(target);
+    this.renderer.render(this.scene, camera);
+    const found = new Uint8Array(width * height * 4);
+    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, found);
+    this.renderer.setRenderTarget(null);
+    target.dispose();
+    return { width, height, pixels: flipRows(found, width, height) };
+  }
+
+  dispose(): void {
+    this.textures.forEach((texture) => texture.dispose());
+    this.grids.forEach((made) => made.dispose());
+    this.sheet.material.dispose();
+    const { albedo, normals, photo, mask, lamps } = this.maps;
+    [albedo, normals, photo, mask, lamps?.a, lamps?.b, lamps?.c].forEach((bitmap) => bitmap?.close());
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+  }
+
+  private prepare(state: ViewState, lensPosition: LensPosition | null, eye: Vec3): void {
+    const longest = state.mode === "sheet" ? FLAT_SQUARES : state.mode === "mesh" ? MESH_SQUARES : SURFACE_SQUARES;
+    this.sheet.geometry = this.grid(longest);
+    const uniform = (name: string) => this.sheet.material.uniforms[name]!;
+    uniform("mode").value = SHADER_MODES[state.mode];
+    uniform("lens").value = state.lens === "none" || !lensPosition ? -1 : SHADER_MODES[state.lens];
+    uniform("lensPosition").value.set(lensPosition?.u ?? 0, lensPosition?.v ?? 0, lensPosition?.radius ?? 0);
+    uniform("light").value.set(...lampDirection(state.tilt, state.slant));
+    uniform("lift").value = state.mode === "sheet" ? 0 : state.exaggeration / this.field.scale;
+    uniform("exaggeration").value = state.exaggeration;
+    uniform("look").value = LOOKS.indexOf(state.look);
+    uniform("eye").value.set(...eye);
+    uniform("cells").value.set(...squares(this.field, longest));
+    const { lamps, mask } = this.maps;
+    uniform("cut").value = mask !== null && state.mode !== "sheet";
+    uniform("mixture").value.set(...(state.mixture && lamps ? mixtureWeights(state.tilt, state.slant, lamps.slant) : [0, 0, 0]));
+    const style = getComputedStyle(this.canvas);
+    const paint = (name: string, token: string) => {
+      const colour = new Color().setStyle(style.getPropertyValue(token).trim() || "#888", NoColorSpace);
+      uniform(name).value.set(colour.r, colour.g, colour.b);
+    };
+    paint("inkColour", "--ink");
+    paint("paperColour", "--sheet");
+  }
+
+  private material(): RawShaderMaterial {
+    const { field, maps } = this;
+    const heights = new DataTexture(field.values as Float32Array<ArrayBuffer>, field.width, field.height, RedFormat, FloatType);
+    heights.minFilter = heights.magFilter = NearestFilter;
+    heights.needsUpdate = true;
+    this.textures.push(heights);
+    const albedo = this.texture(maps.albedo, true);
+    const { lamps } = maps;
+    return new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: vertex,
+      fragmentShader: fragment,
+      side: DoubleSide,
+      uniforms: {
+        heights: { value: heights },
+        albedo: { value: albedo },
+        normals: { value: this.texture(maps.normals, false) },
+        photo: { value: this.texture(maps.photo, true) },
+        mask: { value: maps.mask ? this.texture(maps.mask, false) : albedo },
+        cut: { value: false },
+        lampA: { value: lamps ? this.texture(lamps.a, true) : albedo },
+        lampB: { value: lamps ? this.texture(lamps.b, true) : albedo },
+        lampC: { value: lamps ? this.texture(lamps.c, true) : albedo },
+        mode: { value: 0 },
+        lens: { value: -1 },
+        lensPosition: { value: new Vector3() },
+        sheet: { value: new Vector2(field.wide, field.tall) },
+        light: { value: new Vector3(0, 0, 1) },
+        mixture: { value: new Vector3() },
+        exaggeration: { value: 1 },
+        lift: { value: 0 },
+        cells: { value: new Vector2(1, 1) },
+        range: { value: new Vector2(field.min, field.max) },
+        interval: { value: this.interval },
+        look: { value: 0 },
+        sheen: { value: this.sheen },
+        eye: { value: new Vector3() },
+        inkColour: { value: new Vector3() },
+        paperColour: { value: new Vector3(1, 1, 1) },
+      },
+    });
+  }
+
+  /** Made when first needed. */
+  private grid(longest: number): BufferGeometry {
+    const made = this.grids.get(longest) ?? grid(this.field, longest);
+    this.grids.set(longest, made);
+    return made;
+  }
+
+  private texture(bitmap: ImageBitmap, encoded: boolean): Texture {
+    const texture = new Texture(bitmap);
+    texture.flipY = false; // first row on top, as everywhere here
+    texture.colorSpace = encoded ? SRGBColorSpace : NoColorSpace;
+    texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
+    texture.magFilter = LinearFilter;
+    texture.minFilter = LinearMipmapLinearFilter;
+    texture.anisotropy = Math.min(8, this.renderer.capabilities.getMaxAnisotropy());
+    texture.needsUpdate = true;
+    this.textures.push(texture);
+    return texture;
+  }
+}
+
+function squares(field: HeightField, longest: number): [number, number] {
+  return [Math.max(2, Math.round(field.wide * longest)), Math.max(2, Math.round(field.tall * longest))];
+}
+
+/** A flat grid over the sheet, y up, with fractions (origin top left) as its texture coordinates; faces look to +z. */
+export function grid(field: { wide: number; tall: number }, longest: number): BufferGeometry {
+  const [columns, rows] = squares(field as HeightField, longest);
+  const positions = new Float32Array((columns + 1) * (rows + 1) * 3);
+  const fractions = new Float32Array((columns + 1) * (rows + 1) * 2);
+  for (let r = 0, k = 0; r <= rows; r++) {
+    for (let c = 0; c <= columns; c++, k++) {
+      const [u, v] = [c / columns, r / rows];
+      positions.set([(u - 0.5) * field.wide, (0.5 - v) * field.tall, 0], k * 3);
+      fractions.set([u, v], k * 2);
+    }
+  }
+  const faces = new Uint32Array(columns * rows * 6);
+  for (let r = 0, k = 0; r < rows; r++) {
+    for (let c = 0; c < columns; c++, k += 6) {
+      const a = r * (columns + 1) + c;
+      const below = a + columns + 1;
+      faces.set([a, below, a + 1, a + 1, below, below + 1], k);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(positions, 3));
+  geometry.setAttribute("uv", new BufferAttribute(fractions, 2));
+  geometry.setIndex(new BufferAttribute(faces, 1));
+  return geometry;
+}
+
+function flipRows(rows: Uint8Array, width: number, height: number): Uint8ClampedArray<ArrayBuffer> {
+  const pixels = new Uint8ClampedArray(rows.length);
+  for (let r = 0; r < height; r++) pixels.set(rows.subarray(r * width * 4, (r + 1) * width * 4), (height - 1 - r) * width * 4);
+  return pixels;
+}

@@ -1,0 +1,38 @@
+// A sheet in a headset: half a metre large, at arm's length, lit by the same lamp. Browsers load this only when asked.
+
+import type { SheetScene } from "./scene";
+import type { ViewState } from "./state";
+
+type XRSystem = { requestSession(kind: SessionMode, options?: object): Promise<XRSession> };
+
+/** Shows the sheet until the session ends. Rejects when the browser or the reader refuses. */
+export async function enterSession(stage: SheetScene, state: () => ViewState, kind: SessionMode): Promise<void> {
+  const door = (navigator as { xr?: XRSystem }).xr;
+  if (!door) throw new Error("this browser has no WebXR");
+  const session = await door.requestSession(kind, { optionalFeatures: ["local"] });
+  const { renderer, scene, sheet, camera } = stage;
+  const { mode } = state();
+  stage.draw({ ...state(), mode: mode === "sheet" ? "surface" : mode, lens: "none" }, null);
+  renderer.xr.enabled = true;
+  renderer.xr.setReferenceSpaceType("local");
+  await renderer.xr.setSession(session);
+  sheet.scale.setScalar(0.5);
+  sheet.position.set(0, -0.1, -0.7);
+  renderer.setAnimationLoop(() => renderer.render(scene, camera));
+  await new Promise<void>((resolve) => session.addEventListener("end", () => resolve()));
+  renderer.setAnimationLoop(null);
+  renderer.xr.enabled = false;
+  sheet.scale.setScalar(1);
+  sheet.position.set(0, 0, 0);
+}
+
+export type SessionMode = "immersive-vr" | "immersive-ar";
+type XRSupport = { isSessionSupported(kind: SessionMode): Promise<boolean> };
+
+export async function supportedSessions(): Promise<SessionMode[]> {
+  const xr = (navigator as { xr?: XRSupport }).xr;
+  if (!xr) return [];
+  const kinds: SessionMode[] = ["immersive-vr", "immersive-ar"];
+  const can = await Promise.all(kinds.map((kind) => xr.isSessionSupported(kind).catch(() => false)));
+  return kinds.filter((_, k) => can[k]);
+}
