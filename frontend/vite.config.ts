@@ -8,7 +8,7 @@ export default defineConfig({
     outDir: "../src/rumu/web/static",
     emptyOutDir: true,
     modulePreload: { polyfill: false },
-    assetsInlineLimit: 0, // the service's Content-Security-Policy wants files
+    assetsInlineLimit: 0, // the service's Content-Security-Policy forbids inlined assets
     chunkSizeWarningLimit: 900,
   },
   server: { proxy: { "/api": "http://127.0.0.1:8000", "/iiif": "http://127.0.0.1:8000" } },

@@ -1,7 +1,7 @@
 import preact from "@preact/preset-vite";
 import { defineConfig } from "vite";
 
-// The viewer alone, as one script without modules: `rumu gallery export --html` puts it into a page that opens from a disk.
+// The viewer alone, as one script without modules: `rumu gallery export --html` writes it into a page that can be opened from a disk.
 export default defineConfig({
   plugins: [preact()],
   define: { "process.env.NODE_ENV": '"production"' },

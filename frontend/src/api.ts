@@ -1,11 +1,11 @@
-// One door to the service: JSON in, JSON out, the CSRF token on everything that changes something.
+// All requests to the service: JSON in, JSON out, with the CSRF token on every request that changes something.
 
 import { signal } from "@preact/signals";
 import type { Bilingual, SessionFacts } from "./types";
 
 export const session = signal<SessionFacts | null>(null);
 
-/** What the service refused, in both languages. */
+/** An error response of the service; its message comes in both languages. */
 export class ServiceError extends Error {
   constructor(
     readonly status: number,
@@ -28,7 +28,7 @@ export const put = <T>(url: string, body: object): Promise<T> => request<T>("PUT
 export const patch = <T>(url: string, body: object): Promise<T> => request<T>("PATCH", url, body);
 export const remove = <T>(url: string): Promise<T> => request<T>("DELETE", url);
 
-/** A query string of what is not empty, with its question mark. */
+/** A query string with its question mark; empty values are left out. */
 export function query(values: Record<string, string | number | null | undefined>): string {
   const pairs = Object.entries(values).filter(([, value]) => value !== null && value !== undefined && value !== "");
   return pairs.length ? `?${new URLSearchParams(pairs.map(([name, value]) => [name, String(value)]))}` : "";

@@ -107,7 +107,7 @@ function Header({ path }: { path: string }) {
   );
 }
 
-/** A page that lies below one of the menu: a work in the gallery, a sheet in the studio. */
+/** Whether a page belongs to a menu entry: a work to the gallery, a page to write on to the studio. */
 const isWithin = (path: string, href: string): boolean => (href === "/" ? path.startsWith("/works/") : path.startsWith(`${href}/`));
 
 async function logout(): Promise<void> {

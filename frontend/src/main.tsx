@@ -4,6 +4,6 @@ import { App } from "./app";
 import "./style/tokens.css";
 import "./style/base.css";
 
-void refreshSession().catch(() => undefined); // the gallery is open without a session; what needs one says so
+void refreshSession().catch(() => undefined); // the gallery needs no session; pages that do say so
 const root = document.getElementById("app");
 if (root) render(<App />, root);

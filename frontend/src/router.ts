@@ -1,4 +1,4 @@
-// The part of the address after the hash selects the page, so that every view has a link and any static server will do.
+// The part of the address after the hash selects the page, so that every view has a link and a static server suffices.
 
 import { computed, signal } from "@preact/signals";
 
@@ -14,13 +14,14 @@ export function parseHash(text: string): { path: string; query: URLSearchParams 
   return { path: path || "/", query: new URLSearchParams(search) };
 }
 
+/** The parameters of a path that matches the pattern, else null. */
 export function matchPath(pattern: string, path: string): Record<string, string> | null {
-  const wanted = pattern.split("/");
-  const found = path.split("/");
-  if (wanted.length !== found.length) return null;
+  const expected = pattern.split("/");
+  const actual = path.split("/");
+  if (expected.length !== actual.length) return null;
   const params: Record<string, string> = {};
-  for (const [k, part] of wanted.entries()) {
-    const piece = found[k] ?? "";
+  for (const [k, part] of expected.entries()) {
+    const piece = actual[k] ?? "";
     if (part.startsWith(":")) {
       if (!piece) return null;
       params[part.slice(1)] = decodeURIComponent(piece);
@@ -33,9 +34,9 @@ export function navigate(path: string): void {
   location.hash = path;
 }
 
-/** Change the query of the present page without a new entry in the history: a view that is being turned. */
+/** Changes the query of the current page without a new history entry, as while a view is being turned. */
 export function replaceQuery(query: URLSearchParams): void {
   const text = query.toString().replaceAll("%2C", ",");
   history.replaceState(null, "", `#${route.value.path}${text ? `?${text}` : ""}`);
-  hash.value = location.hash; // replaceState tells nobody
+  hash.value = location.hash; // replaceState fires no event
 }

@@ -1,4 +1,4 @@
-// What the service says, as docs/service.md and /api/openapi.json have it.
+// The service's JSON, as described in docs/service.md and /api/openapi.json.
 
 export type Language = "zh" | "en";
 export type Bilingual = { zh: string; en: string };
@@ -44,7 +44,7 @@ export type Facet = { value: string; zh: string; en: string; count: number };
 export type Facets = Record<"script" | "dynasty" | "hand" | "character" | "collection", Facet[]>;
 export type Page<T> = { total: number; items: T[] };
 
-/** What the viewer needs of a surface, be it a work or a learner's copy. */
+/** The viewer's data for a surface, of a work or of a learner's copy. */
 export type ViewerFacts = {
   width: number;
   height: number;
@@ -68,7 +68,7 @@ export type Tour = { id: string; title: Bilingual; steps: TourStep[] };
 export type Part = { name: string; zh: string; en: string; score: number; meaning: Bilingual };
 export type Remark = {
   kind: string;
-  /** The kind in words. */
+  /** The kind as a text for readers. */
   name?: Bilingual;
   zh: string;
   en: string;
@@ -83,7 +83,7 @@ export type Mark = {
   score: number | null;
   level: "excellent" | "good" | "medium" | "bad" | null;
   level_text: Bilingual | null;
-  /** The lowest score of each level; below the last is bad. */
+  /** The lowest score of each level; anything lower is bad. */
   cuts?: { excellent: number; good: number; medium: number } | null;
   interval: [number, number] | null;
   interval_note: Bilingual | null;
@@ -97,9 +97,9 @@ export type Mark = {
   source_text: Bilingual | null;
   /** Maps fractions of the copy's cell to fractions of the master's, origin top left: x' = a x + c y + e, y' = b x + d y + f. */
   align: { matrix: [number, number, number, number, number, number] } | null;
-  /** [x, y, r]: fractions of the own cell; r 0 on the line to 1 far off. */
+  /** [x, y, r]: fractions of the picture's own cell; r: distance from the other's line, 0 to 1. */
   residual: { copy: [number, number, number][]; master: [number, number, number][] } | null;
-  /** What another calibration than the panel's was fitted on. */
+  /** Whose marks the calibration was fitted to, if it is not the default one. */
   calibration?: string | null;
   seconds: number;
 };

@@ -8,7 +8,7 @@ import type { Viewer } from "../src/viewer/types";
 import "../src/gallery/work.css";
 import "./page.css";
 
-/** What `rumu gallery export --html` puts into the page; every address is a data: URL. */
+/** The data that `rumu gallery export --html` writes into the page; every URL is a data: URL. */
 export type PageFacts = { work: Omit<Work, "files" | "thumb" | "thumb_normals" | "previous" | "next">; viewer: ViewerFacts };
 
 export function OnePage({ facts, onViewer }: { facts: PageFacts; onViewer: (viewer: Viewer | null) => void }) {
@@ -23,7 +23,7 @@ export function OnePage({ facts, onViewer }: { facts: PageFacts; onViewer: (view
       </button>
       <article class="work">
         <div class="work-stage">
-          <ViewerPanel shown={{ facts: viewer, title: work.title }} initial={initial} pins={{ items: work.annotations, chosen, choose }} onViewer={onViewer} />
+          <ViewerPanel surface={{ facts: viewer, title: work.title }} initial={initial} pins={{ items: work.annotations, chosen, choose }} onViewer={onViewer} />
         </div>
         <aside class="label">
           <WorkFacts work={work} facts={viewer} alone />

@@ -1,4 +1,4 @@
-// The script of the one-file page: the facts lie in the page, the viewer shows them, and nothing else is needed.
+// The script of the one-file page, which contains the viewer's data and needs nothing else.
 
 import "../src/style/tokens.css";
 import "../src/style/base.css";
@@ -7,10 +7,10 @@ import { jsx } from "preact/jsx-runtime";
 import type { Viewer } from "../src/viewer/types";
 import { OnePage, type PageFacts } from "./OnePage";
 
-let meet: (viewer: Viewer) => void;
-/** The viewer as soon as it stands: for scripts that drive the page. */
-export const viewer: Promise<Viewer> = new Promise((resolve) => (meet = resolve));
+let resolveViewer: (viewer: Viewer) => void;
+/** Resolves to the viewer once it is ready, for scripts that control the page. */
+export const viewer: Promise<Viewer> = new Promise((resolve) => (resolveViewer = resolve));
 
-const told = document.getElementById("rumu-work")?.textContent;
+const data = document.getElementById("rumu-work")?.textContent;
 const root = document.getElementById("app") ?? document.body.appendChild(document.createElement("div"));
-if (told) render(jsx(OnePage, { facts: JSON.parse(told) as PageFacts, onViewer: (found: Viewer | null) => found && meet(found) }), root);
+if (data) render(jsx(OnePage, { facts: JSON.parse(data) as PageFacts, onViewer: (ready: Viewer | null) => ready && resolveViewer(ready) }), root);

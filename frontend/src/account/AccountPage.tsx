@@ -1,4 +1,4 @@
-// One's own account: a new password.
+// A person's own account: change the password.
 
 import { useState } from "preact/hooks";
 import { post, refreshSession, session } from "../api";
@@ -12,7 +12,7 @@ import "./account.css";
 
 export default function AccountPage(_: PageProps) {
   return (
-    <RequireLogin why={t("accountNeeds")}>
+    <RequireLogin reason={t("accountNeeds")}>
       <ChangePassword />
     </RequireLogin>
   );
@@ -21,12 +21,12 @@ export default function AccountPage(_: PageProps) {
 function ChangePassword() {
   const [current, setCurrent] = useState("");
   const [next, setNext] = useState<[string, string]>(["", ""]);
-  const [tried, setTried] = useState(false);
+  const [submitted, setSubmitted] = useState(false);
   const [state, setState] = useState<"" | "done" | { error: unknown }>("");
   const person = session.value!.person!;
   const change = async (event: Event) => {
     event.preventDefault();
-    setTried(true);
+    setSubmitted(true);
     if (passwordProblem(...next, person.name)) return;
     try {
       await post("/api/password", { old: current, new: next[0] });
@@ -34,7 +34,7 @@ function ChangePassword() {
       setState("done");
       setCurrent("");
       setNext(["", ""]);
-      setTried(false);
+      setSubmitted(false);
     } catch (error) {
       setState({ error });
     }
@@ -50,7 +50,7 @@ function ChangePassword() {
       <Field label={t("oldPassword")}>
         <input type="password" autocomplete="current-password" required value={current} onInput={(event) => setCurrent(event.currentTarget.value)} />
       </Field>
-      <NewPassword password={next[0]} repeated={next[1]} name={person.name} tried={tried} onChange={(...both) => (setNext(both), setState(""))} />
+      <NewPassword password={next[0]} repeated={next[1]} name={person.name} submitted={submitted} onChange={(...both) => (setNext(both), setState(""))} />
       {typeof state === "object" && <ErrorMessage error={state.error} />}
       <p class="row">
         <button type="submit" disabled={!current || !next[0]}>

@@ -1,4 +1,4 @@
-// A link that lets one person in.
+// A button that makes a link by which one person can join.
 
 import { useState } from "preact/hooks";
 import { post } from "../api";
@@ -7,32 +7,32 @@ import { t } from "../i18n/account";
 import type { Role } from "../types";
 import { ErrorMessage } from "../ui";
 
-type Made = { link: string; expires: string };
+type NewInvitation = { link: string; expires: string };
 
-export function InvitationLink({ role, classId, onMade }: { role: Role; classId?: string; onMade?: () => void }) {
-  const [made, setMade] = useState<Made | null>(null);
+export function InvitationLink({ role, classId, onCreated }: { role: Role; classId?: string; onCreated?: () => void }) {
+  const [created, setCreated] = useState<NewInvitation | null>(null);
   const [copied, setCopied] = useState(false);
   const [error, setError] = useState<unknown>(null);
   const make = () =>
-    post<Made>("/api/invitations", { role, ...(classId ? { class_id: classId } : {}) }).then((done) => {
-      setMade({ ...done, link: new URL(done.link, location.origin).href });
+    post<NewInvitation>("/api/invitations", { role, ...(classId ? { class_id: classId } : {}) }).then((done) => {
+      setCreated({ ...done, link: new URL(done.link, location.origin).href });
       setCopied(false);
       setError(null);
-      onMade?.();
+      onCreated?.();
     }, setError);
-  const copy = () => made && navigator.clipboard?.writeText(made.link).then(() => setCopied(true), () => undefined);
+  const copy = () => created && navigator.clipboard?.writeText(created.link).then(() => setCopied(true), () => undefined);
   return (
     <div class="invitation">
-      <button type="button" class={made ? "quiet" : ""} onClick={make}>
-        {made ? t("another") : t("makeLink")}
+      <button type="button" class={created ? "quiet" : ""} onClick={make}>
+        {created ? t("another") : t("makeLink")}
       </button>
-      {made && (
+      {created && (
         <div class="invitation-link">
-          <input readOnly value={made.link} aria-label={t("link")} onFocus={(event) => event.currentTarget.select()} />
+          <input readOnly value={created.link} aria-label={t("link")} onFocus={(event) => event.currentTarget.select()} />
           <button type="button" class="quiet" onClick={copy}>
             {copied ? t("copied") : t("copyLink")}
           </button>
-          <p class="note">{t("linkNote", { until: formatDate(made.expires) })}</p>
+          <p class="note">{t("linkNote", { until: formatDate(created.expires) })}</p>
         </div>
       )}
       {error !== null && <ErrorMessage error={error} />}

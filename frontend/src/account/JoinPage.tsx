@@ -1,4 +1,4 @@
-// A login out of an invitation.
+// Accepting an invitation: choose a name and a password.
 
 import { useState } from "preact/hooks";
 import { get, post, refreshSession } from "../api";
@@ -32,21 +32,21 @@ export default function JoinPage({ params }: PageProps) {
 function JoinForm({ url, invitation }: { url: string; invitation: Invitation }) {
   const [name, setName] = useState("");
   const [password, setPassword] = useState<[string, string]>(["", ""]);
-  const [tried, setTried] = useState(false);
+  const [submitted, setSubmitted] = useState(false);
   const [error, setError] = useState<unknown>(null);
   const [busy, setBusy] = useState(false);
   const to = invitation.class?.name;
   const join = async (event: Event) => {
     event.preventDefault();
-    setTried(true);
+    setSubmitted(true);
     if (passwordProblem(...password, name)) return;
     setBusy(true);
     try {
       await post(url, { name, password: password[0] });
       await refreshSession();
       navigate(invitation.role === "owner" ? "/people" : invitation.role === "teacher" ? "/classes" : to ? "/classes" : "/studio");
-    } catch (why) {
-      setError(why);
+    } catch (reason) {
+      setError(reason);
       setBusy(false);
     }
   };
@@ -57,7 +57,7 @@ function JoinForm({ url, invitation }: { url: string; invitation: Invitation }) 
       <Field label={t("name")} hint={t("nameHint")}>
         <input autocomplete="username" required maxLength={80} value={name} onInput={(event) => setName(event.currentTarget.value)} />
       </Field>
-      <NewPassword password={password[0]} repeated={password[1]} name={name} tried={tried} onChange={(...both) => setPassword(both)} />
+      <NewPassword password={password[0]} repeated={password[1]} name={name} submitted={submitted} onChange={(...both) => setPassword(both)} />
       {error !== null && <ErrorMessage error={error} />}
       <button type="submit" disabled={busy || !name.trim()}>
         {t("join")}

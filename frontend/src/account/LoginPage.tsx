@@ -20,8 +20,8 @@ export default function LoginPage({ query }: PageProps) {
       await post("/api/login", { name, password });
       await refreshSession();
       navigate(returnPath(back));
-    } catch (why) {
-      setError(why);
+    } catch (reason) {
+      setError(reason);
       setBusy(false);
     }
   };

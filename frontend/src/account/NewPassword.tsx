@@ -1,13 +1,13 @@
-// A new password, twice, with its rules beside it.
+// The fields for a new password, entered twice, and the rules for it, which the service checks too.
 
 import { t } from "../i18n/account";
 import { Field } from "../ui";
 
-type Props = { password: string; repeated: string; name?: string; tried: boolean; onChange: (password: string, repeated: string) => void };
+type Props = { password: string; repeated: string; name?: string; submitted: boolean; onChange: (password: string, repeated: string) => void };
 
-export function NewPassword({ password, repeated, name = "", tried, onChange }: Props) {
+export function NewPassword({ password, repeated, name = "", submitted, onChange }: Props) {
   const problem = passwordProblem(password, repeated, name);
-  const visible = problem && (tried || (problem === "differs" && repeated.length > 0));
+  const visible = problem && (submitted || (problem === "differs" && repeated.length > 0));
   return (
     <>
       <Field label={t("newPassword")} hint={t("rules", { shortest: MIN_LENGTH })}>
@@ -34,7 +34,7 @@ export const MAX_LENGTH = 200;
 
 export type PasswordProblem = "short" | "long" | "differs" | "isName" | "sameLetter";
 
-/** What is wrong with a new password; null when it will do. */
+/** What is wrong with a new password, or null. */
 export function passwordProblem(password: string, repeated: string, name = ""): PasswordProblem | null {
   if (password.length < MIN_LENGTH) return "short";
   if (password.length > MAX_LENGTH) return "long";

@@ -1,4 +1,4 @@
-// PeopleTable with a login, for the owner.
+// All accounts, for the owner.
 
 import { useState } from "preact/hooks";
 import { get, patch, session } from "../api";
@@ -15,7 +15,7 @@ const ROLES: Role[] = ["pupil", "teacher", "owner"];
 
 export default function PeoplePage(_: PageProps) {
   return (
-    <RequireLogin roles={["owner"]} why={t("peopleNeeds")}>
+    <RequireLogin roles={["owner"]} reason={t("peopleNeeds")}>
       <PeopleTable />
     </RequireLogin>
   );
@@ -27,7 +27,7 @@ function PeopleTable() {
   const change = (id: string, part: Partial<Account>) =>
     patch(`/api/people/${id}`, part).then(
       () => (setError(null), loaded.retry()),
-      (why: unknown) => (setError(why), loaded.retry()),
+      (reason: unknown) => (setError(reason), loaded.retry()),
     );
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;

@@ -1,4 +1,4 @@
-// A page that is somebody's says so, and comes back after the login.
+// Shows a page only to people who are logged in; others are sent to the login, which leads back to the page.
 
 import type { ComponentChildren } from "preact";
 import { session } from "../api";
@@ -7,16 +7,16 @@ import { t } from "../i18n/studio";
 import { Loading } from "../ui";
 import "../studio/studio.css";
 
-type Props = { roles?: readonly string[]; why: string; children: ComponentChildren };
+type Props = { roles?: readonly string[]; reason: string; children: ComponentChildren };
 
-export function RequireLogin({ roles, why, children }: Props) {
+export function RequireLogin({ roles, reason, children }: Props) {
   if (!session.value) return <Loading />;
   const person = session.value.person;
   if (!person)
     return (
       <div class="need panel">
         <h1>{common("login")}</h1>
-        <p>{why}</p>
+        <p>{reason}</p>
         <p class="row">
           <a class="button" href={loginLink()}>
             {common("login")}
@@ -31,8 +31,8 @@ export function RequireLogin({ roles, why, children }: Props) {
   return <>{children}</>;
 }
 
-/** Where somebody logs in, to come back to the present page. */
+/** A link to the login page that returns to the current page. */
 export const loginLink = (): string => `#/login?back=${encodeURIComponent(location.hash.replace(/^#/, "") || "/")}`;
 
-/** Where to go after a login: a path of these pages, never another place. */
+/** Where to go after a login: a path of this site, never an address elsewhere. */
 export const returnPath = (back: string | null): string => (back && /^\/(?!\/)/.test(back) ? back : "/");

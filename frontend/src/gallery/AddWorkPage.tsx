@@ -72,23 +72,23 @@ function SendForm({ source }: { source: Source }) {
 
 function FileDrop({ label, accept, file, onFile }: { label: string; accept: string; file: File | null; onFile: (file: File | null) => void }) {
   const [over, setOver] = useState(false);
-  const [seen, setSeen] = useState<string | null>(null);
+  const [preview, setPreview] = useState<string | null>(null);
   useEffect(() => {
-    if (!file || !/^image\/(jpeg|png|webp)$/.test(file.type)) return setSeen(null);
+    if (!file || !/^image\/(jpeg|png|webp)$/.test(file.type)) return setPreview(null);
     const url = URL.createObjectURL(file);
-    setSeen(url);
+    setPreview(url);
     return () => URL.revokeObjectURL(url);
   }, [file]);
-  const hold = (event: DragEvent) => {
+  const trackDrag = (event: DragEvent) => {
     event.preventDefault();
     setOver(event.type === "dragover");
   };
   return (
-    <label class={over ? "drop over" : "drop"} onDragOver={hold} onDragLeave={hold}
-      onDrop={(event) => { hold(event); onFile(event.dataTransfer?.files[0] ?? null); }}>
+    <label class={over ? "drop over" : "drop"} onDragOver={trackDrag} onDragLeave={trackDrag}
+      onDrop={(event) => { trackDrag(event); onFile(event.dataTransfer?.files[0] ?? null); }}>
       <span>{label}</span>
       <input type="file" accept={accept} onChange={(event) => onFile(event.currentTarget.files?.[0] ?? null)} />
-      {seen && <img src={seen} alt="" />}
+      {preview && <img src={preview} alt="" />}
       {file && <small>{file.name}</small>}
     </label>
   );

@@ -10,7 +10,7 @@ const LICENCES = ["CC0-1.0", "CC-BY-4.0", "CC-BY-SA-4.0", "public domain", "å…¬æ
 
 type Props = { work?: Work; spacing: boolean; children?: ComponentChildren };
 
-/** The fields of what is known of a work, filled where there is one. `spacing`: whether a pixel's size is asked; photographs under several lamps bring their own. */
+/** The form fields for a work's metadata. `spacing`: ask for the size of a pixel, which a capture under several lamps brings itself. */
 export function FactFields({ work, spacing, children }: Props) {
   return (
     <div class="fact-fields">

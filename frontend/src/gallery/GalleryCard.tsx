@@ -63,7 +63,7 @@ export function RelitThumb({ work }: { work: Pick<WorkCard, "thumb" | "thumb_nor
     setLit(false);
   };
   useEffect(() => {
-    // With the keyboard there is no pointer: the lamp walks round once.
+    // Without a pointer, as when the keyboard selects the card, the lamp circles once.
     const link = box.current?.closest("a");
     const walk = () => {
       if (!link?.matches(":focus-visible")) return;

@@ -92,14 +92,14 @@ function Chip({ label, count, on, act }: { label: string; count?: number; on: bo
 function FilterSelect({ name, value, facets, set }: { name: FilterName; value: string; facets: Facet[]; set: (value: string) => void }) {
   const known = facets.filter((facet) => facet.value !== "");
   if (!known.length && !value) return null;
-  const shown = known.slice(0, LONGEST_LIST);
+  const options = known.slice(0, LONGEST_LIST);
   return (
     <label class={value ? "choice on" : "choice"}>
       <span>{t(name)}</span>
       <select value={value} onChange={(event) => set(event.currentTarget.value)}>
         <option value="">{t("every")}</option>
-        {value && !shown.some((facet) => facet.value === value) && <option value={value}>{value}</option>}
-        {shown.map((facet) => (
+        {value && !options.some((facet) => facet.value === value) && <option value={value}>{value}</option>}
+        {options.map((facet) => (
           <option key={facet.value} value={facet.value}>{localize(facet)} ({facet.count})</option>
         ))}
       </select>
@@ -130,7 +130,7 @@ function WorkList({ name, filters }: { name: string; filters: Filters }) {
       busy.current = false;
     }
   };
-  const left = total === null || items.length < total;
+  const hasMore = total === null || items.length < total;
   useEffect(() => {
     alive.current = new AbortController();
     if (known) scrollTo(0, known.scroll);
@@ -143,11 +143,11 @@ function WorkList({ name, filters }: { name: string; filters: Filters }) {
     return () => removeEventListener("scroll", note);
   }, [items, total]);
   useEffect(() => {
-    if (!left || error || !end.current) return;
-    const watch = new IntersectionObserver((seen) => seen.some((s) => s.isIntersecting) && void more(), { rootMargin: "900px" });
-    watch.observe(end.current);
-    return () => watch.disconnect();
-  }, [items.length, left, error]);
+    if (!hasMore || error || !end.current) return;
+    const observer = new IntersectionObserver((entries) => entries.some((s) => s.isIntersecting) && void more(), { rootMargin: "900px" });
+    observer.observe(end.current);
+    return () => observer.disconnect();
+  }, [items.length, hasMore, error]);
   return (
     <>
       <p class="count" role="status">{total === null ? "" : t(total === 1 ? "countOne" : "count", { n: total.toLocaleString() })}</p>
@@ -163,7 +163,7 @@ function WorkList({ name, filters }: { name: string; filters: Filters }) {
       )}
       {error ? <ErrorMessage error={error} retry={() => void more()} /> : total === null && <Loading />}
       <div ref={end} class="list-end">
-        {left && total !== null && !error && <button type="button" class="quiet" onClick={() => void more()}>{t("more")}</button>}
+        {hasMore && total !== null && !error && <button type="button" class="quiet" onClick={() => void more()}>{t("more")}</button>}
       </div>
     </>
   );

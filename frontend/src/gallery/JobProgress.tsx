@@ -8,27 +8,27 @@ import { messageInOneLanguage } from "./labels";
 const NAMES = { queued: "queued", running: "runningJob", done: "doneJob", failed: "failedJob", cancelled: "cancelledJob" } as const;
 export const FINISHED_STATES = new Set<Job["state"]>(["done", "failed", "cancelled"]);
 
-/** What a job says of itself, as it goes: server-sent events, which the browser takes up again by itself. */
-export function useJob(given: Job | null): Job | null {
-  const [job, setJob] = useState(given);
+/** A job that is updated by server-sent events; the browser reconnects by itself. */
+export function useJob(initial: Job | null): Job | null {
+  const [job, setJob] = useState(initial);
   useEffect(() => {
-    setJob(given);
-    if (!given || FINISHED_STATES.has(given.state)) return;
-    const events = new EventSource(`/api/jobs/${given.id}/events`);
+    setJob(initial);
+    if (!initial || FINISHED_STATES.has(initial.state)) return;
+    const events = new EventSource(`/api/jobs/${initial.id}/events`);
     events.onmessage = (event: MessageEvent<string>) => {
       const now = JSON.parse(event.data) as Job;
       setJob(now);
       if (FINISHED_STATES.has(now.state)) events.close();
     };
     return () => events.close();
-  }, [given?.id]);
+  }, [initial?.id]);
   return job;
 }
 
 export function JobProgress({ job }: { job: Job }) {
   const ended = FINISHED_STATES.has(job.state);
   const box = useRef<HTMLElement>(null);
-  useEffect(() => box.current?.scrollIntoView({ block: "nearest", behavior: "smooth" }), [job.id, ended]); // below a long form
+  useEffect(() => box.current?.scrollIntoView({ block: "nearest", behavior: "smooth" }), [job.id, ended]); // it appears below a long form
   return (
     <section class="panel job" ref={box}>
       <strong role="status">{t(NAMES[job.state])}</strong>{job.total > 0 && <span class="count-of">{job.done.toLocaleString()} / {job.total.toLocaleString()}</span>}
@@ -44,14 +44,14 @@ export function JobProgress({ job }: { job: Job }) {
 type Imported = { work?: string; collections?: string[]; added?: number; there?: number; left_out?: [string, string][]; left_out_count?: number };
 
 function Outcome({ result }: { result: Imported }) {
-  const { work, collections = [], added = 0, there = 0, left_out: lost = [], left_out_count: missing = 0 } = result;
+  const { work, collections = [], added = 0, there = 0, left_out: skipped = [], left_out_count: skippedCount = 0 } = result;
   return (
     <>
       <p>{t("imported", { added: added.toLocaleString(), there: there.toLocaleString() })}</p>
-      {missing > 0 && (
+      {skippedCount > 0 && (
         <details>
-          <summary>{t("leftOut", { n: missing.toLocaleString() })}</summary>
-          <ul class="left-out">{lost.map(([name, why]) => <li key={name}><code>{name}</code> {why}</li>)}</ul>
+          <summary>{t("leftOut", { n: skippedCount.toLocaleString() })}</summary>
+          <ul class="left-out">{skipped.map(([name, reason]) => <li key={name}><code>{name}</code> {reason}</li>)}</ul>
         </details>
       )}
       <p>

@@ -12,7 +12,7 @@ import { WorkPicker } from "./WorkPicker";
 
 type Props = { tour: Tour; at: number; onMove: (to: number) => void; onChange: (tour: Tour) => void; view: () => string };
 
-/** For an owner: turn the work as it should be seen, take the view, say something to it. */
+/** Where an owner edits a tour: turn the work as it should be seen, save that view, write a text for it. */
 export function TourEditor({ tour, at, onMove, onChange, view }: Props) {
   const [picking, setPicking] = useState(false);
   const [message, setMessage] = useState("");
@@ -40,7 +40,7 @@ export function TourEditor({ tour, at, onMove, onChange, view }: Props) {
     await patch(`/api/tours/${encodeURIComponent(tour.id)}`, { title: tour.title, steps: tour.steps });
     setMessage(t("saved"));
   });
-  const drop = () => attempt(async () => {
+  const deleteTour = () => attempt(async () => {
     if (!confirm(t("sureRemove"))) return;
     await remove(`/api/tours/${encodeURIComponent(tour.id)}`);
     navigate("/tours");
@@ -70,7 +70,7 @@ export function TourEditor({ tour, at, onMove, onChange, view }: Props) {
       {error ? <ErrorMessage error={error} /> : null}
       <div class="step-tools">
         <button type="button" onClick={() => void save()}>{common("save")}</button>
-        <button type="button" class="quiet" onClick={() => void drop()}>{t("removeTour")}</button>
+        <button type="button" class="quiet" onClick={() => void deleteTour()}>{t("removeTour")}</button>
         <span role="status">{message}</span>
       </div>
       {picking && <WorkPicker title={t("chooseWork")} onClose={() => setPicking(false)} onChoose={add} />}

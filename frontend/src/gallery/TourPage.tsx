@@ -22,14 +22,14 @@ export default function TourPage({ params, query }: PageProps) {
   const loaded = useLoaded((signal) => get<Tour>(`/api/tours/${encodeURIComponent(id)}`, signal), id);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
-  return <TourView key={id} given={loaded.value} query={query} />;
+  return <TourView key={id} initial={loaded.value} query={query} />;
 }
 
 const viewOf = (step: TourStep): ViewState => stateFromQuery(new URLSearchParams(step.view));
 
-function TourView({ given, query }: { given: Tour; query: URLSearchParams }) {
-  const [tour, setTour] = useState(given);
-  const [at, setAt] = useState(Math.min(Math.max(Number(query.get("step") ?? 1) - 1, 0), Math.max(given.steps.length - 1, 0)));
+function TourView({ initial, query }: { initial: Tour; query: URLSearchParams }) {
+  const [tour, setTour] = useState(initial);
+  const [at, setAt] = useState(Math.min(Math.max(Number(query.get("step") ?? 1) - 1, 0), Math.max(initial.steps.length - 1, 0)));
   const [editing, setEditing] = useState(query.get("edit") === "1");
   const viewer = useRef<Viewer | null>(null);
   const now = useRef<ViewState>(DEFAULT_VIEW);
@@ -44,11 +44,11 @@ function TourView({ given, query }: { given: Tour; query: URLSearchParams }) {
   useEffect(() => {
     if (step && viewer.current) viewer.current.animateTo(viewOf(step), ANIMATION_MS);
   }, [at]);
-  const onViewer = (loaded: Viewer | null) => {
-    viewer.current = loaded;
-    if (loaded && step) {
-      now.current = loaded.state;
-      loaded.animateTo(viewOf(step), ANIMATION_MS);
+  const onViewer = (ready: Viewer | null) => {
+    viewer.current = ready;
+    if (ready && step) {
+      now.current = ready.state;
+      ready.animateTo(viewOf(step), ANIMATION_MS);
     }
   };
   return (
@@ -75,16 +75,16 @@ function TourView({ given, query }: { given: Tour; query: URLSearchParams }) {
 
 function StepViewer({ step, onViewer, onState }: { step: TourStep; onViewer: (viewer: Viewer | null) => void; onState: (state: ViewState) => void }) {
   const loaded = useLoaded((signal) => loadWork(step.work, signal), step.work);
-  const shown = useMemo(() => loaded.value && { facts: loaded.value.facts, title: loaded.value.work.title }, [loaded.value]);
+  const surface = useMemo(() => loaded.value && { facts: loaded.value.facts, title: loaded.value.work.title }, [loaded.value]);
   const [initial] = useState<ViewState>(() => ({ ...DEFAULT_VIEW, mode: viewOf(step).mode }));
   if (loaded.error) return <ErrorMessage error={loaded.error} retry={loaded.retry} />;
-  if (!shown || !loaded.value) return <Loading />;
+  if (!surface || !loaded.value) return <Loading />;
   const { work } = loaded.value;
   return (
     <>
-      <ViewerPanel shown={shown} initial={initial} onViewer={onViewer} onState={onState} />
+      <ViewerPanel surface={surface} initial={initial} onViewer={onViewer} onState={onState} />
       <p class="note">
-        <a href={`#/works/${encodeURIComponent(work.id)}`}>{localize(work.title)}</a> · {localize(work.hand)} · {licenceName(work.licence)} · {localize(shown.facts.source_text)}
+        <a href={`#/works/${encodeURIComponent(work.id)}`}>{localize(work.title)}</a> · {localize(work.hand)} · {licenceName(work.licence)} · {localize(surface.facts.source_text)}
       </p>
     </>
   );

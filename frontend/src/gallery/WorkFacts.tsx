@@ -9,7 +9,7 @@ type WorkTexts = Pick<
   "title" | "hand" | "period" | "dynasty" | "script" | "material" | "source" | "licence" | "attribution" | "collection" | "collection_title"
 >;
 
-/** The label beside a work, as in a museum; nothing of it is folded away. `alone`: in a page with no gallery around it. */
+/** The label beside a work, as in a museum. `alone`: in a page without the gallery, so that nothing links to it. */
 export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; facts: ViewerFacts; alone?: boolean }) {
   const rows: [Parameters<typeof t>[0], string][] = [
     ["dynasty", localize(work.period) || work.dynasty],
@@ -48,7 +48,7 @@ function size({ width, height, spacing, unit }: ViewerFacts): string {
   return unit === "mm" ? `${formatLength(width * spacing, unit)} × ${formatLength(height * spacing, unit)}` : `${width} × ${height} px`;
 }
 
-/** Plain text in which web addresses can be followed. */
+/** Plain text whose web addresses are links. */
 export function TextWithLinks({ text }: { text: string }) {
   const parts = text.split(/(https?:\/\/[^\s,;)）。，；]+)/);
   return <>{parts.map((part, k) => (k % 2 ? <a key={k} href={part} rel="noopener noreferrer" target="_blank">{part}</a> : part))}</>;

@@ -8,16 +8,16 @@ import { FactFields } from "./FactFields";
 import { clearLastList } from "./listState";
 import { licenceField } from "./labels";
 
-/** `facts`: what the viewer needs, where the change touched it. */
+/** `facts`: the viewer's data where the change affects it, else null. */
 export type Edited = { work: Work; facts: ViewerFacts | null };
 
-/** What an owner changes of what is known of a work. */
+/** The dialog in which an owner edits the metadata of a work. */
 export function WorkForm({ work, onClose, onSaved }: { work: Work; onClose: () => void; onSaved: (edited: Edited) => void }) {
   const [error, setError] = useState<unknown>(null);
   const [sending, setSending] = useState(false);
   const button = useRef<HTMLButtonElement>(null);
   useEffect(() => {
-    if (error) button.current?.scrollIntoView({ block: "nearest" }); // what is told above it pushed it out of sight
+    if (error) button.current?.scrollIntoView({ block: "nearest" }); // the message above pushed it out of sight
   }, [error]);
   const save = async (event: SubmitEvent) => {
     event.preventDefault();
@@ -49,7 +49,7 @@ async function saveChanges(work: Work, form: FormData): Promise<Edited> {
   const url = `/api/works/${encodeURIComponent(work.id)}`;
   const changed = await patch<Work>(url, changes);
   clearLastList();
-  // Another pixel's size is another height and another unit.
+  // The size of a pixel changes the heights and their unit.
   return { work: changed, facts: "spacing" in changes ? await get<ViewerFacts>(`${url}/viewer`) : null };
 }
 
@@ -58,7 +58,7 @@ const PLAIN_FIELDS = ["character", "script", "dynasty", "source", "licence", "at
 
 export type WorkChange = Partial<Record<(typeof BILINGUAL_FIELDS)[number], Bilingual> & Record<(typeof PLAIN_FIELDS)[number], string> & { spacing: number | null }>;
 
-/** The facts of a form that differ from the work's; what the form does not ask stays, so that two owners do not undo each other. */
+/** Only the fields that differ from the work's are sent, so that two owners do not undo each other's changes. */
 export function changesOf(work: Work, form: FormData): WorkChange {
   const formValue = (name: string, before: string) => (form.has(name) ? normalized(String(form.get(name))) : normalized(before));
   const changes: WorkChange = {};
@@ -79,5 +79,5 @@ export function changesOf(work: Work, form: FormData): WorkChange {
   return changes;
 }
 
-/** Line ends as the service keeps them: a browser's form may send others. */
+/** Text with the service's line ends; a browser's form sends others. */
 const normalized = (text: string): string => text.replace(/\r\n?/g, "\n").trim();

@@ -6,7 +6,7 @@ import { navigate, type PageProps, replaceQuery } from "../router";
 import type { Annotation, ViewerFacts, Work, WorkCard } from "../types";
 import { ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
 import { Icon } from "../viewer/Icon";
-import { type ShownSurface, ViewerPanel } from "../viewer/ViewerPanel";
+import { type TitledSurface, ViewerPanel } from "../viewer/ViewerPanel";
 import { stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
 import type { SheetPoint, Viewer } from "../viewer/types";
 import { clearLastList } from "./listState";
@@ -21,7 +21,7 @@ const WRITE_DELAY_MS = 300;
 
 export const workUrl = (id: string): string => `/api/works/${encodeURIComponent(id)}`;
 
-/** A work and what the viewer needs of it. */
+/** A work and the viewer's data for it. */
 export async function loadWork(id: string, signal: AbortSignal): Promise<{ work: Work; facts: ViewerFacts }> {
   const [work, facts] = await Promise.all([get<Work>(workUrl(id), signal), get<ViewerFacts>(`${workUrl(id)}/viewer`, signal)]);
   return { work, facts };
@@ -45,8 +45,8 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
   const [picking, setPicking] = useState(false);
   const withId = query.get("with");
   const second = useLoaded((signal) => (withId ? loadWork(withId, signal) : Promise.resolve(null)), withId ?? "");
-  const beside: ShownSurface | null = withId && second.value ? { facts: second.value.facts, title: second.value.work.title } : null;
-  const shown = useMemo(() => ({ facts, title: work.title }), [facts, work]);
+  const beside: TitledSurface | null = withId && second.value ? { facts: second.value.facts, title: second.value.work.title } : null;
+  const surface = useMemo(() => ({ facts, title: work.title }), [facts, work]);
   const owner = session.value?.person?.role === "owner";
   const address = useAddress(initial, viewer, query);
 
@@ -56,7 +56,7 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
     setForm(null);
     setChosen(note.id);
   };
-  const drop = async (note: Annotation) => {
+  const deleteNote = async (note: Annotation) => {
     if (!confirm(t("sureRemove"))) return;
     await remove(`${workUrl(work.id)}/annotations/${note.id}`);
     setNotes((before) => before.filter((n) => n.id !== note.id));
@@ -68,15 +68,15 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
   return (
     <article class="work">
       <div class="work-stage">
-        <ViewerPanel shown={shown} initial={initial} beside={beside} onViewer={setViewer} onState={address.note}
+        <ViewerPanel surface={surface} initial={initial} beside={beside} onViewer={setViewer} onState={address.note}
           files={{ ...work.files, page: `${workUrl(work.id)}/export.html` }} pins={{ items: notes, chosen, choose }} link={address.link}
-          onPair={() => (withId ? chooseSecond(null) : setPicking(true))} onPoint={owner ? (place: SheetPoint) => setForm({ x: place.x, y: place.y }) : undefined} />
+          onPair={() => (withId ? chooseSecond(null) : setPicking(true))} onPoint={owner ? (point: SheetPoint) => setForm({ x: point.x, y: point.y }) : undefined} />
         {second.error ? <ErrorMessage error={second.error} retry={second.retry} /> : null}
       </div>
       <aside class="label">
         <WorkFacts work={work} facts={facts} />
         {work.character && <a class="button write" href={`#/studio/${encodeURIComponent(work.id)}`}><Icon name="edit" />{t("write")}</a>}
-        <Notes notes={notes} chosen={chosen} choose={choose} owner={owner} edit={setForm} drop={(note) => void drop(note)} />
+        <Notes notes={notes} chosen={chosen} choose={choose} owner={owner} edit={setForm} onDelete={(note) => void deleteNote(note)} />
         <nav class="neighbours" aria-label={t("collection")}>
           {work.previous ? <a href={`#/works/${encodeURIComponent(work.previous)}`}><Icon name="previous" />{t("previous")}</a> : <span />}
           {work.next && <a href={`#/works/${encodeURIComponent(work.next)}`}>{t("next")}<Icon name="next" /></a>}
@@ -92,13 +92,13 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
 function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) => void }) {
   const [editing, setEditing] = useState(false);
   const [error, setError] = useState<unknown>(null);
-  const drop = () => confirm(t("sureRemoveWork")) && remove(workUrl(work.id)).then(() => (clearLastList(), navigate("/")), setError);
+  const deleteWork = () => confirm(t("sureRemoveWork")) && remove(workUrl(work.id)).then(() => (clearLastList(), navigate("/")), setError);
   const close = () => setEditing(false);
   return (
     <div class="owner-tools">
       <p>
         <button type="button" class="quiet" onClick={() => setEditing(true)}>{t("editWork")}</button>
-        <button type="button" class="quiet" onClick={drop}>{t("removeWork")}</button>
+        <button type="button" class="quiet" onClick={deleteWork}>{t("removeWork")}</button>
       </p>
       {error ? <ErrorMessage error={error} /> : null}
       {editing && <WorkForm work={work} onClose={close} onSaved={(edited) => (onSaved(edited), close())} />}
@@ -106,19 +106,19 @@ function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) =
   );
 }
 
-/** The view stands in the address, written when the hand rests; an address that is typed anew moves the view. */
+/** Keeps the view in the address, written when the view has been at rest; an address entered by hand changes the view. */
 function useAddress(initial: ViewState, viewer: Viewer | null, query: URLSearchParams) {
   const now = useRef(initial);
   const timer = useRef(0);
   const extra = useRef({ with: query.get("with") });
   const lastWritten = useRef(query.toString());
-  const whole = () => {
+  const fullQuery = () => {
     const all = stateToQuery(now.current);
     if (extra.current.with) all.set("with", extra.current.with);
     return all;
   };
   const write = () => {
-    const all = whole();
+    const all = fullQuery();
     lastWritten.current = all.toString();
     replaceQuery(all);
   };
@@ -139,7 +139,7 @@ function useAddress(initial: ViewState, viewer: Viewer | null, query: URLSearchP
       extra.current = { [name]: value };
       write();
     },
-    link: () => `${location.href.split("#")[0]}${location.hash.split("?")[0]}?${whole().toString().replaceAll("%2C", ",")}`,
+    link: () => `${location.href.split("#")[0]}${location.hash.split("?")[0]}?${fullQuery().toString().replaceAll("%2C", ",")}`,
   };
 }
 
@@ -149,10 +149,10 @@ type NotesProps = {
   owner: boolean;
   choose: (id: string | null) => void;
   edit: (note: Annotation) => void;
-  drop: (note: Annotation) => void;
+  onDelete: (note: Annotation) => void;
 };
 
-function Notes({ notes, chosen, owner, choose, edit, drop }: NotesProps) {
+function Notes({ notes, chosen, owner, choose, edit, onDelete }: NotesProps) {
   if (!notes.length) return null;
   return (
     <section class="notes">
@@ -165,7 +165,7 @@ function Notes({ notes, chosen, owner, choose, edit, drop }: NotesProps) {
             {owner && note.id === chosen && (
               <p class="note-edit">
                 <button type="button" class="quiet" onClick={() => edit(note)}>{t("edit")}</button>
-                <button type="button" class="quiet" onClick={() => drop(note)}>{t("removeNote")}</button>
+                <button type="button" class="quiet" onClick={() => onDelete(note)}>{t("removeNote")}</button>
               </p>
             )}
           </li>

@@ -1,3 +1,5 @@
+// A dialog to search for a work and choose it.
+
 import { useState } from "preact/hooks";
 import { get, query } from "../api";
 import { localize } from "../i18n";

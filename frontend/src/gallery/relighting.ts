@@ -1,4 +1,4 @@
-// A card's picture under a lamp that follows the pointer: 2-D canvas, a few milliseconds a picture, loaded when first asked for.
+// A card's picture under a lamp that follows the pointer, computed on a 2-D canvas in a few milliseconds.
 
 import { decodeNormal, lampDirection, linearToSrgb, srgbToLinear, type Vec3, warmLamp } from "../viewer/shading";
 
@@ -11,9 +11,9 @@ const ABOVE: Vec3 = [0, 0, 1];
 const SHEEN = 0.34;
 
 export async function loadCardImage(thumb: string, normals: string): Promise<CardImage> {
-  const [seen, bumps] = await Promise.all([load(thumb), load(normals)]);
-  const { naturalWidth: width, naturalHeight: height } = seen;
-  const [colours, codes] = [pixels(seen, width, height), pixels(bumps, width, height)];
+  const [picture, normalMap] = await Promise.all([load(thumb), load(normals)]);
+  const { naturalWidth: width, naturalHeight: height } = picture;
+  const [colours, codes] = [pixels(picture, width, height), pixels(normalMap, width, height)];
   const card = { width, height, linear: new Float32Array(width * height * 3), normals: new Float32Array(width * height * 3) };
   for (let k = 0; k < width * height; k++) {
     const n = decodeNormal([codes[k * 4]! / 255, codes[k * 4 + 1]! / 255, codes[k * 4 + 2]! / 255]);
@@ -31,13 +31,13 @@ export function shadePixels(card: CardImage, light: Vec3, out: Uint8ClampedArray
   for (let k = 0; k < card.width * card.height; k++) {
     const at = k * 3;
     const albedo: Vec3 = [linear[at]!, linear[at + 1]!, linear[at + 2]!];
-    const seen = warmLamp(albedo, [normals[at]!, normals[at + 1]!, normals[at + 2]!], light, ABOVE, sheen);
-    for (let c = 0; c < 3; c++) out[k * 4 + c] = ENCODED[Math.round(seen[c]! * CODES)]!;
+    const picture = warmLamp(albedo, [normals[at]!, normals[at + 1]!, normals[at + 2]!], light, ABOVE, sheen);
+    for (let c = 0; c < 3; c++) out[k * 4 + c] = ENCODED[Math.round(picture[c]! * CODES)]!;
     out[k * 4 + 3] = 255;
   }
 }
 
-/** `measured`: a surface from photographs is shown matt. */
+/** `measured`: a surface measured from photographs, shown without sheen. */
 export function paintRelit(canvas: HTMLCanvasElement, card: CardImage, tilt: number, slant: number, measured = false): void {
   const context = canvas.getContext("2d");
   if (!context) return;

@@ -1,4 +1,4 @@
-// One kept attempt: its mark, its writing once more, and the teacher's own mark beside ours.
+// One saved attempt: its mark, a replay of its strokes, and the teacher's isOwn mark.
 
 import { useState } from "preact/hooks";
 import { get, put, remove, session } from "../api";
@@ -7,6 +7,7 @@ import { t } from "../i18n/studio";
 import { navigate, type PageProps } from "../router";
 import type { Attempt, TeacherMark } from "../types";
 import { ErrorMessage, ErrorPage, Field, Loading, useLoaded } from "../ui";
+import { MasterHeader } from "./cards";
 import { MarkView } from "./mark/MarkView";
 import { Replay } from "./Replay";
 import { gridName } from "./grids";
@@ -14,46 +15,41 @@ import "./studio.css";
 
 export default function AttemptPage({ params }: PageProps) {
   const id = params["id"] ?? "";
-  const who = session.value?.person?.id ?? ""; // asked again once it is known who asks
-  const loaded = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), `${id} ${who}`);
+  const viewer = session.value?.person?.id ?? ""; // loaded again once it is known who looks at it
+  const loaded = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), `${id} ${viewer}`);
   const [error, setError] = useState<unknown>(null);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
   const attempt = loaded.value;
   const person = session.value?.person ?? null;
-  const own = person !== null && attempt.person?.id === person.id;
-  const drop = () => confirm(t("deleteSure")) && remove(`/api/attempts/${id}`).then(() => navigate("/practice"), setError);
+  const isOwn = person !== null && attempt.person?.id === person.id;
+  const deleteAttempt = () => confirm(t("deleteSure")) && remove(`/api/attempts/${id}`).then(() => navigate("/practice"), setError);
   return (
     <div class="attempt-page">
-      <header class="desk-head">
-        <a class="desk-thumb" href={`#/works/${attempt.work.id}`}>
-          <img src={attempt.work.thumb} alt={t("seeMaster")} width="72" height="72" />
-        </a>
-        <div>
-          <h1>{localize(attempt.work.title)}</h1>
-          <p class="note">
-            {[attempt.person?.name ?? (attempt.kind === "simulated" ? t("nobody") : ""), formatDateTime(attempt.created), t(`kind_${attempt.kind}`), attempt.kind === "pen" && t(gridName(attempt.grid))]
-              .filter(Boolean)
-              .join(" · ")}
-          </p>
-          <p class="row">
-            <a class="button quiet" href={`#/studio/${attempt.work.id}${attempt.task ? `?task=${attempt.task}` : ""}`}>
-              {t("writeAgain")}
+      <MasterHeader work={attempt.work}>
+        <h1>{localize(attempt.work.title)}</h1>
+        <p class="note">
+          {[attempt.person?.name ?? (attempt.kind === "simulated" ? t("nobody") : ""), formatDateTime(attempt.created), t(`kind_${attempt.kind}`), attempt.kind === "pen" && t(gridName(attempt.grid))]
+            .filter(Boolean)
+            .join(" · ")}
+        </p>
+        <p class="row">
+          <a class="button quiet" href={`#/studio/${attempt.work.id}${attempt.task ? `?task=${attempt.task}` : ""}`}>
+            {t("writeAgain")}
+          </a>
+          {isOwn && (
+            <a class="button quiet" href={`#/practice?work=${attempt.work.id}`}>
+              {common("practice")}
             </a>
-            {own && (
-              <a class="button quiet" href={`#/practice?work=${attempt.work.id}`}>
-                {common("practice")}
-              </a>
-            )}
-            {(own || person?.role === "owner") && attempt.kind !== "simulated" && (
-              <button type="button" class="quiet" onClick={drop}>
-                {t("delete")}
-              </button>
-            )}
-          </p>
-          {error !== null && <ErrorMessage error={error} />}
-        </div>
-      </header>
+          )}
+          {(isOwn || person?.role === "owner") && attempt.kind !== "simulated" && (
+            <button type="button" class="quiet" onClick={deleteAttempt}>
+              {t("delete")}
+            </button>
+          )}
+        </p>
+        {error !== null && <ErrorMessage error={error} />}
+      </MasterHeader>
       <MarkView attempt={attempt} />
       <div class="below">
         <TeacherMarks attempt={attempt} onChange={loaded.retry} />
@@ -75,14 +71,14 @@ function TeacherMarks({ attempt, onChange }: { attempt: Attempt; onChange: () =>
           <strong>{mark.mark.toFixed(0)}</strong> {mark.note} <footer class="note">— {mark.teacher}</footer>
         </blockquote>
       ))}
-      {teaches && <GiveMark attempt={attempt} given={attempt.teacher_marks.find((mark) => mark.teacher === person.name) ?? null} onChange={onChange} />}
+      {teaches && <GiveMark attempt={attempt} existing={attempt.teacher_marks.find((mark) => mark.teacher === person.name) ?? null} onChange={onChange} />}
     </section>
   );
 }
 
-export function GiveMark({ attempt, given, onChange }: { attempt: { id: string | null }; given: TeacherMark | null; onChange: () => void }) {
-  const [mark, setMark] = useState(given ? String(given.mark) : "");
-  const [note, setNote] = useState(given?.note ?? "");
+export function GiveMark({ attempt, existing, onChange }: { attempt: { id: string | null }; existing: TeacherMark | null; onChange: () => void }) {
+  const [mark, setMark] = useState(existing ? String(existing.mark) : "");
+  const [note, setNote] = useState(existing?.note ?? "");
   const [state, setState] = useState<"" | "saved" | { error: unknown }>("");
   const save = (event: Event) => {
     event.preventDefault();

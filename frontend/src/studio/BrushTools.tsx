@@ -1,4 +1,4 @@
-// What lies beside the sheet: brush, ink, grid, the master below, and the way back.
+// Settings beside the cell: brush size, ink, grid, and how visible the master below is.
 
 import { t } from "../i18n/studio";
 import { GridIcon, gridName, GRIDS } from "./grids";

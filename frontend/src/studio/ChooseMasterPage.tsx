@@ -1,4 +1,4 @@
-// Which master? The ones last practised first, then a search through all of them.
+// The choice of a master to write: those practised last, then a search in all of them.
 
 import { useEffect, useState } from "preact/hooks";
 import { get, query, session } from "../api";
@@ -12,18 +12,18 @@ import { recentWorks } from "./settings";
 import "./studio.css";
 
 const PAGE_SIZE = 36;
-const TYPING_DELAY_MS = 250; // ms of rest before a search is asked
+const TYPING_DELAY_MS = 250; // pause in typing after which the search starts
 
-export default function ChooseMasterPage({ query: asked }: PageProps) {
-  const [text, setText] = useState(asked.get("q") ?? "");
-  const [script, setScript] = useState(asked.get("script") ?? "");
+export default function ChooseMasterPage({ query: params }: PageProps) {
+  const [text, setText] = useState(params.get("q") ?? "");
+  const [script, setScript] = useState(params.get("script") ?? "");
   const [limit, setLimit] = useState(PAGE_SIZE);
-  const wanted = useDebounced(text, TYPING_DELAY_MS);
-  const task = asked.get("task");
-  useEffect(() => replaceQuery(new URLSearchParams(query({ q: wanted, script, task }).slice(1))), [wanted, script]);
-  const url = `/api/works${query({ q: wanted, script, limit })}`;
+  const search = useDebounced(text, TYPING_DELAY_MS);
+  const task = params.get("task");
+  useEffect(() => replaceQuery(new URLSearchParams(query({ q: search, script, task }).slice(1))), [search, script]);
+  const url = `/api/works${query({ q: search, script, limit })}`;
   const loaded = useLoaded((signal) => get<Page<WorkCard>>(url, signal), url);
-  const nothingAsked = !wanted && !script;
+  const nothingAsked = !search && !script;
   return (
     <div class="choose">
       <h1>{t("chooseTitle")}</h1>
@@ -79,7 +79,7 @@ function MasterCards({ works }: { works: WorkCard[] }) {
   );
 }
 
-/** From the attempts of a person with a login, else from what this browser remembers. */
+/** From the attempts of a person who is logged in, and from what this browser remembers. */
 function Recent() {
   const person = session.value?.person?.id ?? "";
   const recent = useLoaded((signal) => recentCards(person, signal), person);
@@ -108,8 +108,8 @@ async function recentCards(person: string, signal: AbortSignal): Promise<WorkCar
 function useDebounced<T>(value: T, ms: number): T {
   const [rested, setRested] = useState(value);
   useEffect(() => {
-    const wait = setTimeout(() => setRested(value), ms);
-    return () => clearTimeout(wait);
+    const timer = setTimeout(() => setRested(value), ms);
+    return () => clearTimeout(timer);
   }, [value]);
   return rested;
 }

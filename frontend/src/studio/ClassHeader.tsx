@@ -1,4 +1,4 @@
-// The name of a class, which its teacher can change; and the end of a class, which says first what goes and what stays.
+// The name of a class, which its teacher can change, and its deletion, which first says what is deleted and what stays.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { patch, remove, session } from "../api";
@@ -9,7 +9,7 @@ import { Dialog, ErrorMessage, Field } from "../ui";
 
 type ClassInfo = { id: string; name: string; pupils: number; tasks: number };
 
-/** What a teacher sees above a class. */
+/** The head of a class page for a teacher. */
 export function ClassHeader({ onChange, ...head }: ClassInfo & { onChange: () => void }) {
   const [doing, setDoing] = useState<"" | "rename" | "delete">("");
   const close = () => setDoing("");
@@ -54,7 +54,7 @@ function DeleteDialog({ id, name, pupils, tasks, onClose }: ClassInfo & { onClos
   const first = useFocused<HTMLButtonElement>();
   const [error, setError] = useState<unknown>(null);
   const [sending, setSending] = useState(false);
-  const drop = () => {
+  const deleteClass = () => {
     setSending(true);
     remove(`/api/classes/${id}`).then(
       () => navigate("/classes"),
@@ -69,7 +69,7 @@ function DeleteDialog({ id, name, pupils, tasks, onClose }: ClassInfo & { onClos
         {session.value?.person?.role === "teacher" && <li>{t("deleteClassUnseen")}</li>}
       </ul>
       <p class="row">
-        <button type="button" disabled={sending} onClick={drop}>{t("deleteYes")}</button>
+        <button type="button" disabled={sending} onClick={deleteClass}>{t("deleteYes")}</button>
         <button type="button" class="quiet" ref={first} disabled={sending} onClick={onClose}>{t("deleteNo")}</button>
       </p>
       {error !== null && <ErrorMessage error={error} />}
@@ -77,7 +77,7 @@ function DeleteDialog({ id, name, pupils, tasks, onClose }: ClassInfo & { onClos
   );
 }
 
-/** What has the focus in a dialogue that opens; else it is the button that closes it. */
+/** Gives an element the focus when its dialog opens; otherwise the close button would get it. */
 function useFocused<T extends HTMLElement>() {
   const first = useRef<T>(null);
   useEffect(() => first.current?.focus(), []);

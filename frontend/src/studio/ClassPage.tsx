@@ -1,4 +1,4 @@
-// One class: who learns in it, how they get in, and what they are to write.
+// One class: its tasks, its pupils, and invitations to it.
 
 import { useState } from "preact/hooks";
 import { get, post, query, remove, session } from "../api";
@@ -17,7 +17,7 @@ type SchoolClass = { id: string; name: string; pupils: Pupil[]; tasks: TaskCard[
 
 export default function ClassPage({ params }: PageProps) {
   return (
-    <RequireLogin why={t("classesNeed")}>
+    <RequireLogin reason={t("classesNeed")}>
       <ClassView id={params["id"] ?? ""} />
     </RequireLogin>
   );

@@ -1,4 +1,4 @@
-// The classes that somebody teaches or learns in.
+// The classes of a teacher or of a pupil.
 
 import { useState } from "preact/hooks";
 import { get, post, session } from "../api";
@@ -11,7 +11,7 @@ export type ClassCard = { id: string; name: string; pupils: number; tasks: numbe
 
 export default function ClassesPage(_: PageProps) {
   return (
-    <RequireLogin why={t("classesNeed")}>
+    <RequireLogin reason={t("classesNeed")}>
       <ClassList />
     </RequireLogin>
   );

@@ -1,4 +1,4 @@
-// Which of two is better? The two are shown without a mark and without a name.
+// Which of two copies is better? They are shown without marks and names.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { get, post, query, session } from "../api";
@@ -11,21 +11,21 @@ import { MasterPicture } from "./cards";
 import { RequireLogin } from "../account/RequireLogin";
 
 type Pair = { work: WorkCard; left: Attempt; right: Attempt; done: number; left_over: number };
-const MANY = 200; // of the newest attempts: enough to name the masters that are being copied
+const MANY = 200; // newest attempts, enough to find the masters that are being copied
 
 type Winner = "left" | "right" | "same";
 const KEYS: Record<string, Winner> = { "1": "left", ArrowLeft: "left", "2": "right", ArrowRight: "right", "3": "same", ArrowDown: "same" };
 
-export default function ComparePage({ query: asked }: PageProps) {
+export default function ComparePage({ query: params }: PageProps) {
   return (
-    <RequireLogin why={t("judgeNeeds")}>
-      <CompareView asked={asked.get("work")} />
+    <RequireLogin reason={t("judgeNeeds")}>
+      <CompareView params={params.get("work")} />
     </RequireLogin>
   );
 }
 
-function CompareView({ asked }: { asked: string | null }) {
-  const [work, setWork] = useState(asked);
+function CompareView({ params }: { params: string | null }) {
+  const [work, setWork] = useState(params);
   const [turn, setTurn] = useState(0);
   const [error, setError] = useState<unknown>(null);
   const [busy, setBusy] = useState(false);
@@ -43,8 +43,8 @@ function CompareView({ asked }: { asked: string | null }) {
       setBefore(pair);
       setError(null);
       setTurn((n) => n + 1);
-    } catch (why) {
-      setError(why);
+    } catch (reason) {
+      setError(reason);
     } finally {
       setBusy(false);
     }
@@ -109,18 +109,18 @@ function MasterFigure({ work }: { work: WorkCard }) {
   );
 }
 
-/** Only now, when it can no longer sway anybody. */
+/** Whether a copy was simulated is said only afterwards, when it cannot influence the judgement. */
 function SimulatedNote({ pair }: { pair: Pair }) {
-  const made = (["left", "right"] as const).filter((side) => pair[side].kind === "simulated");
-  if (!made.length) return null;
+  const simulated = (["left", "right"] as const).filter((side) => pair[side].kind === "simulated");
+  if (!simulated.length) return null;
   return (
     <p class="note" role="status">
-      {t(made.length === 2 ? "bothSimulated" : made[0] === "left" ? "leftSimulated" : "rightSimulated")}
+      {t(simulated.length === 2 ? "bothSimulated" : simulated[0] === "left" ? "leftSimulated" : "rightSimulated")}
     </p>
   );
 }
 
-/** Masters of which there are copies that may be compared. */
+/** A choice of the masters whose copies can be compared. */
 function PickWork({ chosen, also, onChoose }: { chosen: string | null; also: WorkCard | null; onChoose: (id: string | null) => void }) {
   const loaded = useLoaded((signal) => get<Page<Attempt>>(`/api/attempts${query({ limit: MANY })}`, signal), "attempts");
   const works = worksToCompare(loaded.value?.items ?? []);
@@ -141,7 +141,7 @@ function PickWork({ chosen, also, onChoose }: { chosen: string | null; also: Wor
   );
 }
 
-/** The works of which two of these attempts have a mark, each once. */
+/** The works with at least two marked attempts, each once. */
 export function worksToCompare(attempts: readonly Pick<Attempt, "work" | "mark">[]): WorkCard[] {
   const marked = attempts.filter((one) => one.mark.score !== null).map((one) => one.work);
   const twice = marked.filter((work, k) => marked.slice(0, k).some((other) => other.id === work.id));

@@ -1,4 +1,4 @@
-// A photograph, and the square of it that is the cell: dragged, resized by its corners, or moved by the arrow keys.
+// A photograph, and its square to crop as the cell: dragged, resized at its corners, or moved by the arrow keys.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { t } from "../i18n/studio";
@@ -6,14 +6,14 @@ import type { Grid } from "../types";
 import { growSquare, type Handle, HANDLES, initialSquare, moveSquare, resizeSquare, type Size, type Square } from "./crop";
 import { linesOf } from "./grids";
 
-const LONGEST = 2400; // pixels of the photograph as it is worked on
-const SENT = 1200; // pixels of the cell as it is sent
+const MAX_PHOTO_SIDE = 2400; // pixels of the longer side of the photograph while cropping
+const MAX_CELL_SIDE = 1200; // pixels of the side of the cell that is sent
 const TYPES = "image/png,image/jpeg,image/webp";
 
 type Photo = { canvas: HTMLCanvasElement; url: string };
 type Props = { grid: Grid; onCell: (make: (() => Promise<Blob>) | null) => void };
 
-/** onCell: told how to cut the cell out, again whenever the square changes; null while there is no photograph. */
+/** onCell: called with a function that crops the cell, whenever the square changes; with null while there is no photograph. */
 export function CropPhoto({ grid, onCell }: Props) {
   const [photo, setPhoto] = useState<Photo | null>(null);
   const [square, setSquare] = useState<Square | null>(null);
@@ -77,8 +77,8 @@ function CropBox({ photo, square, grid, onSquare }: { photo: Photo; square: Squa
   const dragged = useRef<{ handle: Handle | "all"; x: number; y: number; square: Square } | null>(null);
   const size: Size = { width: photo.canvas.width, height: photo.canvas.height };
   const at = (event: PointerEvent) => {
-    const seen = box.current!.getBoundingClientRect();
-    return { x: ((event.clientX - seen.left) / seen.width) * size.width, y: ((event.clientY - seen.top) / seen.height) * size.height };
+    const bounds = box.current!.getBoundingClientRect();
+    return { x: ((event.clientX - bounds.left) / bounds.width) * size.width, y: ((event.clientY - bounds.top) / bounds.height) * size.height };
   };
   const grab = (handle: Handle | "all") => (event: PointerEvent) => {
     event.preventDefault();
@@ -132,17 +132,17 @@ function CropBox({ photo, square, grid, onSquare }: { photo: Photo; square: Squa
   );
 }
 
-/** The file's picture, turned as the camera was dragged (browsers read EXIF when an image is drawn), at most LONGEST. */
+/** The file's picture, upright (browsers apply EXIF when an image is drawn) and not larger than MAX_PHOTO_SIDE. */
 async function upright(file: Blob): Promise<HTMLCanvasElement> {
   const url = URL.createObjectURL(file);
   try {
     const image = new Image();
     image.src = url;
     await image.decode();
-    const shrink = Math.min(1, LONGEST / Math.max(image.naturalWidth, image.naturalHeight));
+    const shrink = Math.min(1, MAX_PHOTO_SIDE / Math.max(image.naturalWidth, image.naturalHeight));
     return drawCanvas(image.naturalWidth * shrink, image.naturalHeight * shrink, (context, width, height) => {
       context.fillStyle = "#fff";
-      context.fillRect(0, 0, width, height); // what is clear is paper
+      context.fillRect(0, 0, width, height); // transparent parts become paper
       context.drawImage(image, 0, 0, width, height);
     });
   } finally {
@@ -158,7 +158,7 @@ const quarterTurn = (canvas: HTMLCanvasElement): HTMLCanvasElement =>
   });
 
 const cropToBlob = (photo: HTMLCanvasElement, { x, y, side }: Square): Promise<Blob> => {
-  const to = Math.min(SENT, Math.round(side));
+  const to = Math.min(MAX_CELL_SIDE, Math.round(side));
   return blobOf(drawCanvas(to, to, (context) => context.drawImage(photo, x, y, side, side, 0, 0, to, to)), "image/png");
 };
 

@@ -1,19 +1,19 @@
-// Marks over time, with their intervals; the same as a table for those who do not see it.
+// A chart of marks over time with their intervals, and the same as a table for screen readers.
 
 import { formatDateTime, formatDay, formatTime } from "../i18n";
 import { t } from "../i18n/studio";
 
 const WIDE: ChartFrame = { width: 640, height: 240, left: 34, right: 16, top: 12, bottom: 30 };
-const NARROW: ChartFrame = { ...WIDE, width: 340, height: 220 }; // a phone: letters keep their size
+const NARROW: ChartFrame = { ...WIDE, width: 340, height: 220 }; // for a phone, so that text keeps its size
 
 export function MarksChart({ points, title }: { points: ScorePoint[]; title: string }) {
   const frame = innerWidth > 640 ? WIDE : NARROW;
-  const found = chartDots(points, frame);
-  const days = new Set(found.map(({ point }) => formatDay(point.created))).size;
+  const dots = chartDots(points, frame);
+  const days = new Set(dots.map(({ point }) => formatDay(point.created))).size;
   const when = days > 1 ? formatDay : formatTime;
   return (
     <figure class="curve">
-      <svg viewBox={`0 0 ${frame.width} ${frame.height}`} role="group" aria-label={t("curveLabel", { title, count: found.length })}>
+      <svg viewBox={`0 0 ${frame.width} ${frame.height}`} role="group" aria-label={t("curveLabel", { title, count: dots.length })}>
         {[0, 25, 50, 75, 100].map((score) => (
           <g key={score} class="curve-line">
             <path d={`M${frame.left} ${scoreY(score, frame)}H${frame.width - frame.right}`} />
@@ -22,23 +22,23 @@ export function MarksChart({ points, title }: { points: ScorePoint[]; title: str
             </text>
           </g>
         ))}
-        <path class="curve-band" d={intervalBand(found)} />
-        <path class="curve-way" d={linePath(found)} />
-        {found.map(({ x, y, low, high, point }) => (
+        <path class="curve-band" d={intervalBand(dots)} />
+        <path class="curve-way" d={linePath(dots)} />
+        {dots.map(({ x, y, low, high, point }) => (
           <a key={point.id} href={`#/attempts/${point.id}`} aria-label={t("curvePoint", { score: point.score!.toFixed(0), day: formatDay(point.created) })}>
-            {found.length === 1 && <path class="curve-whisker" d={`M${x} ${low}V${high}`} />}
+            {dots.length === 1 && <path class="curve-whisker" d={`M${x} ${low}V${high}`} />}
             <circle class="curve-hit" cx={x} cy={y} r="12" />
             <circle cx={x} cy={y} r="4.5" />
           </a>
         ))}
-        {found.length > 0 && (
+        {dots.length > 0 && (
           <g class="curve-days">
             <text x={frame.left} y={frame.height - 8}>
-              {when(found[0]!.point.created)}
+              {when(dots[0]!.point.created)}
             </text>
-            {found.length > 1 && (
+            {dots.length > 1 && (
               <text class="end" x={frame.width - frame.right} y={frame.height - 8}>
-                {when(found.at(-1)!.point.created)}
+                {when(dots.at(-1)!.point.created)}
               </text>
             )}
           </g>
@@ -78,7 +78,7 @@ export type ChartFrame = { width: number; height: number; left: number; right: n
 export const scoreY = (score: number, frame: ChartFrame): number =>
   frame.height - frame.bottom - (Math.min(100, Math.max(0, score)) / 100) * (frame.height - frame.top - frame.bottom);
 
-/** One dot an attempt that got a mark: evenly spaced in their order, since practice comes in bursts. */
+/** One dot for each attempt with a mark, evenly spaced in order, since practice comes in bursts. */
 export function chartDots(points: readonly ScorePoint[], frame: ChartFrame): ChartDot[] {
   const marked = points.filter((point) => point.score !== null);
   const width = frame.width - frame.left - frame.right;
@@ -91,12 +91,12 @@ export function chartDots(points: readonly ScorePoint[], frame: ChartFrame): Cha
   }));
 }
 
-export const linePath = (found: readonly ChartDot[]): string => found.map(({ x, y }, k) => `${k ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
+export const linePath = (dots: readonly ChartDot[]): string => dots.map(({ x, y }, k) => `${k ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
 
-/** The band of the intervals, as one closed outline. */
-export function intervalBand(found: readonly ChartDot[]): string {
-  if (found.length < 2) return "";
-  const there = found.map(({ x, high }, k) => `${k ? "L" : "M"}${x.toFixed(1)} ${high.toFixed(1)}`);
-  const back = [...found].reverse().map(({ x, low }) => `L${x.toFixed(1)} ${low.toFixed(1)}`);
+/** The band of the intervals as one closed path. */
+export function intervalBand(dots: readonly ChartDot[]): string {
+  if (dots.length < 2) return "";
+  const there = dots.map(({ x, high }, k) => `${k ? "L" : "M"}${x.toFixed(1)} ${high.toFixed(1)}`);
+  const back = [...dots].reverse().map(({ x, low }) => `L${x.toFixed(1)} ${low.toFixed(1)}`);
   return `${[...there, ...back].join("")}Z`;
 }

@@ -1,4 +1,4 @@
-// What one person has written: a curve for each master, best and last side by side, and every attempt.
+// One person's practice: for each master a chart of the marks, the best and the last attempt, and all attempts.
 
 import { useState } from "preact/hooks";
 import { get, query, remove, session } from "../api";
@@ -13,35 +13,35 @@ import { RequireLogin } from "../account/RequireLogin";
 
 export type Practised = { work: WorkCard; count: number; best: number | null; last: number | null; first: number | null; curve: ScorePoint[] };
 
-export default function PracticePage({ query: asked }: PageProps) {
+export default function PracticePage({ query: params }: PageProps) {
   return (
-    <RequireLogin why={t("practiceNeeds")}>
-      <PracticeView chosen={asked.get("work")} person={asked.get("person")} />
+    <RequireLogin reason={t("practiceNeeds")}>
+      <PracticeView chosen={params.get("work")} person={params.get("person")} />
     </RequireLogin>
   );
 }
 
 type PracticeData = { person: { id: string; name: string }; works: Practised[] };
 
-/** person: a pupil whose practice a teacher looks at; one's own otherwise. */
+/** person: the pupil whose practice a teacher looks at; null for one's own. */
 function PracticeView({ chosen, person }: { chosen: string | null; person: string | null }) {
   const [work, setWork] = useState(chosen);
   const loaded = useLoaded((signal) => get<PracticeData>(`/api/practice${query({ person })}`, signal), `practice ${person}`);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
-  const { works, person: whose } = loaded.value;
-  const own = whose.id === session.value?.person?.id;
-  const title = own ? t("practiceTitle") : t("practiceOf", { name: whose.name });
-  const shown = works.find((one) => one.work.id === work) ?? works[0];
+  const { works, person: writer } = loaded.value;
+  const isOwn = writer.id === session.value?.person?.id;
+  const title = isOwn ? t("practiceTitle") : t("practiceOf", { name: writer.name });
+  const selected = works.find((one) => one.work.id === work) ?? works[0];
   const choose = (id: string) => {
     setWork(id);
     replaceQuery(new URLSearchParams(query({ work: id, person }).slice(1)));
   };
-  if (!shown)
+  if (!selected)
     return (
       <div class="need panel">
         <h1>{title}</h1>
-        <p>{own ? t("practiceEmpty") : t("nothingYet")}</p>
+        <p>{isOwn ? t("practiceEmpty") : t("nothingYet")}</p>
         <a class="button" href="#/studio">
           {t("toStudio")}
         </a>
@@ -55,7 +55,7 @@ function PracticeView({ chosen, person }: { chosen: string | null; person: strin
           <a class="button quiet" href={`/api/practice.csv${query({ person })}`} download="practice.csv">
             CSV
           </a>
-          <a class="button quiet" href={`/api/practice.pdf${query({ work: shown.work.id, person, language: language.value })}`} target="_blank" rel="noreferrer">
+          <a class="button quiet" href={`/api/practice.pdf${query({ work: selected.work.id, person, language: language.value })}`} target="_blank" rel="noreferrer">
             {t("pdf")}
           </a>
         </p>
@@ -63,7 +63,7 @@ function PracticeView({ chosen, person }: { chosen: string | null; person: strin
       <ul class="practice-works" aria-label={t("masters")}>
         {works.map((one) => (
           <li key={one.work.id}>
-            <button type="button" class="practice-work" aria-pressed={one === shown} onClick={() => choose(one.work.id)}>
+            <button type="button" class="practice-work" aria-pressed={one === selected} onClick={() => choose(one.work.id)}>
               <img src={one.work.thumb} alt="" width="56" height="56" />
               <span>
                 <b>{localize(one.work.title)}</b>
@@ -73,14 +73,14 @@ function PracticeView({ chosen, person }: { chosen: string | null; person: strin
           </li>
         ))}
       </ul>
-      <WorkPractice key={shown.work.id} practised={shown} person={whose.id} own={own} onChange={loaded.retry} />
+      <WorkPractice key={selected.work.id} practised={selected} person={writer.id} isOwn={isOwn} onChange={loaded.retry} />
     </div>
   );
 }
 
-type WorkPracticeProps = { practised: Practised; person: string; own: boolean; onChange: () => void };
+type WorkPracticeProps = { practised: Practised; person: string; isOwn: boolean; onChange: () => void };
 
-function WorkPractice({ practised, person, own, onChange }: WorkPracticeProps) {
+function WorkPractice({ practised, person, isOwn, onChange }: WorkPracticeProps) {
   const { work, curve } = practised;
   return (
     <div class="practice-one">
@@ -88,7 +88,7 @@ function WorkPractice({ practised, person, own, onChange }: WorkPracticeProps) {
         <h2>{localize(work.title)}</h2>
         <MarksChart points={curve} title={localize(work.title)} />
         <p class="note">{t("curveNote")}</p>
-        {own && (
+        {isOwn && (
           <a class="button" href={`#/studio/${work.id}`}>
             {t("writeAgain")}
           </a>
@@ -102,7 +102,7 @@ function WorkPractice({ practised, person, own, onChange }: WorkPracticeProps) {
 
 function BestAndLast({ curve }: { curve: ScorePoint[] }) {
   const marked = curve.filter((point) => point.score !== null);
-  const best = marked.reduce<ScorePoint | null>((loaded, point) => (loaded && loaded.score! >= point.score! ? loaded : point), null);
+  const best = marked.reduce<ScorePoint | null>((top, point) => (top && top.score! >= point.score! ? top : point), null);
   const ids = [best?.id, curve.at(-1)?.id].filter((id): id is string => id !== undefined);
   const loaded = useLoaded((signal) => Promise.all(ids.map((id) => get<Attempt>(`/api/attempts/${id}`, signal))), ids.join(" "));
   return (
@@ -126,7 +126,7 @@ function Attempts({ work, person, onChange }: { work: WorkCard; person: string; 
   const [error, setError] = useState<unknown>(null);
   const url = `/api/attempts${query({ work: work.id, person, limit })}`;
   const loaded = useLoaded((signal) => get<Page<Attempt>>(url, signal), url);
-  const drop = (id: string) => {
+  const deleteAttempt = (id: string) => {
     setAsking(null);
     remove(`/api/attempts/${id}`).then(() => (loaded.retry(), onChange()), setError);
   };
@@ -143,7 +143,7 @@ function Attempts({ work, person, onChange }: { work: WorkCard; person: string; 
             <AttemptCard attempt={attempt} />
             {asking === attempt.id ? (
               <span class="row sure" role="group" aria-label={t("deleteSure")}>
-                <button type="button" onClick={() => drop(attempt.id!)}>{t("deleteYes")}</button>
+                <button type="button" onClick={() => deleteAttempt(attempt.id!)}>{t("deleteYes")}</button>
                 <button type="button" class="quiet" onClick={() => setAsking(null)}>{t("deleteNo")}</button>
               </span>
             ) : (

@@ -1,4 +1,4 @@
-// The strokes once more, as fast as they were written.
+// Replays the strokes of an attempt at the speed at which they were written.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { get } from "../api";
@@ -9,18 +9,18 @@ import { paintStrokes } from "./ink/painting";
 import { parseStrokes, type Stroke } from "./ink/strokes";
 import { GridLines } from "./grids";
 
-const PAUSE = 250; // ms between strokes: how long the hand was in the air is not kept
+const PAUSE = 250; // ms between strokes; the real pauses are not recorded
 
-/** What was on the sheet after so many ms. */
+/** What had been written after so many ms. */
 export function strokesUntil(strokes: readonly Stroke[], ms: number): Stroke[] {
-  const shown: Stroke[] = [];
-  let begun = 0;
+  const written: Stroke[] = [];
+  let start = 0;
   for (const stroke of strokes) {
-    if (begun > ms) break;
-    shown.push({ ...stroke, points: stroke.points.filter((point) => begun + point[2] <= ms) });
-    begun += (stroke.points.at(-1)?.[2] ?? 0) + PAUSE;
+    if (start > ms) break;
+    written.push({ ...stroke, points: stroke.points.filter((point) => start + point[2] <= ms) });
+    start += (stroke.points.at(-1)?.[2] ?? 0) + PAUSE;
   }
-  return shown.filter((stroke) => stroke.points.length > 0);
+  return written.filter((stroke) => stroke.points.length > 0);
 }
 
 export const replayDuration = (strokes: readonly Stroke[]): number =>
@@ -35,10 +35,10 @@ export function Replay({ attempt }: { attempt: Attempt }) {
   const [running, setRunning] = useState(false);
   const whole = strokes ? replayDuration(strokes) : 0;
   useEffect(() => {
-    get(`/api/attempts/${attempt.id}/strokes`).then((kept) => {
-      const found = parseStrokes(kept);
-      setStrokes(found);
-      setAt(replayDuration(found));
+    get(`/api/attempts/${attempt.id}/strokes`).then((saved) => {
+      const parsed = parseStrokes(saved);
+      setStrokes(parsed);
+      setAt(replayDuration(parsed));
     }, () => setStrokes([]));
   }, [attempt.id]);
   useEffect(() => {

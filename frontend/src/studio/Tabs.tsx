@@ -1,4 +1,4 @@
-// Tabs as the ARIA pattern has them: arrows move, one is in the tab order.
+// Tabs after the ARIA pattern: arrow keys move, and only the chosen tab is in the tab order.
 
 import { useRef } from "preact/hooks";
 import type { ComponentChildren } from "preact";

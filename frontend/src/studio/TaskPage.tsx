@@ -1,4 +1,4 @@
-// One task: to a pupil what to write, to a teacher how it went, with their own marks beside ours.
+// One task: what to write, for a pupil; the class's results and the teacher's own marks, for a teacher.
 
 import { useState } from "preact/hooks";
 import { get, query, remove, session } from "../api";
@@ -8,7 +8,7 @@ import { navigate, type PageProps } from "../router";
 import type { Attempt, Bilingual, Page } from "../types";
 import { Dialog, ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
 import { GiveMark } from "./AttemptPage";
-import { AttemptCard, MasterPicture } from "./cards";
+import { AttemptCard, MasterHeader, MasterPicture } from "./cards";
 import type { TaskCard } from "./ClassPage";
 import { RequireLogin } from "../account/RequireLogin";
 
@@ -17,7 +17,7 @@ type TaskData = { task: TaskCard & { class_id: string }; rows: Row[]; common: (B
 
 export default function TaskPage({ params }: PageProps) {
   return (
-    <RequireLogin why={t("classesNeed")}>
+    <RequireLogin reason={t("classesNeed")}>
       <TaskView id={params["id"] ?? ""} />
     </RequireLogin>
   );
@@ -34,20 +34,15 @@ function TaskView({ id }: { id: string }) {
       <p class="note">
         <a href={`#/classes/${task.class_id}`}>← {t("toClass")}</a>
       </p>
-      <header class="desk-head">
-        <a class="desk-thumb" href={`#/works/${task.work.id}`}>
-          <img src={task.work.thumb} alt={t("seeMaster")} width="72" height="72" />
-        </a>
-        <div>
-          <h1>{task.title || localize(task.work.title)}</h1>
-          <p class="note">
-            {localize(task.work.title)}
-            {task.due && ` · ${t("due", { day: formatDay(task.due) })}`}
-          </p>
-          {task.note && <p>{task.note}</p>}
-          <p class="row">{teaches ? <WithdrawTask task={task} /> : <WriteLink task={task} />}</p>
-        </div>
-      </header>
+      <MasterHeader work={task.work}>
+        <h1>{task.title || localize(task.work.title)}</h1>
+        <p class="note">
+          {localize(task.work.title)}
+          {task.due && ` · ${t("due", { day: formatDay(task.due) })}`}
+        </p>
+        {task.note && <p>{task.note}</p>}
+        <p class="row">{teaches ? <WithdrawTask task={task} /> : <WriteLink task={task} />}</p>
+      </MasterHeader>
       {teaches ? <MarksTable data={loaded.value} onChange={loaded.retry} /> : <OwnCopies task={task} />}
     </div>
   );
@@ -163,7 +158,7 @@ function MarkCopy({ id, onChange }: { id: string; onChange: () => void }) {
   if (loaded.error) return <ErrorMessage error={loaded.error} />;
   if (!loaded.value) return <Loading />;
   const attempt = loaded.value;
-  const given = attempt.teacher_marks.find((mark) => mark.teacher === session.value?.person?.name) ?? null;
+  const existing = attempt.teacher_marks.find((mark) => mark.teacher === session.value?.person?.name) ?? null;
   return (
     <div class="mark-one">
       <div class="side-by-side">
@@ -176,7 +171,7 @@ function MarkCopy({ id, onChange }: { id: string; onChange: () => void }) {
           <figcaption>{t("copy")}</figcaption>
         </figure>
       </div>
-      <GiveMark attempt={attempt} given={given} onChange={onChange} />
+      <GiveMark attempt={attempt} existing={existing} onChange={onChange} />
       <details>
         <summary>{t("ourMark")}</summary>
         <p>

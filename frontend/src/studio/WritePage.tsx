@@ -1,4 +1,4 @@
-// The studio: a master, a sheet to write on, and the mark.
+// The page to write on: a master, a cell or a photograph, and the mark.
 
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { get, session } from "../api";
@@ -7,6 +7,7 @@ import { t } from "../i18n/studio";
 import type { PageProps } from "../router";
 import type { Attempt, Work } from "../types";
 import { ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
+import { MasterHeader } from "./cards";
 import { CropPhoto } from "./CropPhoto";
 import { addStroke, canRedo, canUndo, clearStrokes, type History, historyOf, redo, serializeStrokes, undo } from "./ink/strokes";
 import { strokesPicture } from "./ink/painting";
@@ -35,7 +36,7 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
   const [history, setHistory] = useState<History>(() => historyOf(loadDraft(work.id)));
   const [settings, setSettings] = useState<WritingSettings>(loadSettings);
   const [cell, setCell] = useState<{ make: (() => Promise<Blob>) | null }>({ make: null });
-  // a task takes copies of the class's pupils; to their teacher it is a link back
+  // only a pupil's copy counts for the task; for a teacher the task is just a link back
   const pupil = session.value?.person?.role === "pupil";
   const { marked, requestMark, discard } = useMarking(work.id, pupil ? task : null);
   const [writing, setWriting] = useState(false);
@@ -46,10 +47,10 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
   };
   const adjust = (part: Partial<WritingSettings>) => setSettings((old) => ({ ...old, ...part }));
   const make = copyMaker(medium, strokes, cell.make, settings);
-  const mark = (tried = false) => void (make && requestMark(make, { tried }));
+  const mark = (automatic = false) => void (make && requestMark(make, { automatic }));
   useEffect(() => addRecentWork(work.id), [work.id]);
   useEffect(() => saveSettings(settings), [settings]);
-  useLayoutEffect(() => saveDraft(work.id, strokes), [strokes]); // at once: the next thing may be another page
+  useLayoutEffect(() => saveDraft(work.id, strokes), [strokes]); // before the page can change
   useAutoMark(settings.auto && !writing && medium === "pen" && strokes.length > 0, strokes, () => mark(true));
   useKeys({ undo: () => change(undo), redo: () => change(redo), mark: () => mark() });
   return (
@@ -91,7 +92,7 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
   );
 }
 
-/** How to make what is sent to be marked; null while there is nothing to mark. */
+/** A function that makes the copy to send; null while there is nothing to mark. */
 function copyMaker(
   medium: Medium, strokes: History["done"], cut: (() => Promise<Blob>) | null, { grid }: WritingSettings,
 ): (() => Promise<Copy>) | null {
@@ -102,22 +103,17 @@ function copyMaker(
 
 function Heading({ work, task }: { work: Work; task: string | null }) {
   return (
-    <header class="desk-head">
-      <a href={`#/works/${work.id}`} class="desk-thumb">
-        <img src={work.thumb} alt={t("seeMaster")} width="72" height="72" />
-      </a>
-      <div>
-        <h1>{localize(work.title)}</h1>
-        <p class="note">
-          {localize(work.hand)} <span class="period">· {localize(work.period)} </span>· <a href="#/studio">{t("otherMaster")}</a>
+    <MasterHeader work={work}>
+      <h1>{localize(work.title)}</h1>
+      <p class="note">
+        {localize(work.hand)} <span class="period">· {localize(work.period)} </span>· <a href="#/studio">{t("otherMaster")}</a>
+      </p>
+      {task && (
+        <p>
+          <a href={`#/tasks/${task}`}>{t("forTask")}</a>
         </p>
-        {task && (
-          <p>
-            <a href={`#/tasks/${task}`}>{t("forTask")}</a>
-          </p>
-        )}
-      </div>
-    </header>
+      )}
+    </MasterHeader>
   );
 }
 
@@ -145,7 +141,7 @@ function VisitorNote() {
   );
 }
 
-/** The mark for those who hear the page. */
+/** The mark for screen readers. */
 function MarkAnnouncement({ marked }: { marked: MarkingState }) {
   return (
     <p class="visually-hidden" role="status" aria-live="polite">
@@ -164,8 +160,8 @@ function spokenMark({ mark }: Attempt): string {
 function Result({ marked, work, forTask, onAgain }: { marked: MarkingState; work: Work; forTask: boolean; onAgain: () => void }) {
   const result = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    // on a phone the mark stands below the sheet; a mark that came by itself must not move the page under the pen
-    if (marked.state === "done" && !marked.tried) result.current?.scrollIntoView({ block: "nearest", behavior: "smooth" });
+    // on a phone the mark is below the cell; an automatic mark must not scroll the page under the pen
+    if (marked.state === "done" && !marked.automatic) result.current?.scrollIntoView({ block: "nearest", behavior: "smooth" });
   }, [marked]);
   if (marked.state === "failed") return <ErrorMessage error={marked.error} retry={onAgain} />;
   if (marked.state !== "done")
@@ -192,8 +188,8 @@ function Result({ marked, work, forTask, onAgain }: { marked: MarkingState; work
 function useAutoMark(on: boolean, strokes: readonly unknown[], mark: () => void): void {
   useEffect(() => {
     if (!on) return;
-    const wait = setTimeout(mark, AUTO_MARK_DELAY_MS);
-    return () => clearTimeout(wait);
+    const timer = setTimeout(mark, AUTO_MARK_DELAY_MS);
+    return () => clearTimeout(timer);
   }, [on, strokes]);
 }
 

@@ -1,5 +1,5 @@
-// The cell that is written in: grid and faint master below, ink above. It knows pointers; what a stroke looks like
-// is ink/shaping.ts's matter.
+// The cell to write in: grid and faint master below, ink above. It handles pointers; ink/brush.ts gives strokes their
+// shape.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { t } from "../i18n/studio";
@@ -20,7 +20,7 @@ type Props = {
   /** Opacity of the master below, 0-1. */
   ghost: number;
   onStroke: (stroke: Stroke) => void;
-  /** Told when the hand comes down, and when it is lifted. */
+  /** Called with true when a stroke begins and false when it ends. */
   onWriting?: (down: boolean) => void;
 };
 
@@ -29,21 +29,21 @@ export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, o
   const dry = useRef<HTMLCanvasElement>(null);
   const wet = useRef<HTMLCanvasElement>(null);
   const side = useCanvasSide(box);
-  const hand = useRef<{ pointers: PointerState; stroke: Stroke | null; cell: DOMRect | null; began: number; frame: number }>({
+  const pen = useRef<{ pointers: PointerState; stroke: Stroke | null; cell: DOMRect | null; began: number; frame: number }>({
     pointers: NO_POINTER, stroke: null, cell: null, began: 0, frame: 0,
   });
   useEffect(() => drawStrokes(dry.current, strokes, side), [strokes, side]);
-  useEffect(() => () => cancelAnimationFrame(hand.current.frame), []);
+  useEffect(() => () => cancelAnimationFrame(pen.current.frame), []);
 
   const redraw = () => {
-    const now = hand.current;
+    const now = pen.current;
     now.frame ||= requestAnimationFrame(() => {
       now.frame = 0;
       drawStrokes(wet.current, now.stroke ? [now.stroke] : [], side);
     });
   };
   const begin = (event: PointerEvent) => {
-    const now = hand.current;
+    const now = pen.current;
     const { begins, pointers } = acceptPointer(now.pointers, event);
     now.pointers = pointers;
     if (!begins) return;
@@ -52,7 +52,7 @@ export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, o
     try {
       cell.setPointerCapture(event.pointerId);
     } catch {
-      // a pointer that is gone already; its stroke ends with the next event
+      // the pointer is already gone; its stroke ends with the next event
     }
     now.cell = dry.current!.getBoundingClientRect();
     now.began = event.timeStamp;
@@ -61,14 +61,14 @@ export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, o
     redraw();
   };
   const move = (event: PointerEvent) => {
-    const now = hand.current;
+    const now = pen.current;
     if (event.pointerId !== now.pointers.active || !now.stroke || !now.cell) return;
     const all = event.getCoalescedEvents?.() ?? [];
     for (const one of all.length ? all : [event]) now.stroke.points.push(sampleOf(one, now.cell, now.began));
     redraw();
   };
   const end = (event: PointerEvent) => {
-    const now = hand.current;
+    const now = pen.current;
     if (event.pointerId !== now.pointers.active) return;
     now.pointers = releasePointer(now.pointers, event.pointerId);
     const stroke = now.stroke;
@@ -78,7 +78,7 @@ export function WritingCell({ strokes, size, ink, grid, work, ghost, onStroke, o
     if (!stroke || event.type === "pointercancel" || !now.cell) return;
     const last = stroke.points.at(-1)!;
     const up = sampleOf(event, now.cell, now.began);
-    stroke.points.push([up[0], up[1], up[2], last[3], last[4], last[5]]); // a lifted pen says pressure 0
+    stroke.points.push([up[0], up[1], up[2], last[3], last[4], last[5]]); // a lifted pen reports pressure 0
     drawStrokes(dry.current, [...strokes, stroke], side); // before the next frame, so that nothing flickers
     onStroke(stroke);
   };
@@ -109,18 +109,18 @@ function drawStrokes(canvas: HTMLCanvasElement | null, strokes: readonly Stroke[
   paintStrokes(context, strokes, side);
 }
 
-/** The master in pale cinnabar, as the sheets for tracing have it. */
+/** The master in pale red, as on sheets for tracing. */
 function TracedMaster({ work, opacity, side }: { work: WorkCard; opacity: number; side: number }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [layer, setLayer] = useState<HTMLCanvasElement | null>(null);
-  const wanted = opacity > 0;
+  const visible = opacity > 0;
   useEffect(() => {
     let current = true;
-    if (wanted) masterInkLayer(work, cssVariable("rule")).then((found) => current && setLayer(found), () => undefined);
+    if (visible) masterInkLayer(work, cssVariable("rule")).then((inkLayer) => current && setLayer(inkLayer), () => undefined);
     return () => {
       current = false;
     };
-  }, [work.id, wanted]);
+  }, [work.id, visible]);
   useEffect(() => {
     const context = clearedContext(canvas.current, side);
     if (!context || !layer) return;

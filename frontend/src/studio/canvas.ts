@@ -1,12 +1,12 @@
-// A canvas that has as many pixels as the screen has under it.
+// Canvases in the resolution of the screen, and the ink of a picture as a canvas in one colour.
 
 import { useEffect, useState } from "preact/hooks";
 import type { RefObject } from "preact";
 import type { WorkCard } from "../types";
 
-const OVERSAMPLING = 2; // pixels of a canvas to one of a coarse screen: edges of many footprints in one path are hard otherwise
+const OVERSAMPLING = 2; // canvas pixels per pixel of a low-resolution screen: otherwise edges of many stamps in one path are jagged
 
-/** Side in pixels of the canvas in a square element; 0 until it is on the page. */
+/** Side in pixels of the canvas in a square element; 0 until the element is on the page. */
 export function useCanvasSide(element: RefObject<HTMLElement | null>): number {
   const [side, setSide] = useState(0);
   useEffect(() => {
@@ -14,18 +14,18 @@ export function useCanvasSide(element: RefObject<HTMLElement | null>): number {
     if (!box) return;
     const measure = () => setSide(Math.round(box.clientWidth * Math.max(OVERSAMPLING, devicePixelRatio || 1)));
     measure();
-    const watch = new ResizeObserver(measure);
-    watch.observe(box);
-    addEventListener("resize", measure); // a change of zoom alone
+    const observer = new ResizeObserver(measure);
+    observer.observe(box);
+    addEventListener("resize", measure); // when only the zoom changes
     return () => {
-      watch.disconnect();
+      observer.disconnect();
       removeEventListener("resize", measure);
     };
   }, []);
   return side;
 }
 
-/** The canvas, cleared and of this side; null before it can be drawn on. */
+/** The context of a canvas, cleared and resized to `side`; null while there is nothing to draw on. */
 export function clearedContext(canvas: HTMLCanvasElement | null, side: number): CanvasRenderingContext2D | null {
   if (!canvas || !side) return null;
   if (canvas.width !== side) canvas.width = canvas.height = side;
@@ -35,10 +35,10 @@ export function clearedContext(canvas: HTMLCanvasElement | null, side: number): 
   return context;
 }
 
-/** A colour of the page's tokens, as a canvas needs it. */
+/** A colour of the page's CSS variables, as a canvas needs it. */
 export const cssVariable = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
-/** ink: what is dark in a picture, or white in a mask. colour: of the result. side: longest side in pixels. */
+/** The ink of a picture in one colour, transparent elsewhere. ink: dark in a picture, or white in a mask. side: longest side in pixels. */
 export async function inkLayer(
   source: string | Blob, options: { ink: "dark" | "white"; colour: string; side?: number },
 ): Promise<HTMLCanvasElement> {
@@ -62,7 +62,7 @@ export async function inkLayer(
   return canvas;
 }
 
-/** 0-255 lightness -> 0-255 ink: between the darkest and the palest hundredth, so that the grey of a sheet is no ink. */
+/** Maps lightness 0-255 to ink 0-255, relative to the darkest and lightest parts, so that grey paper is not taken for ink. */
 function darkness(data: Uint8ClampedArray): (light: number) => number {
   const lights: number[] = [];
   for (let k = 0; k < data.length; k += 4 * 7) lights.push(data[k + 1]!);

@@ -1,11 +1,11 @@
-// The square of a photograph that is the cell. All in pixels of the picture.
+// The square of a photograph that is cropped as the cell. All lengths in pixels of the photograph.
 
 export type Square = { x: number; y: number; side: number };
 export type Size = { width: number; height: number };
 export type Handle = "nw" | "ne" | "sw" | "se";
 export const HANDLES: Handle[] = ["nw", "ne", "sw", "se"];
 
-const MIN_SIDE = 32; // pixels; nothing smaller can be marked
+const MIN_SIDE = 32; // pixels; a smaller cell cannot be marked
 
 export function initialSquare({ width, height }: Size): Square {
   const side = Math.round(Math.min(width, height) * 0.9);
@@ -21,7 +21,7 @@ export function moveSquare(square: Square, dx: number, dy: number, size: Size): 
   };
 }
 
-/** The corner `handle` goes to (x, y) as nearly as a square within the picture can; the opposite corner stays. */
+/** Moves the corner `handle` to (x, y), as near as a square within the picture allows; the opposite corner stays. */
 export function resizeSquare(square: Square, handle: Handle, x: number, y: number, size: Size): Square {
   const [west, north] = [handle.endsWith("w"), handle.startsWith("n")];
   const fixed = { x: square.x + (west ? square.side : 0), y: square.y + (north ? square.side : 0) };
@@ -31,7 +31,7 @@ export function resizeSquare(square: Square, handle: Handle, x: number, y: numbe
   return { x: west ? fixed.x - side : fixed.x, y: north ? fixed.y - side : fixed.y, side };
 }
 
-/** Larger or smaller about its middle, as far as the picture goes. */
+/** Makes the square larger or smaller about its middle, within the picture. */
 export function growSquare(square: Square, by: number, size: Size): Square {
   const side = Math.min(size.width, size.height, Math.max(MIN_SIDE, square.side + by));
   const shift = (square.side - side) / 2;

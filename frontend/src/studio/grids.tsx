@@ -1,4 +1,4 @@
-// The lines under the brush, in fractions of the cell.
+// The grids of a cell (米字格, 九宮格, 田字格): their lines, in fractions of the cell, and their drawings.
 
 import type { Grid } from "../types";
 

@@ -1,4 +1,4 @@
-// Asking for a mark. What was asked of an older copy is dropped when it comes.
+// Requests to mark a copy. The answer to an earlier request is dropped.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { post, ServiceError, session } from "../api";
@@ -8,12 +8,12 @@ export type Copy = { kind: "pen" | "photo"; picture: Blob; strokes?: string; gri
 export type MarkingState =
   | { state: "none" }
   | { state: "asking" }
-  | { state: "done"; attempt: Attempt; picture: Blob; tried: boolean }
+  | { state: "done"; attempt: Attempt; picture: Blob; automatic: boolean }
   | { state: "failed"; error: unknown };
 
 export const AUTO_MARK_DELAY_MS = 800; // ms after the last stroke
 
-/** try: asked by itself while the hand rests; such a mark is shown and not kept. */
+/** The state of marking, and functions to start and to discard it. automatic: requested automatically; such a mark is not saved. */
 export function useMarking(work: string, task: string | null) {
   const [marked, setMarked] = useState<MarkingState>({ state: "none" });
   const turn = useRef(0);
@@ -22,13 +22,13 @@ export function useMarking(work: string, task: string | null) {
     turn.current++;
     setMarked((old) => (old.state === "none" ? old : { state: "none" }));
   };
-  const requestMark = async (make: () => Promise<Copy>, options: { tried: boolean }) => {
+  const requestMark = async (make: () => Promise<Copy>, options: { automatic: boolean }) => {
     const mine = ++turn.current;
     setMarked({ state: "asking" });
     try {
       const copy = await make();
-      const attempt = await sendCopy(copy, work, task, !options.tried && Boolean(session.value?.person));
-      if (mine === turn.current) setMarked({ state: "done", attempt, picture: copy.picture, tried: options.tried });
+      const attempt = await sendCopy(copy, work, task, !options.automatic && Boolean(session.value?.person));
+      if (mine === turn.current) setMarked({ state: "done", attempt, picture: copy.picture, automatic: options.automatic });
     } catch (error) {
       if (mine === turn.current) setMarked({ state: "failed", error });
     }
@@ -36,7 +36,7 @@ export function useMarking(work: string, task: string | null) {
   return { marked, requestMark, discard };
 }
 
-/** A task that is there no more takes no copies, but what was written for it is its writer's all the same. */
+/** Sends the copy; if its task has been withdrawn meanwhile, sends it without, so that it is not lost. */
 async function sendCopy(copy: Copy, work: string, task: string | null, keep: boolean): Promise<Attempt> {
   try {
     return await post<Attempt>("/api/marks", markForm(copy, work, task, keep));

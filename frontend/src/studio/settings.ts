@@ -1,12 +1,13 @@
-// How somebody likes to write, and what they have written so far; both stay in this browser.
+// What the browser stores for writing: settings, unfinished drafts, and the works last opened.
 
 import { GRIDS } from "./grids";
 import { parseStrokes, serializeStrokes, type Stroke } from "./ink/strokes";
 import type { Grid } from "../types";
 
+/** size: radius of the brush, fraction of the cell. ink: 0 dry to 1 wet. ghost: opacity of the master to trace. auto: mark without asking. */
 export type WritingSettings = { size: number; ink: number; grid: Grid; ghost: number; auto: boolean };
 export const DEFAULT_SETTINGS: WritingSettings = { size: 0.042, ink: 0.5, grid: "mi", ghost: 0.35, auto: false };
-export const BRUSH_SIZES = { min: 0.012, max: 0.09 }; // radius of the pressed brush, of the cell
+export const BRUSH_SIZES = { min: 0.012, max: 0.09 }; // radius of the fully pressed brush, as a fraction of the cell
 
 const SETTINGS = "rumu.writing";
 const RECENT = "rumu.recent";
@@ -27,7 +28,7 @@ export function loadSettings(): WritingSettings {
 
 export const saveSettings = (settings: WritingSettings): void => write(localStorage, SETTINGS, settings);
 
-/** The unfinished sheet of a work outlives a login or a look at another page. */
+/** The unfinished strokes for a work, which survive a login or a visit to another page. */
 export const loadDraft = (work: string): Stroke[] => parseStrokes(read(sessionStorage, `rumu.draft.${work}`));
 export const saveDraft = (work: string, strokes: readonly Stroke[]): void =>
   write(sessionStorage, `rumu.draft.${work}`, serializeStrokes(strokes));
@@ -43,7 +44,7 @@ function read(storage: Storage, key: string): unknown {
   try {
     return JSON.parse(storage.getItem(key) ?? "null");
   } catch {
-    return null; // a browser that keeps nothing, or something else under this name
+    return null; // no storage, or no JSON under this key
   }
 }
 
@@ -51,6 +52,6 @@ function write(storage: Storage, key: string, value: unknown): void {
   try {
     storage.setItem(key, JSON.stringify(value));
   } catch {
-    // writing goes on without
+    // writing works without storage
   }
 }

@@ -1,4 +1,4 @@
-// The few pieces that every page is made of.
+// Components and hooks that all pages use.
 
 import { cloneElement, isValidElement } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
@@ -29,7 +29,7 @@ export function ErrorMessage({ error, retry }: ErrorProps) {
   );
 }
 
-/** ErrorMessage in place of a whole page: its reason is the heading, and what is not there is not asked for again. */
+/** An error in place of a whole page: the reason is the heading. A page that does not exist offers no retry. */
 export function ErrorPage({ error, retry }: ErrorProps) {
   const missing = error instanceof ServiceError && error.status === 404;
   return (
@@ -44,22 +44,22 @@ function reason(error: unknown): string {
   return error instanceof ServiceError ? localize(error.text) : String(error instanceof Error ? error.message : error);
 }
 
-/** What `load` brings, asked retry whenever `key` changes; an answer to an older question is dropped. */
+/** The result of `load`, which runs again whenever `key` changes; the results of earlier runs are dropped. */
 export function useLoaded<T>(load: (signal: AbortSignal) => Promise<T>, key: string) {
   const [state, setState] = useState<{ value?: T; error?: unknown; key: string }>({ key: "" });
-  const [turn, setTurn] = useState(0);
+  const [run, setRun] = useState(0);
   useEffect(() => {
-    const stop = new AbortController();
-    load(stop.signal).then(
-      (value) => !stop.signal.aborted && setState({ value, key }),
-      (error: unknown) => !stop.signal.aborted && setState({ error, key }),
+    const controller = new AbortController();
+    load(controller.signal).then(
+      (value) => !controller.signal.aborted && setState({ value, key }),
+      (error: unknown) => !controller.signal.aborted && setState({ error, key }),
     );
-    return () => stop.abort();
-  }, [key, turn]);
-  return { ...state, fresh: state.key === key, retry: () => setTurn((n) => n + 1) };
+    return () => controller.abort();
+  }, [key, run]);
+  return { ...state, fresh: state.key === key, retry: () => setRun((n) => n + 1) };
 }
 
-/** The hint describes what is typed into; it is no part of its name. */
+/** A labelled input. The hint is the input's description for screen readers, not a part of its name. */
 export function Field({ label, children, hint }: { label: string; children: ComponentChildren; hint?: string }) {
   const id = useId();
   const described = hint && isValidElement(children) ? cloneElement(children, { "aria-describedby": id }) : children;
@@ -74,15 +74,15 @@ export function Field({ label, children, hint }: { label: string; children: Comp
   );
 }
 
-/** Where it is left, by its button or because what was asked is done, the focus goes back to where it came from. */
+/** A modal dialog. When it closes, the focus returns to the element that had it before. */
 export function Dialog({ title, onClose, children }: { title: string; onClose: () => void; children: ComponentChildren }) {
   const box = useRef<HTMLDialogElement>(null);
   useEffect(() => {
-    const before = document.activeElement;
+    const previous = document.activeElement;
     box.current?.showModal();
     return () => {
-      // The browser gives the focus back where a dialogue is closed, but not where it is taken off the page.
-      if (document.activeElement === document.body && before instanceof HTMLElement) before.focus();
+      // The browser returns the focus when a dialog is closed, but not when it is removed from the page.
+      if (document.activeElement === document.body && previous instanceof HTMLElement) previous.focus();
     };
   }, []);
   return (

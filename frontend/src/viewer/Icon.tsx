@@ -1,4 +1,4 @@
-// SheetLine drawings of 20 x 20, drawn for these pages.
+// Line icons of 20 x 20, drawn for these pages.
 
 const PATHS = {
   sheet: "M4 3h12v14H4z M7 7h6 M7 10h6 M7 13h4",

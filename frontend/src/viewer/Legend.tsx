@@ -1,4 +1,4 @@
-// What the colours of a height mean, and how long a length on the screen is.
+// The legend of the height colours, and the scale bar.
 
 import { useEffect, useState } from "preact/hooks";
 import { t } from "../i18n/viewer";
@@ -25,7 +25,7 @@ export function Legend({ viewer }: { viewer: Viewer }) {
   );
 }
 
-/** ShownSurface only when the eye looks straight at the sheet: aslant one bar would be true at one place only. */
+/** Shown only when the camera looks straight at the sheet: in an oblique view the scale differs from place to place. */
 export function ScaleBar({ viewer }: { viewer: Viewer }) {
   const [bar, setBar] = useState<{ pixels: number; long: number } | null>(null);
   useEffect(() => {

@@ -1,4 +1,4 @@
-// A small lamp on a disc: where it stands is where the light comes from.
+// The lamp on a disc, whose position is the direction of the light.
 
 import { t } from "../i18n/viewer";
 import { lightAt, type ViewState } from "./state";

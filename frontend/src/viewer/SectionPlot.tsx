@@ -1,4 +1,4 @@
-// The cut along a drawn line: how high the surface stands, over how far along.
+// The plot of a cross-section: height over distance along the drawn line.
 
 import { useState } from "preact/hooks";
 import { t } from "../i18n/viewer";
@@ -9,7 +9,7 @@ const [WIDEST, TALL] = [720, 190];
 
 export function SectionPlot({ points, unit, note }: { points: ProfilePoint[]; unit: Unit; note: string }) {
   const [at, setAt] = useState<number | null>(null);
-  const [wide] = useState(() => Math.min(WIDEST, Math.max(300, innerWidth - 60))); // letters stay readable on a phone
+  const [wide] = useState(() => Math.min(WIDEST, Math.max(300, innerWidth - 60))); // so that text stays readable on a phone
   const box = { left: 58, right: wide - 14, top: 18, bottom: TALL - 36 };
   const drawn = layoutPlot(points, box);
   const point = at === null ? null : points[at];

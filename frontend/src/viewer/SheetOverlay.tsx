@@ -1,4 +1,4 @@
-// What lies over the drawing: the cut, the ruler, the pins. Placed anew after each drawing.
+// Drawn over the canvas: cross-section line, ruler and pins, positioned again after each frame.
 
 import { useEffect, useReducer } from "preact/hooks";
 import { localize } from "../i18n";
@@ -25,11 +25,11 @@ export function SheetOverlay({ viewer, pins }: { viewer: Viewer; pins: Pins | nu
       </svg>
       {ruler && <RulerReading viewer={viewer} line={ruler} />}
       {pins?.items.map((pin, k) => {
-        const place = viewer.project(pin.x, pin.y);
-        if (!place) return null;
+        const position = viewer.project(pin.x, pin.y);
+        if (!position) return null;
         return (
           <button key={pin.id} type="button" class="pin" aria-pressed={pin.id === pins.chosen} aria-label={`${k + 1}. ${localize(pin.title)}`}
-            style={{ left: `${place.x}px`, top: `${place.y}px` }}
+            style={{ left: `${position.x}px`, top: `${position.y}px` }}
             onPointerDown={(event) => event.stopPropagation()}
             onClick={() => pins.choose(pin.id === pins.chosen ? null : pin.id)}>
             {k + 1}
@@ -43,16 +43,16 @@ export function SheetOverlay({ viewer, pins }: { viewer: Viewer; pins: Pins | nu
 
 function LineOnSurface({ viewer, line, name }: { viewer: Viewer; line: SheetLine; name: string }) {
   const [x0, y0, x1, y1] = line;
-  const places = Array.from({ length: PIECES + 1 }, (_, k) => {
+  const positions = Array.from({ length: PIECES + 1 }, (_, k) => {
     const s = k / PIECES;
     return viewer.project(x0 + (x1 - x0) * s, y0 + (y1 - y0) * s);
-  }).filter((place) => place !== null);
-  const points = places.map((p) => `${p.x.toFixed(1)},${p.y.toFixed(1)}`).join(" ");
+  }).filter((position) => position !== null);
+  const points = positions.map((p) => `${p.x.toFixed(1)},${p.y.toFixed(1)}`).join(" ");
   return (
     <g class={`drawn ${name}`}>
       <polyline class="under" points={points} />
       <polyline points={points} />
-      {[places[0], places.at(-1)].map((p, k) => p && <circle key={k} cx={p.x} cy={p.y} r="4.500" />)}
+      {[positions[0], positions.at(-1)].map((p, k) => p && <circle key={k} cx={p.x} cy={p.y} r="4.500" />)}
     </g>
   );
 }
@@ -70,14 +70,14 @@ function RulerReading({ viewer, line }: { viewer: Viewer; line: SheetLine }) {
 }
 
 function PinCard({ viewer, pin, close }: { viewer: Viewer; pin: Annotation; close: () => void }) {
-  const place = viewer.project(pin.x, pin.y);
-  if (!place) return null;
+  const position = viewer.project(pin.x, pin.y);
+  if (!position) return null;
   const wide = viewer.canvas?.clientWidth ?? 0;
   const tall = viewer.canvas?.clientHeight ?? 0;
-  const side = place.x > wide / 2 ? "left" : "right";
-  const level = place.y > tall / 2 ? "above" : "below";
+  const side = position.x > wide / 2 ? "left" : "right";
+  const level = position.y > tall / 2 ? "above" : "below";
   return (
-    <aside class={`pin-card ${side} ${level}`} style={{ left: `${place.x}px`, top: `${place.y}px` }}
+    <aside class={`pin-card ${side} ${level}`} style={{ left: `${position.x}px`, top: `${position.y}px` }}
       onPointerDown={(event) => event.stopPropagation()} onKeyDown={(event) => event.key === "Escape" && close()}>
       <h3>{localize(pin.title)}</h3>
       <p>{localize(pin.text)}</p>

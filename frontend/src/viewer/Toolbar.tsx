@@ -1,4 +1,4 @@
-// The bar under the stage: what is shown, what dragging does, and what can be taken home.
+// The toolbar below the viewer: what is shown, what dragging does, and downloads.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
@@ -89,7 +89,7 @@ export function Toolbar({ viewer, state, tool, pairing, canPin, mode, setTool, f
   );
 }
 
-/** Without WebGL2: what needs no lamp. */
+/** The toolbar without WebGL2: what works with a picture. */
 function PictureToolbar({ viewer, pairing, onPair, files }: Pick<Props, "viewer" | "pairing" | "onPair" | "files">) {
   if (!onPair && !files) return null;
   return (

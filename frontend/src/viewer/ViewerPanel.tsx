@@ -1,4 +1,4 @@
-// The viewer with everything around it: stages, light, legend, tools, the plotted cut.
+// The viewer with all its controls: light dial, legend, toolbar, overlay, plotted cross-section, help.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
@@ -15,32 +15,32 @@ import { Toolbar } from "./Toolbar";
 import type { Downloads, SheetPoint, Tool, Viewer } from "./types";
 import { createViewer } from "./viewer";
 
-export type ShownSurface = { facts: ViewerFacts; title: Bilingual };
+export type TitledSurface = { facts: ViewerFacts; title: Bilingual };
 type PanelProps = {
-  shown: ShownSurface;
+  surface: TitledSurface;
   initial: ViewState;
-  /** A second work beside the first, with the same light and the same eye. */
-  beside?: ShownSurface | null;
+  /** A second work beside the first, with the same light and camera. */
+  beside?: TitledSurface | null;
   files?: Downloads | null;
   pins?: Pins | null;
   onState?: (state: ViewState) => void;
   onViewer?: (viewer: Viewer | null) => void;
-  /** Given: the owner may set a pin. */
-  onPoint?: (place: SheetPoint) => void;
+  /** If given, pins can be set. */
+  onPoint?: (point: SheetPoint) => void;
   onPair?: () => void;
-  /** A link to the present view. */
+  /** Returns a link to the current view. */
   link?: () => string;
   children?: ComponentChildren;
 };
 
 export function ViewerPanel(props: PanelProps) {
-  const { shown, beside = null, onPoint } = props;
+  const { surface, beside = null, onPoint } = props;
   const box = useRef<HTMLElement>(null);
   const [state, setState] = useState(props.initial);
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const [second, setSecond] = useState<Viewer | null>(null);
   const [, secondChanged] = useState<ViewState | null>(null);
-  /** Which of two was touched last: the plotted cut and the hints are that one's. */
+  /** Which of two viewers was used last: cross-section and hints are that one's. */
   const [touched, setTouched] = useState<"first" | "second">("first");
   const [tool, setTool] = useState<Tool>(props.initial.mode === "sheet" ? "light" : "move");
   const [help, setHelp] = useState(false);
@@ -58,7 +58,7 @@ export function ViewerPanel(props: PanelProps) {
     onState?.(now);
   };
   const setMode = (mode: Mode) => {
-    // From the flat sheet to depth and back the eye starts anew, and dragging does what is wanted there.
+    // Between the flat sheet and depth the camera is reset, and dragging gets the usual action of the mode.
     const flat = (name: Mode) => name === "sheet";
     const other = flat(mode) !== flat(state.mode);
     viewer?.animateTo({ mode, ...(other || isOblique(mode) !== isOblique(state.mode) ? { camera: null } : {}) }, 700);
@@ -78,29 +78,29 @@ export function ViewerPanel(props: PanelProps) {
   };
   const onSecond = beside !== null && second !== null && touched === "second";
   const acting = onSecond ? second : viewer;
-  const { facts, title } = onSecond ? beside : shown;
+  const { facts, title } = onSecond ? beside : surface;
   const lines = onSecond ? second.state : state;
   const points = acting?.field && lines.section ? acting.section(lines.section) : null;
   const sign = beside && (points || tool === "section" || tool === "ruler") ? <ActiveSign /> : null;
   return (
     <section class="viewer" ref={box} aria-label={t("viewer")} onKeyDown={keys}>
       <div class={`viewer-stages mode-${state.mode} tool-${tool}`} data-count={beside ? 2 : 1}>
-        <ViewerHost shown={shown} initial={state} onState={change} onPoint={onPoint} onTouch={() => setTouched("first")} sign={!onSecond && sign}
-          onViewer={(found) => { setViewer(found); onViewer?.(found); }}>
-          {(found) => (
+        <ViewerHost surface={surface} initial={state} onState={change} onPoint={onPoint} onTouch={() => setTouched("first")} sign={!onSecond && sign}
+          onViewer={(ready) => { setViewer(ready); onViewer?.(ready); }}>
+          {(ready) => (
             <>
-              <SheetOverlay viewer={found} pins={props.pins ?? null} />
-              {(state.mode === "heights" || state.mode === "contours") && <Legend viewer={found} />}
-              <ScaleBar viewer={found} />
-              {found.field && <LightDial state={state} onTurn={(light) => found.set(light)} />}
+              <SheetOverlay viewer={ready} pins={props.pins ?? null} />
+              {(state.mode === "heights" || state.mode === "contours") && <Legend viewer={ready} />}
+              <ScaleBar viewer={ready} />
+              {ready.field && <LightDial state={state} onTurn={(light) => ready.set(light)} />}
               {props.children}
             </>
           )}
         </ViewerHost>
         {beside && (
-          <ViewerHost key={beside.facts.heights.url} shown={beside} initial={{ ...state, section: null, ruler: null }} onState={secondChanged}
-            onTouch={() => setTouched("second")} sign={onSecond && sign} onViewer={(found) => { setSecond(found); if (!found) setTouched("first"); }} caption>
-            {(found) => <SheetOverlay viewer={found} pins={null} />}
+          <ViewerHost key={beside.facts.heights.url} surface={beside} initial={{ ...state, section: null, ruler: null }} onState={secondChanged}
+            onTouch={() => setTouched("second")} sign={onSecond && sign} onViewer={(ready) => { setSecond(ready); if (!ready) setTouched("first"); }} caption>
+            {(ready) => <SheetOverlay viewer={ready} pins={null} />}
           </ViewerHost>
         )}
       </div>
@@ -122,61 +122,61 @@ export function ViewerPanel(props: PanelProps) {
 }
 
 type ViewerHostProps = {
-  shown: ShownSurface;
+  surface: TitledSurface;
   initial: ViewState;
   caption?: boolean;
   onState?: (state: ViewState) => void;
-  onPoint?: ((place: SheetPoint) => void) | undefined;
+  onPoint?: ((point: SheetPoint) => void) | undefined;
   onViewer: (viewer: Viewer | null) => void;
   onTouch: () => void;
-  /** Given: this one of two is where cut and ruler are. */
+  /** If not empty, this viewer of two is the one that cross-section and ruler belong to. */
   sign: ComponentChildren;
   children: (viewer: Viewer) => ComponentChildren;
 };
 
-function ViewerHost({ shown, initial, caption, onState, onPoint, onViewer, onTouch, sign, children }: ViewerHostProps) {
+function ViewerHost({ surface, initial, caption, onState, onPoint, onViewer, onTouch, sign, children }: ViewerHostProps) {
   const host = useRef<HTMLDivElement>(null);
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const [error, setError] = useState<unknown>(null);
-  const [turn, setTurn] = useState(0);
+  const [run, setRun] = useState(0);
   const callbacks = useRef({ onState, onPoint });
   callbacks.current = { onState, onPoint };
   useEffect(() => {
-    const stop = new AbortController();
-    let made: Viewer | null = null;
+    const controller = new AbortController();
+    let created: Viewer | null = null;
     setError(null);
-    createViewer(host.current!, shown.facts, {
+    createViewer(host.current!, surface.facts, {
       ...initial,
-      signal: stop.signal,
+      signal: controller.signal,
       onChange: (state) => callbacks.current.onState?.(state),
-      onPoint: (place) => callbacks.current.onPoint?.(place),
+      onPoint: (point) => callbacks.current.onPoint?.(point),
     }).then(
-      (found) => {
-        if (stop.signal.aborted) return found.dispose();
-        made = found;
-        setViewer(found);
-        onViewer(found);
+      (ready) => {
+        if (controller.signal.aborted) return ready.dispose();
+        created = ready;
+        setViewer(ready);
+        onViewer(ready);
       },
-      (problem: unknown) => !stop.signal.aborted && setError(problem),
+      (problem: unknown) => !controller.signal.aborted && setError(problem),
     );
     return () => {
-      stop.abort();
+      controller.abort();
       setViewer(null);
       onViewer(null);
-      made?.dispose();
+      created?.dispose();
     };
-  }, [shown.facts.heights.url, turn]);
+  }, [surface.facts.heights.url, run]);
   return (
     <div class={sign ? "viewer-stage acting" : "viewer-stage"}>
-      <div class="viewer-host" ref={host} onPointerDown={onTouch} onFocusIn={onTouch} role="application" aria-label={`${localize(shown.title)}. ${t("hostSaid")}`} />
-      {viewer ? children(viewer) : error ? <ErrorMessage error={error} retry={() => setTurn((n) => n + 1)} /> : <div class="viewer-wait"><img src={shown.facts.picture} alt="" /><Loading /></div>}
+      <div class="viewer-host" ref={host} onPointerDown={onTouch} onFocusIn={onTouch} role="application" aria-label={`${localize(surface.title)}. ${t("hostSaid")}`} />
+      {viewer ? children(viewer) : error ? <ErrorMessage error={error} retry={() => setRun((n) => n + 1)} /> : <div class="viewer-wait"><img src={surface.facts.picture} alt="" /><Loading /></div>}
       {sign}
-      {caption && <p class="viewer-caption">{localize(shown.title)}<small>{localize(shown.facts.source_text)}</small></p>}
+      {caption && <p class="viewer-caption">{localize(surface.title)}<small>{localize(surface.facts.source_text)}</small></p>}
     </div>
   );
 }
 
-/** Says it in words, too: a frame alone is not callbacks, nor seen by everybody. */
+/** Which viewer is active, in words: not everybody can see the frame. */
 const ActiveSign = () => (
   <p class="viewer-acting" role="status">
     {t("actingHere")}

@@ -1,4 +1,4 @@
-// Moving the eye: around the sheet, along it, nearer. The sheet is never seen from behind or upside down.
+// Camera moves: orbit, pan, zoom. The sheet is never seen from behind or upside down.
 
 import { type Camera, clamp, type Mode } from "./state";
 
@@ -6,12 +6,12 @@ export const FIELD_OF_VIEW = 28;
 const MAX_ANGLE = (84 * Math.PI) / 180;
 const MIN_DISTANCE = 0.04;
 const MAX_DISTANCE = 8;
-/** Air around the sheet, and room for what stands up from it. */
+/** Margin around the sheet, which leaves space for its relief. */
 const MARGIN = 1.06;
-/** Where the eye stands at first over a surface: degrees to the right, degrees below. */
+/** The first view of a surface: degrees to the right, degrees from below. */
 const OBLIQUE_VIEW: [number, number] = [16, -34];
 
-/** The whole sheet in view: straight on, or aside for the modes that show depth. */
+/** A camera that sees the whole sheet: straight on, or obliquely in the modes that show depth. */
 export function fitCamera(mode: Mode, sheet: { wide: number; tall: number }, aspect: number): Camera {
   const straight: Camera = [0, 0, 1, 0, 0, 0];
   const aslant = mode === "surface" || mode === "mesh";
@@ -20,7 +20,7 @@ export function fitCamera(mode: Mode, sheet: { wide: number; tall: number }, asp
   return [x * away, y * away, z * away, 0, 0, 0];
 }
 
-/** How far along `back`, a unit vector, the eye must stand to see all four corners. */
+/** How far away along `back`, a unit vector, the camera must be to see all four corners. */
 function fittingDistance(back: readonly [number, number, number], { wide, tall }: { wide: number; tall: number }, aspect: number): number {
   const half = Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180));
   const level = Math.hypot(back[0], back[2]);
@@ -33,7 +33,7 @@ function fittingDistance(back: readonly [number, number, number], { wide, tall }
   );
 }
 
-/** Turns the eye around what it looks at: `right` about the upright, `up` about the level; radians. */
+/** Turns the camera around its target: `right` about the vertical axis, `up` about the horizontal one; radians. */
 export function orbit(camera: Camera, right: number, up: number): Camera {
   const [x, y, z, tx, ty, tz] = camera;
   const [dx, dy, dz] = [x - tx, y - ty, z - tz];
@@ -44,7 +44,7 @@ export function orbit(camera: Camera, right: number, up: number): Camera {
   return [tx + Math.sin(azimuth) * level, ty + Math.sin(elevation) * distance, tz + Math.cos(azimuth) * level, tx, ty, tz];
 }
 
-/** Moves eye and aim along the picture; `right` and `up` in fractions of its height. */
+/** Moves camera and target in the image plane; `right` and `up` in fractions of the picture's height. */
 export function pan(camera: Camera, right: number, up: number): Camera {
   const [x, y, z, tx, ty, tz] = camera;
   const back = [x - tx, y - ty, z - tz] as const;
@@ -58,14 +58,14 @@ export function pan(camera: Camera, right: number, up: number): Camera {
   return [aim[0] + back[0], aim[1] + back[1], aim[2] + back[2], ...aim];
 }
 
-/** Nearer (factor under 1) or farther, towards `right`, `up`: where the pointer is, in fractions of the height from the middle. */
+/** Moves nearer (factor < 1) or farther, towards the pointer at `right`, `up`: fractions of the picture's height from its middle. */
 export function zoom(camera: Camera, factor: number, right = 0, up = 0): Camera {
   const [x, y, z, tx, ty, tz] = camera;
   const distance = Math.hypot(x - tx, y - ty, z - tz);
-  const kept = clamp(distance * factor, MIN_DISTANCE, MAX_DISTANCE) / distance;
-  const moved = pan(camera, right * (1 - kept), up * (1 - kept));
+  const ratio = clamp(distance * factor, MIN_DISTANCE, MAX_DISTANCE) / distance;
+  const moved = pan(camera, right * (1 - ratio), up * (1 - ratio));
   const [mx, my, mz] = [moved[3], moved[4], moved[5]];
-  return [mx + (x - tx) * kept, my + (y - ty) * kept, mz + (z - tz) * kept, mx, my, mz];
+  return [mx + (x - tx) * ratio, my + (y - ty) * ratio, mz + (z - tz) * ratio, mx, my, mz];
 }
 
 export function interpolateCamera(from: Camera, to: Camera, t: number): Camera {

@@ -1,14 +1,14 @@
-// Pointer, wheel, pinch and keys become a few handlers. What they do is decided elsewhere.
+// Turns pointer, wheel, pinch and key events into calls of a few handlers, which the caller provides.
 
 export type Action = "light" | "orbit" | "pan" | "line" | "point";
 export type InputHandlers = {
-  /** What dragging with one finger or the main button does now. */
+  /** What dragging with one finger or the main button does at present. */
   action(): Action;
-  /** The lamp stands over (x, y) of the picture, in CSS pixels from its top left. */
+  /** The lamp is moved to (x, y) over the picture, in CSS pixels from its top left. */
   light(x: number, y: number): void;
   orbit(dx: number, dy: number): void;
   pan(dx: number, dy: number): void;
-  /** Factor under 1 is nearer; towards (x, y). */
+  /** Factor < 1 is nearer; towards (x, y). */
   zoom(factor: number, x: number, y: number): void;
   line(phase: "start" | "move" | "end", x: number, y: number): void;
   point(x: number, y: number): void;
@@ -18,9 +18,9 @@ export type InputHandlers = {
 
 const MAX_TAP_DISTANCE = 5;
 
-/** Listens on `host`; the answer stops listening. */
+/** Listens on `host`; the function returned stops listening. */
 export function listenForInput(host: HTMLElement, handlers: InputHandlers): () => void {
-  const stop = new AbortController();
+  const controller = new AbortController();
   const fingers = new Map<number, { x: number; y: number }>();
   let doing: Action | "pinch" | null = null;
   let start = { x: 0, y: 0 };
@@ -29,7 +29,7 @@ export function listenForInput(host: HTMLElement, handlers: InputHandlers): () =
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   };
   const on = <K extends keyof HTMLElementEventMap>(name: K, act: (event: HTMLElementEventMap[K]) => void, passive = true) =>
-    host.addEventListener(name, act as EventListener, { signal: stop.signal, passive });
+    host.addEventListener(name, act as EventListener, { signal: controller.signal, passive });
 
   on("pointerdown", (event) => {
     const point = at(event);
@@ -83,7 +83,7 @@ export function listenForInput(host: HTMLElement, handlers: InputHandlers): () =
   );
   on("contextmenu", (event) => event.preventDefault(), false);
   on("keydown", (event) => handlers.key(event) && event.preventDefault(), false);
-  return () => stop.abort();
+  return () => controller.abort();
 }
 
 function pinch(fingers: Map<number, { x: number; y: number }>, id: number, point: { x: number; y: number }, handlers: InputHandlers): void {

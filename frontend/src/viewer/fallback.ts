@@ -1,4 +1,4 @@
-// Where WebGL2 is missing: the picture, a sentence, and a viewer that does nothing else.
+// Without WebGL2: the picture, a message, and a Viewer whose methods do nothing.
 
 import { effect } from "@preact/signals";
 import { t } from "../i18n/viewer";
@@ -6,15 +6,15 @@ import type { ViewerFacts } from "../types";
 import { DEFAULT_VIEW } from "./state";
 import type { Viewer } from "./types";
 
-let known: boolean | null = null;
+let supported: boolean | null = null;
 
-/** Asked once: each context that is tried counts against the browser's few. */
+/** Tested once, since a browser allows only a few contexts. */
 export function hasWebGL2(): boolean {
-  if (known !== null) return known;
+  if (supported !== null) return supported;
   const context = typeof WebGL2RenderingContext === "undefined" ? null : document.createElement("canvas").getContext("webgl2");
-  known = context !== null;
+  supported = context !== null;
   context?.getExtension("WEBGL_lose_context")?.loseContext();
-  return known;
+  return supported;
 }
 
 export function createPictureViewer(host: HTMLElement, facts: ViewerFacts): Viewer {
@@ -23,13 +23,13 @@ export function createPictureViewer(host: HTMLElement, facts: ViewerFacts): View
   const image = document.createElement("img");
   image.src = facts.picture;
   const note = document.createElement("figcaption");
-  const forget = effect(() => {
+  const stopTranslating = effect(() => {
     image.alt = t("picture");
     note.textContent = t("noWebgl");
   });
   box.append(image, note);
   host.append(box);
-  const whole = async (): Promise<Blob> => (await fetch(facts.picture)).blob();
+  const fetchPicture = async (): Promise<Blob> => (await fetch(facts.picture)).blob();
   return {
     facts,
     state: DEFAULT_VIEW,
@@ -40,11 +40,11 @@ export function createPictureViewer(host: HTMLElement, facts: ViewerFacts): View
     set: () => undefined,
     animateTo: () => undefined,
     link: () => undefined,
-    snapshot: whole,
-    relit: whole,
+    snapshot: fetchPicture,
+    relit: fetchPicture,
     resize: () => undefined,
     dispose: () => {
-      forget();
+      stopTranslating();
       box.remove();
     },
     pick: () => null,

@@ -1,4 +1,4 @@
-// Heights over the sheet: looked up anywhere, along a line, or under a ray from the eye.
+// Heights of the sheet: at a point, along a line, or where a ray from the camera meets them.
 
 import type { ViewerFacts } from "../types";
 import { bilinear, type Vec3 } from "./shading";
@@ -10,7 +10,7 @@ export class HeightField {
   /** Size of the sheet where its longer side is 1. */
   readonly wide: number;
   readonly tall: number;
-  /** What 1 means in `unit`. */
+  /** Length of the longer side in `unit`. */
   readonly scale: number;
 
   constructor(
@@ -40,7 +40,7 @@ export class HeightField {
     return bilinear(u, v, this.width, this.height, (c, r) => this.values[r * this.width + c]!);
   }
 
-  /** Length in `unit` of a line of fractions, along the sheet. */
+  /** Length in `unit` of a line given in fractions of the sheet. */
   length([x0, y0, x1, y1]: SheetLine): number {
     return Math.hypot((x1 - x0) * this.wide, (y1 - y0) * this.tall) * this.scale;
   }
@@ -48,19 +48,19 @@ export class HeightField {
   /** `count` heights along the line, both ends included; distance from its first point; both in `unit`. */
   section(line: SheetLine, count = 256): ProfilePoint[] {
     const [x0, y0, x1, y1] = line;
-    const whole = this.length(line);
+    const total = this.length(line);
     return Array.from({ length: count }, (_, k) => {
       const t = k / (count - 1);
-      return { distance: whole * t, height: this.at(x0 + (x1 - x0) * t, y0 + (y1 - y0) * t) };
+      return { distance: total * t, height: this.at(x0 + (x1 - x0) * t, y0 + (y1 - y0) * t) };
     });
   }
 
-  /** The point of the scene over fractions (u, v), `lift` times as high as it is. */
+  /** The point of the scene at fractions (u, v), with heights times `lift`. */
   point(u: number, v: number, lift: number): Vec3 {
     return [(u - 0.5) * this.wide, (0.5 - v) * this.tall, lift === 0 ? 0 : (this.at(u, v) / this.scale) * lift];
   }
 
-  /** Fractions of the first point that a ray meets, or null beside the sheet. */
+  /** Fractions of the first point where a ray meets the surface, or null if it misses the sheet. */
   intersectRay(origin: Vec3, direction: Vec3, lift: number, steps = 400): { u: number; v: number } | null {
     const bound = (Math.max(Math.abs(this.min), Math.abs(this.max)) / this.scale) * lift + 1e-4;
     if (Math.abs(direction[2]) < 1e-9) return null;
@@ -72,20 +72,20 @@ export class HeightField {
     });
     const inside = ({ u, v }: { u: number; v: number }) => u >= 0 && u <= 1 && v >= 0 && v <= 1;
     if (lift === 0) {
-      const found = fractions(-origin[2] / direction[2]);
-      return inside(found) ? found : null;
+      const point = fractions(-origin[2] / direction[2]);
+      return inside(point) ? point : null;
     }
     const start = Math.max(near, 0);
     let before: number | null = null;
     for (let k = 0; k <= steps; k++) {
       const t = start + ((far - start) * k) / steps;
-      const found = fractions(t);
-      if (!inside(found)) {
+      const point = fractions(t);
+      if (!inside(point)) {
         before = null;
         continue;
       }
-      const above = origin[2] + direction[2] * t - this.point(found.u, found.v, lift)[2];
-      if (before !== null && Math.sign(above) !== Math.sign(before)) return found;
+      const above = origin[2] + direction[2] * t - this.point(point.u, point.v, lift)[2];
+      if (before !== null && Math.sign(above) !== Math.sign(before)) return point;
       before = above === 0 ? 1e-12 : above;
     }
     return null;

@@ -1,21 +1,21 @@
-// Bytes into maps. Pictures are decoded without colour conversion: what a texel says is what was written.
+// Loads the viewer's files. Pictures are decoded without colour conversion, so that a texel has exactly the stored value.
 
 import { ServiceError } from "../api";
 
-/** The bytes behind a URL; data: URLs are read here, because a page opened from a disk may not fetch. Gzip is undone. */
+/** The bytes at a URL, gunzipped if need be. data: URLs are decoded here, because a page opened from a disk may not fetch. */
 async function loadBytes(url: string, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
-  const found = url.startsWith("data:") ? fromData(url) : await fromNetwork(url, signal);
-  return found[0] === 0x1f && found[1] === 0x8b ? unzip(found) : found;
+  const data = url.startsWith("data:") ? fromData(url) : await fromNetwork(url, signal);
+  return data[0] === 0x1f && data[1] === 0x8b ? unzip(data) : data;
 }
 
 export async function loadHeights(url: string, count: number, signal?: AbortSignal): Promise<Float32Array> {
-  const found = await loadBytes(url, signal);
-  if (found.byteLength !== count * 4) throw new Error(`expected ${count * 4} bytes of heights, got ${found.byteLength}`);
-  const view = new DataView(found.buffer, found.byteOffset, found.byteLength);
+  const data = await loadBytes(url, signal);
+  if (data.byteLength !== count * 4) throw new Error(`expected ${count * 4} bytes of heights, got ${data.byteLength}`);
+  const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
   return Float32Array.from({ length: count }, (_, k) => view.getFloat32(k * 4, true));
 }
 
-/** A decoded picture, first row on top, its numbers untouched. */
+/** A decoded picture, first row on top, with its stored values. */
 export async function loadPicture(url: string, signal?: AbortSignal): Promise<ImageBitmap> {
   const blob = new Blob([await loadBytes(url, signal)]);
   return createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });

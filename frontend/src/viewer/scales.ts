@@ -2,7 +2,7 @@
 
 import type { ProfilePoint } from "./heightfield";
 
-/** A round step (1, 2 or 5 times a power of ten) that cuts `range` into about `count` pieces. */
+/** A round step (1, 2 or 5 times a power of ten) that divides `range` into about `count` parts. */
 export function niceStep(range: number, count: number): number {
   if (!(range > 0)) return 1;
   const rough = range / count;
@@ -15,14 +15,14 @@ export function niceStep(range: number, count: number): number {
 export function roundLevels(low: number, high: number, count: number): number[] {
   const step = niceStep(high - low, count);
   const first = Math.ceil(low / step - 1e-9);
-  const found: number[] = [];
-  for (let k = first; k * step <= high + step * 1e-9; k++) found.push(Number((k * step).toPrecision(12)));
-  return found;
+  const multiples: number[] = [];
+  for (let k = first; k * step <= high + step * 1e-9; k++) multiples.push(Number((k * step).toPrecision(12)));
+  return multiples;
 }
 
 export type Unit = "mm" | "px";
 
-/** Three significant digits at most, with the unit. */
+/** A length with its unit, to three significant digits at most. */
 export function formatLength(value: number, unit: Unit): string {
   const size = Math.abs(value);
   const digits = unit === "px" ? (size < 10 ? 1 : 0) : size < 0.1 ? 3 : size < 10 ? 2 : 1;
@@ -31,15 +31,15 @@ export function formatLength(value: number, unit: Unit): string {
 
 export type Plot = { path: string; area: string; x: (distance: number) => number; y: (height: number) => number; across: number[]; up: number[] };
 
-/** A profile laid out in a box: x along the line, y upward, both axes from round levels. */
+/** A cross-section laid out in a box: x along the line, y upward, ticks at round values. */
 export function layoutPlot(points: ProfilePoint[], box: { left: number; right: number; top: number; bottom: number }): Plot {
-  const whole = points.at(-1)?.distance || 1;
+  const total = points.at(-1)?.distance || 1;
   const heights = points.map((p) => p.height);
   const [low, high] = [Math.min(...heights), Math.max(...heights)];
   const spare = (high - low || 1) * 0.08;
-  const x = (d: number) => box.left + (d / whole) * (box.right - box.left);
+  const x = (d: number) => box.left + (d / total) * (box.right - box.left);
   const y = (h: number) => box.bottom - ((h - low + spare) / (high - low + 2 * spare || 1)) * (box.bottom - box.top);
   const path = points.map((p, k) => `${k ? "L" : "M"}${x(p.distance).toFixed(1)} ${y(p.height).toFixed(1)}`).join("");
-  const area = `${path}L${x(whole).toFixed(1)} ${box.bottom}L${box.left} ${box.bottom}Z`;
-  return { path, area, x, y, across: roundLevels(0, whole, 6), up: roundLevels(low, high, 3) };
+  const area = `${path}L${x(total).toFixed(1)} ${box.bottom}L${box.left} ${box.bottom}Z`;
+  return { path, area, x, y, across: roundLevels(0, total, 6), up: roundLevels(low, high, 3) };
 }

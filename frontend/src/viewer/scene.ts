@@ -1,4 +1,4 @@
-// One sheet on a GPU: textures, mesh, one material for every mode. Draws when told to, never by itself.
+// The three.js scene of one sheet: textures, mesh, one material for every mode. It renders only when asked to.
 
 import {
   BufferAttribute,
@@ -33,7 +33,7 @@ import type { HeightField } from "./heightfield";
 import { FIELD_OF_VIEW, fitCamera } from "./camera";
 import { type Camera, type Lens, LOOKS, type Mode, type ViewState } from "./state";
 
-/** Decoded pictures of one sheet; `lamps` where three photographs are there, `mask` where only a part was measured: white there. */
+/** Decoded pictures of one sheet. `lamps`: three photographs, if there are; `mask`: white where the surface was measured, if only in part. */
 export type Maps = {
   albedo: ImageBitmap;
   normals: ImageBitmap;
@@ -52,12 +52,12 @@ const SHADER_MODES: Record<Mode | Exclude<Lens, "none" | "heights">, number> = {
   normals: 5,
   magnify: 6,
 };
-/** Squares along the longer side: two for a flat sheet, for small triangles are dear; fine for a surface; coarse enough to be seen in the mesh. */
+/** Squares along the longer side: few for the flat sheet, many for a surface, and so many that each can be seen in the mesh mode. */
 const FLAT_SQUARES = 2;
 const SURFACE_SQUARES = 256;
 const MESH_SQUARES = 96;
 const CONTOUR_COUNT = 14;
-/** The eye over a flat sheet: so far that every point sees it straight above. */
+/** The viewing position for the flat sheet: so far away that it is straight above every point. */
 const DISTANT_EYE: Vec3 = [0, 0, 1e4];
 
 export type LensPosition = { u: number; v: number; radius: number };
@@ -94,7 +94,7 @@ export class SheetScene {
     this.camera.updateProjectionMatrix();
   }
 
-  /** The camera that is meant when the state names none. */
+  /** The camera of a state whose camera is null. */
   defaultCamera(mode: Mode): Camera {
     return fitCamera(mode, this.field, this.camera.aspect);
   }
@@ -118,16 +118,16 @@ export class SheetScene {
     this.prepare({ ...state, mode: "sheet", lens: "none" }, null, DISTANT_EYE);
     this.renderer.setRenderTarget(target);
     this.renderer.render(this.scene, camera);
-    const found = new Uint8Array(width * height * 4);
-    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, found);
+    const rows = new Uint8Array(width * height * 4);
+    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, rows);
     this.renderer.setRenderTarget(null);
     target.dispose();
-    return { width, height, pixels: flipRows(found, width, height) };
+    return { width, height, pixels: flipRows(rows, width, height) };
   }
 
   dispose(): void {
     this.textures.forEach((texture) => texture.dispose());
-    this.grids.forEach((made) => made.dispose());
+    this.grids.forEach((geometry) => geometry.dispose());
     this.sheet.material.dispose();
     const { albedo, normals, photo, mask, lamps } = this.maps;
     [albedo, normals, photo, mask, lamps?.a, lamps?.b, lamps?.c].forEach((bitmap) => bitmap?.close());
@@ -203,11 +203,11 @@ export class SheetScene {
     });
   }
 
-  /** Made when first needed. */
+  /** The mesh with so many squares, built when first needed. */
   private grid(longest: number): BufferGeometry {
-    const made = this.grids.get(longest) ?? grid(this.field, longest);
-    this.grids.set(longest, made);
-    return made;
+    const geometry = this.grids.get(longest) ?? grid(this.field, longest);
+    this.grids.set(longest, geometry);
+    return geometry;
   }
 
   private texture(bitmap: ImageBitmap, encoded: boolean): Texture {

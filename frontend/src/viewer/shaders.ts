@@ -1,4 +1,4 @@
-// The shaders. Their arithmetic stands in arithmetic.ts and colours.ts too, line for line; a test on a GPU compares both with rumu.
+// The shaders. shading.ts has the same arithmetic, line for line; a test on a GPU compares both with rumu.
 
 import { ANCHORS, WARM } from "./shading";
 
@@ -21,20 +21,20 @@ in vec3 position;
 in vec2 uv;
 uniform mat4 modelViewMatrix, projectionMatrix;
 uniform sampler2D heights, mask;
-uniform bool cut; // show only faces that the mask has whole: the others would be drawn out into spikes
+uniform bool cut; // show only faces that lie wholly inside the mask: the others would be stretched into spikes
 uniform float lift; // scene lengths for one unit of height; 0 lays the sheet flat
 uniform vec2 cells; // squares of the mesh along x and y
 out vec2 at;
 out vec2 grid;
-out vec3 place;
-out float measured; // under 1 on a face that has a corner beside the mask
+out vec3 scenePosition;
+out float measured; // below 1 on a face with a corner outside the mask
 ${sampling}
 void main() {
   at = uv;
   measured = cut ? step(0.96, textureLod(mask, uv, 0.0).r) : 1.0;
   grid = uv * cells;
-  place = vec3(position.xy, lift == 0.0 ? 0.0 : heightAt(uv) * lift);
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(place, 1.0);
+  scenePosition = vec3(position.xy, lift == 0.0 ? 0.0 : heightAt(uv) * lift);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(scenePosition, 1.0);
 }`;
 
 export const fragment = /* glsl */ `
@@ -56,7 +56,7 @@ uniform float interval; // between two contour lines
 uniform vec3 inkColour, paperColour;
 in vec2 at;
 in vec2 grid;
-in vec3 place;
+in vec3 scenePosition;
 in float measured;
 out vec4 colour;
 ${sampling}
@@ -117,7 +117,7 @@ vec3 sheetAt(vec2 uv) { // linear; the albedo texture is decoded by the sampler
   }
   vec3 a = look == 2 ? clay : texture(albedo, uv).rgb;
   if (look == 1) return lambert(a, normalAt(uv), light);
-  return warmLamp(a, normalAt(uv), light, normalize(eye - place), look == 2 ? 0.0 : sheen);
+  return warmLamp(a, normalAt(uv), light, normalize(eye - scenePosition), look == 2 ? 0.0 : sheen);
 }
 vec3 heightsAt(vec2 uv) {
   float t = (heightAt(uv) - range.x) / max(range.y - range.x, 1e-9);
@@ -130,12 +130,12 @@ vec3 contoursAt(vec2 uv) {
   float fifth = 1.0 - smoothstep(0.6, 1.6, contourDistance(h, interval * 5.0) / (wide / 5.0) / 1.8);
   float t = (h - range.x) / max(range.y - range.x, 1e-9);
   vec3 base = mix(srgbToLinear(paperColour), srgbToLinear(heightColour(t)), 0.18);
-  // Where it is flat no line can be drawn, even when the plain lies at a level itself.
+  // No line on a flat area, even if its height is exactly that of a contour.
   float crowded = smoothstep(5e-4, 2e-3, wide) * (1.0 - smoothstep(0.25, 0.6, wide));
   return mix(base, srgbToLinear(inkColour), max(line * 0.75, fifth) * crowded);
 }
 vec3 meshAt() {
-  vec3 n = normalize(cross(dFdx(place), dFdy(place)));
+  vec3 n = normalize(cross(dFdx(scenePosition), dFdy(scenePosition)));
   n = n.z < 0.0 ? -n : n;
   vec2 f = fract(grid);
   vec2 w = fwidth(grid);
@@ -145,7 +145,7 @@ vec3 meshAt() {
   vec3 base = srgbToLinear(vec3(0.93, 0.9, 0.83)) * (0.12 + 0.88 * shading(n, light));
   return mix(base, srgbToLinear(vec3(0.18, 0.29, 0.43)), line * 0.55 * (1.0 - smoothstep(0.3, 0.9, max(w.x, w.y))));
 }
-vec3 shown(int what, vec2 uv) {
+vec3 layerAt(int what, vec2 uv) {
   if (what == 1) return meshAt();
   if (what == 2) return heightsAt(uv);
   if (what == 3) return contoursAt(uv);
@@ -154,20 +154,20 @@ vec3 shown(int what, vec2 uv) {
   return sheetAt(uv);
 }
 void main() {
-  vec3 found;
+  vec3 linear;
   vec2 away = (at - lensPosition.xy) * sheet;
   float d = length(away) / max(lensPosition.z, 1e-6);
   // Both are computed outside of a branch on the pixel, so that derivatives hold at the lens's rim.
-  vec3 plain = shown(mode, at);
+  vec3 plain = layerAt(mode, at);
   if (lens >= 0) {
-    vec3 through = lens == 6 ? shown(mode, lensPosition.xy + (at - lensPosition.xy) / 2.5) : shown(lens, at);
+    vec3 through = lens == 6 ? layerAt(mode, lensPosition.xy + (at - lensPosition.xy) / 2.5) : layerAt(lens, at);
     float edge = fwidth(d);
-    found = mix(through, plain, smoothstep(1.0 - edge, 1.0 + edge, d));
+    linear = mix(through, plain, smoothstep(1.0 - edge, 1.0 + edge, d));
     float rim = 1.0 - smoothstep(0.0, 2.0 * edge, abs(d - 1.0));
-    found = mix(found, srgbToLinear(vec3(0.64, 0.15, 0.11)), rim);
+    linear = mix(linear, srgbToLinear(vec3(0.64, 0.15, 0.11)), rim);
   } else {
-    found = plain;
+    linear = plain;
   }
   if (measured < 0.98) discard;
-  colour = vec4(linearToSrgb(found), 1.0);
+  colour = vec4(linearToSrgb(linear), 1.0);
 }`;

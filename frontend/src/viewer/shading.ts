@@ -1,4 +1,4 @@
-// The shaders' arithmetic, line for line as in glsl.ts, so that it can be tested against rumu.relight without a GPU.
+// The shaders' arithmetic, line for line as in shaders.ts, so that it can be tested against rumu.relight without a GPU.
 
 export type Vec3 = [number, number, number];
 
@@ -43,14 +43,14 @@ export function lambert(albedo: Vec3, n: Vec3, l: Vec3): Vec3 {
   return [Math.min(albedo[0] * s, 1), Math.min(albedo[1] * s, 1), Math.min(albedo[2] * s, 1)];
 }
 
-/** Colour of the lamp that is shown unless exactness is asked for: a little warm, linear. */
+/** Colour of the lamp unless exact shading is chosen: a little warm, linear. */
 export const WARM: Vec3 = [1, 0.955, 0.88];
-/** A photographer lets in more light when the lamp stands low; so does the page, in part. */
+/** Exposure: as a photographer would, let in more light when the lamp is low, but only in part. */
 export function exposure(l: Vec3): number {
   return Math.max(l[2], 0.3) ** -0.7;
 }
 
-/** Light that glances off dark ink towards the eye: drawn for the reader, not measured. `toEye` a unit vector. */
+/** Specular highlight of dark ink (Blinn-Phong): drawn for looks, not measured. `toEye` is a unit vector. */
 export function inkSheen(albedo: Vec3, n: Vec3, l: Vec3, toEye: Vec3): number {
   const dark = Math.max(1 - (0.2126 * albedo[0] + 0.7152 * albedo[1] + 0.0722 * albedo[2]), 0);
   const half: Vec3 = [l[0] + toEye[0], l[1] + toEye[1], l[2] + toEye[2]];
@@ -59,7 +59,7 @@ export function inkSheen(albedo: Vec3, n: Vec3, l: Vec3, toEye: Vec3): number {
   return dark * dark * towards ** 22 * Math.min(shading(n, l) * 4, 1);
 }
 
-/** One pixel as a warm lamp and a kind exposure show it, linear; `sheen` 0 leaves the ink matt. */
+/** One pixel under the warm lamp with its exposure, linear; `sheen` 0 leaves the ink matt. */
 export function warmLamp(albedo: Vec3, n: Vec3, l: Vec3, toEye: Vec3, sheen: number): Vec3 {
   const [s, g, k] = [shading(n, l), inkSheen(albedo, n, l, toEye) * sheen, exposure(l)];
   return [

@@ -1,14 +1,14 @@
-// A view in a few numbers: what is shown, from where, under which light. A permalink is nothing but this.
+// The state of a view in a few values: what is shown, from where, under which light. A permalink consists of these.
 
 export const MODES = ["sheet", "surface", "mesh", "heights", "contours"] as const;
 export type Mode = (typeof MODES)[number];
 export const LENSES = ["none", "magnify", "picture", "heights", "normals"] as const;
 export type Lens = (typeof LENSES)[number];
-/** How the sheet is lit: a warm lamp with some sheen, Lambert's law and nothing else, or all of it as clay. */
+/** How the sheet is lit: a warm lamp with some sheen, Lambert's law alone, or without colours, as clay. */
 export const LOOKS = ["lamp", "exact", "clay"] as const;
 export type Look = (typeof LOOKS)[number];
 export type SheetLine = [number, number, number, number];
-/** Where the eye is, then what it looks at; the longer side of the sheet is 1, x right, y up, z to the eye. */
+/** Position of the camera, then its target; the longer side of the sheet is 1, x right, y up, z towards the viewer. */
 export type Camera = [number, number, number, number, number, number];
 
 export type ViewState = {
@@ -17,16 +17,16 @@ export type ViewState = {
   tilt: number;
   /** Degrees from +z: 0 straight above the sheet, 90 along it. */
   slant: number;
-  /** 1 is as it is. */
+  /** Factor on the heights; 1 is true to scale. */
   exaggeration: number;
-  /** null: the whole sheet, seen as the mode sees it. */
+  /** null: the default camera of the mode, which sees the whole sheet. */
   camera: Camera | null;
   /** A line over the sheet, x0 y0 x1 y1 as fractions, origin top left. */
   section: SheetLine | null;
   ruler: SheetLine | null;
   lens: Lens;
   look: Look;
-  /** Mix the three photographs instead of shading the normals, where there are three. */
+  /** Mix the three photographs, where there are three, instead of shading the normals. */
   mixture: boolean;
 };
 
@@ -45,10 +45,10 @@ export const DEFAULT_VIEW: ViewState = {
 
 /** Highest exaggeration that the slider offers. */
 export const MAX_EXAGGERATION = 10;
-/** A lamp lower than this lights nothing but edges. */
+/** Degrees; a lower lamp would light only edges. */
 export const MAX_SLANT = 88;
 
-/** Any numbers become a state that can be shown: angles turned into range, the rest clamped. */
+/** A valid state from any numbers: angles are wrapped, other values clamped. */
 export function normalizeView(state: ViewState): ViewState {
   return {
     ...state,
@@ -60,7 +60,7 @@ export function normalizeView(state: ViewState): ViewState {
   };
 }
 
-/** Only what differs from the start is said, so that links stay short. */
+/** Only what differs from the default view, so that links stay short. */
 export function stateToQuery(state: ViewState): URLSearchParams {
   const query = new URLSearchParams();
   if (state.mode !== DEFAULT_VIEW.mode) query.set("mode", state.mode);
@@ -76,7 +76,7 @@ export function stateToQuery(state: ViewState): URLSearchParams {
   return query;
 }
 
-/** What cannot be read is left as at the start: a link that was cut still opens. */
+/** Values that cannot be read are those of the default view, so that a damaged link still opens. */
 export function stateFromQuery(query: URLSearchParams): ViewState {
   return normalizeView({
     mode: oneOf(MODES, query.get("mode"), DEFAULT_VIEW.mode),
@@ -113,7 +113,7 @@ function numbers(text: string | null, count: number): number[] | null {
   return text && values.length === count && values.every(Number.isFinite) ? values : null;
 }
 
-/** The lamp over (x, y): the middle is straight above, the edge of the largest circle is along the sheet. Degrees. */
+/** Direction of a lamp held over (x, y): straight above in the middle, along the sheet at the edge of the largest circle. Degrees. */
 export function lightAt(x: number, y: number, size: { width: number; height: number }): { tilt: number; slant: number } {
   const radius = Math.min(size.width, size.height) / 2;
   const [right, up] = [(x - size.width / 2) / radius, (size.height / 2 - y) / radius];

@@ -1,4 +1,4 @@
-// A viewer in a page: a scene, its state, what pointer and keys do to it. What surrounds it (buttons, plots) is in ViewerPanel.tsx.
+// A viewer in a page: a scene, its state, and what pointer and keys do to it. Buttons and plots around it are in ViewerPanel.tsx.
 
 import { Vector3 } from "three";
 import type { ViewerFacts } from "../types";
@@ -11,16 +11,16 @@ import { interpolateCamera, orbit, pan, zoom } from "./camera";
 import { createPictureViewer, hasWebGL2 } from "./fallback";
 import { SheetScene } from "./scene";
 import type { SheetPoint, Tool, Viewer, ViewerOptions } from "./types";
-import "./viewer.css"; // here, so that a viewer has its size in any page
+import "./viewer.css"; // imported here, so that a viewer has its size in any page
 
 const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera", "look"] as const;
 const KEY_STEP = 5;
 const LENS_RADIUS = 90;
 const SHEEN = 0.34;
-/** True while one viewer tells its partner: what it hears so is not told back. */
+/** True while one viewer passes a change to the other, which must not pass it back. */
 let syncing = false;
 
-/** Fills `host` with a viewer. Without WebGL2 it shows the picture and a message. Rejects when a file cannot be read. */
+/** Creates a viewer in `host`; without WebGL2 the picture and a message. Rejects when a file cannot be read. */
 export async function createViewer(host: HTMLElement, facts: ViewerFacts, options: ViewerOptions = {}): Promise<Viewer> {
   if (!hasWebGL2()) return createPictureViewer(host, facts);
   const { signal } = options;
@@ -60,21 +60,21 @@ class SheetViewer implements Viewer {
     maps: ConstructorParameters<typeof SheetScene>[2],
     private readonly options: ViewerOptions,
   ) {
-    const { interactive = true, onChange: _c, onPoint: _p, signal: _s, ...wanted } = options;
-    const given = Object.fromEntries(Object.entries(wanted).filter(([, value]) => value !== undefined));
-    this.state = normalizeView({ ...DEFAULT_VIEW, ...given });
+    const { interactive = true, onChange: _c, onPoint: _p, signal: _s, ...initial } = options;
+    const defined = Object.fromEntries(Object.entries(initial).filter(([, value]) => value !== undefined));
+    this.state = normalizeView({ ...DEFAULT_VIEW, ...defined });
     this.canvas.className = "viewer-canvas";
     this.host.append(this.canvas);
     this.scene = new SheetScene(this.canvas, field, maps, facts.source === "photometric" ? 0 : SHEEN);
     if (interactive) this.listenForInput();
-    const watch = new ResizeObserver(() => this.resize());
-    watch.observe(host);
+    const observer = new ResizeObserver(() => this.resize());
+    observer.observe(host);
     const dark = matchMedia("(prefers-color-scheme: dark)");
     const repaint = () => this.invalidate();
     dark.addEventListener("change", repaint);
     this.canvas.addEventListener("webglcontextrestored", repaint);
     this.cleanups.push(
-      () => watch.disconnect(),
+      () => observer.disconnect(),
       () => dark.removeEventListener("change", repaint),
     );
     this.resize();
@@ -132,7 +132,7 @@ class SheetViewer implements Viewer {
     if (!context) throw new Error("no 2-D canvas");
     context.fillStyle = getComputedStyle(this.host).getPropertyValue("--paper").trim() || "#fff";
     context.fillRect(0, 0, width, height);
-    context.drawImage(this.canvas, 0, 0); // in the same task as the drawing: the buffer is not kept
+    context.drawImage(this.canvas, 0, 0); // in the same task as rendering: the drawing buffer is not preserved
     return sheet.convertToBlob({ type: "image/png" });
   }
 
@@ -166,8 +166,8 @@ class SheetViewer implements Viewer {
     const through = new Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5).unproject(this.scene.camera);
     const eye = this.scene.camera.position;
     const direction = through.sub(eye).normalize();
-    const found = this.field.intersectRay(eye.toArray(), direction.toArray(), this.lift());
-    return found && { x: found.u, y: found.v, height: this.field.at(found.u, found.v) };
+    const hit = this.field.intersectRay(eye.toArray(), direction.toArray(), this.lift());
+    return hit && { x: hit.u, y: hit.v, height: this.field.at(hit.u, hit.v) };
   }
 
   section(line: SheetLine): ProfilePoint[] {
@@ -205,7 +205,7 @@ class SheetViewer implements Viewer {
     this.share(partial);
   }
 
-  /** What both share goes to the other one, and is not sent back. */
+  /** Passes what both viewers share to the other one, which does not pass it back. */
   private share(partial: Partial<ViewState>): void {
     const shared = Object.fromEntries(SHARED.filter((name) => name in partial).map((name) => [name, partial[name]]));
     if (!this.other || syncing || !Object.keys(shared).length) return;
@@ -231,7 +231,7 @@ class SheetViewer implements Viewer {
     const point = this.lens ?? middle;
     const [centre, edge] = [this.pick(point.x, point.y), this.pick(point.x + 1, point.y)];
     if (!centre) return null;
-    // How much of the sheet lies under a pixel here makes the lens as large on the screen anywhere.
+    // The size of a screen pixel on the sheet here, so that the lens has the same size on the screen everywhere.
     const per = edge ? Math.abs(edge.x - centre.x) * this.field.wide : 1 / this.host.clientHeight;
     return { u: centre.x, v: centre.y, radius: Math.max(per, 1e-4) * LENS_RADIUS };
   }
@@ -300,8 +300,8 @@ class SheetViewer implements Viewer {
       "-": () => ({ camera: zoom(camera, 1 / 0.85) }),
       "0": () => ({ camera: null }),
     };
-    const found = (turns[event.key] ?? common[event.key])?.();
-    if (found) this.set(found);
-    return found !== undefined;
+    const change = (turns[event.key] ?? common[event.key])?.();
+    if (change) this.set(change);
+    return change !== undefined;
   }
 }

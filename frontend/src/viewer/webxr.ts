@@ -1,15 +1,15 @@
-// A sheet in a headset: half a metre large, at arm's length, lit by the same lamp. Browsers load this only when asked.
+// A sheet in a headset (WebXR): half a metre large, at arm's length, lit by the same lamp.
 
 import type { SheetScene } from "./scene";
 import type { ViewState } from "./state";
 
 type XRSystem = { requestSession(kind: SessionMode, options?: object): Promise<XRSession> };
 
-/** Shows the sheet until the session ends. Rejects when the browser or the reader refuses. */
+/** Shows the sheet until the session ends. Rejects if the browser or the user refuses. */
 export async function enterSession(stage: SheetScene, state: () => ViewState, kind: SessionMode): Promise<void> {
-  const door = (navigator as { xr?: XRSystem }).xr;
-  if (!door) throw new Error("this browser has no WebXR");
-  const session = await door.requestSession(kind, { optionalFeatures: ["local"] });
+  const xr = (navigator as { xr?: XRSystem }).xr;
+  if (!xr) throw new Error("this browser has no WebXR");
+  const session = await xr.requestSession(kind, { optionalFeatures: ["local"] });
   const { renderer, scene, sheet, camera } = stage;
   const { mode } = state();
   stage.draw({ ...state(), mode: mode === "sheet" ? "surface" : mode, lens: "none" }, null);

@@ -27,8 +27,8 @@ describe("the mesh", () => {
 
 describe("a ray from the eye", () => {
   it("meets the flat sheet where it points", () => {
-    const found = cone().intersectRay([0.25, -0.125, 2], [0, 0, -1], 0);
-    expect(found).toEqual({ u: 0.75, v: 0.75 });
+    const rows = cone().intersectRay([0.25, -0.125, 2], [0, 0, -1], 0);
+    expect(rows).toEqual({ u: 0.75, v: 0.75 });
     expect(cone().intersectRay([0.75, 0, 2], [0, 0, -1], 0)).toBeNull();
   });
 
@@ -36,11 +36,11 @@ describe("a ray from the eye", () => {
     const field = cone();
     const aslant = { x: -1, z: 1 };
     const length = Math.hypot(aslant.x, aslant.z);
-    const found = field.intersectRay([aslant.x, 0, aslant.z], [-aslant.x / length, 0, -aslant.z / length], 2);
+    const rows = field.intersectRay([aslant.x, 0, aslant.z], [-aslant.x / length, 0, -aslant.z / length], 2);
     const flat = field.intersectRay([aslant.x, 0, aslant.z], [-aslant.x / length, 0, -aslant.z / length], 0);
     expect(flat!.u).toBeCloseTo(0.5);
-    expect(found!.u).toBeLessThan(0.45);
-    expect(found!.v).toBeCloseTo(0.5);
+    expect(rows!.u).toBeLessThan(0.45);
+    expect(rows!.v).toBeCloseTo(0.5);
   });
 });
 

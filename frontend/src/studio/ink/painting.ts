@@ -1,4 +1,4 @@
-// Footprints -> pixels. The same strokes give the same picture on any screen.
+// Paints stamps on a canvas. The same strokes give the same picture on any screen.
 
 import { BRUSH, type BrushSettings, brushStamps, type Stamp } from "./brush";
 import type { Stroke } from "./strokes";
@@ -19,9 +19,9 @@ export function paintStrokes(context: Context, strokes: readonly Stroke[], side:
   for (const stroke of strokes) paintStamps(context, brushStamps(stroke, brush), side);
 }
 
-const OVERSAMPLING = 2; // drawn so much larger and shrunk: edges of many footprints in one path are hard otherwise
+const OVERSAMPLING = 2; // drawn larger and scaled down: otherwise edges of many stamps in one path are jagged
 
-/** Black on white: what is marked. side: pixels. */
+/** The picture to mark, black on white. side: pixels. */
 export async function strokesPicture(strokes: readonly Stroke[], side = 512): Promise<Blob> {
   const large = blank(OVERSAMPLING * side);
   paintStrokes(large, strokes, OVERSAMPLING * side);
@@ -33,7 +33,7 @@ export async function strokesPicture(strokes: readonly Stroke[], side = 512): Pr
   );
 }
 
-/** White paper, and black to draw with. */
+/** A white canvas that draws in black. */
 function blank(side: number): CanvasRenderingContext2D {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = side;

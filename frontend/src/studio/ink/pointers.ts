@@ -1,7 +1,8 @@
-// Which touch is a stroke. A palm that rests on the page must leave no ink.
+// Which pointer draws a stroke: a palm that rests on the screen must leave no ink. And pointer events as samples.
 
 import type { PointerKind, Sample } from "./strokes";
 
+/** active: id of the pointer that is drawing. */
 export type PointerState = { penSeen: boolean; active: number | null };
 export const NO_POINTER: PointerState = { penSeen: false, active: null };
 
@@ -10,7 +11,7 @@ type Touch = { pointerId: number; pointerType: string; isPrimary: boolean; butto
 export const pointerKind = (pointerType: string): PointerKind =>
   pointerType === "pen" || pointerType === "touch" ? pointerType : "mouse";
 
-/** Whether this touch begins a stroke, and the pointers afterwards. Once a pen was seen, fingers and palms are nothing. */
+/** Whether this touch begins a stroke, and the state afterwards. Once a pen has been used, fingers and palms are ignored. */
 export function acceptPointer(pointers: PointerState, touch: Touch): { begins: boolean; takesOver: boolean; pointers: PointerState } {
   const pen = touch.pointerType === "pen";
   const penSeen = pointers.penSeen || pen;

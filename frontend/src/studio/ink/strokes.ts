@@ -1,4 +1,4 @@
-// A stroke as the hand made it, before any brush. It is what is kept: every picture is drawn from it anew.
+// Strokes as the hand made them, which are saved and from which every picture is drawn; and their undo history.
 
 /** x, y: fractions of the cell, origin top left; t: ms since the stroke began; pressure: 0-1; tilts: degrees, -90 to 90. */
 export type Sample = readonly [x: number, y: number, t: number, pressure: number, tiltX: number, tiltY: number];
@@ -9,7 +9,7 @@ export type Stroke = { hand: PointerKind; size: number; ink: number; points: Sam
 
 export type SheetData = { version: 1; strokes: Stroke[] };
 
-/** Whether the pen tells its pressure: a mouse says 0.5 for ever, many a finger 0 or 1. */
+/** Whether the pointer measures pressure: a mouse always reports 0.5, many touch screens 0 or 1. */
 export function hasPressure(points: readonly Sample[]): boolean {
   let low = 1;
   let high = 0;
@@ -20,7 +20,7 @@ export function hasPressure(points: readonly Sample[]): boolean {
   return high - low > 0.04;
 }
 
-/** What is kept and sent: five digits of a place are a hundredth of a pixel at 512. */
+/** The form in which strokes are saved and sent; five digits are a hundredth of a pixel at a side of 512. */
 export function serializeStrokes(strokes: readonly Stroke[]): SheetData {
   const short = (value: number, digits: number) => Number(value.toFixed(digits));
   return {
@@ -34,9 +34,9 @@ export function serializeStrokes(strokes: readonly Stroke[]): SheetData {
   };
 }
 
-/** The strokes of a kept sheet; what is no sheet gives none. */
-export function parseStrokes(kept: unknown): Stroke[] {
-  const strokes = (kept as Partial<SheetData> | null)?.strokes;
+/** The strokes of saved data; none if it is something else. */
+export function parseStrokes(saved: unknown): Stroke[] {
+  const strokes = (saved as Partial<SheetData> | null)?.strokes;
   if (!Array.isArray(strokes)) return [];
   return strokes.filter((stroke) => Array.isArray(stroke?.points) && stroke.points.length > 0 && stroke.size > 0);
 }
@@ -53,7 +53,7 @@ export const addStroke = (history: History, stroke: Stroke): History => ({
   cleared: null,
 });
 
-/** Take the last stroke back; right after a clearing, take the clearing back. */
+/** Removes the last stroke or, right after clearing, restores what was cleared. */
 export function undo(history: History): History {
   if (history.cleared) return { done: history.cleared, undone: [], cleared: null };
   const last = history.done.at(-1);

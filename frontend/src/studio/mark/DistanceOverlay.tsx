@@ -1,5 +1,5 @@
-// Copy and master laid on each other: the copy's ink coloured by how far it colouredInk, and a slider from the copy as it
-// was written to the copy as it was laid on the master to be marked.
+// Copy and master over each other: the copy's ink coloured by its distance from the master, and a slider from the copy
+// as written to the copy as it was aligned with the master for marking.
 
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { t } from "../../i18n/studio";
@@ -58,7 +58,7 @@ type Scene = { attempt: Attempt; layers: InkLayers; matrix: Matrix };
 function draw(context: CanvasRenderingContext2D | null, side: number, { attempt, layers, matrix }: Scene): void {
   if (!context || !attempt.mark.residual) return;
   const frame = compose([side, 0, 0, side, 0, 0], fitInSquare(attempt.work.width, attempt.work.height));
-  const place = compose(frame, matrix);
+  const copyToCanvas = compose(frame, matrix);
   const lay = (layer: HTMLCanvasElement | null, where: Matrix, opacity: number) => {
     if (!layer) return;
     context.setTransform(...(where as [number, number, number, number, number, number]));
@@ -68,7 +68,7 @@ function draw(context: CanvasRenderingContext2D | null, side: number, { attempt,
   lay(layers.master, frame, 0.55);
   context.setTransform(1, 0, 0, 1, 0, 0);
   context.globalAlpha = 1;
-  context.drawImage(colouredInk(attempt.mark.residual.copy, layers.copy, place, side), 0, 0);
+  context.drawImage(colouredInk(attempt.mark.residual.copy, layers.copy, copyToCanvas, side), 0, 0);
   context.strokeStyle = UNCOVERED;
   context.lineWidth = Math.max(1, side * 0.0024);
   for (const [x, y, r] of attempt.mark.residual.master) {
@@ -80,25 +80,25 @@ function draw(context: CanvasRenderingContext2D | null, side: number, { attempt,
 
 type Points = readonly (readonly [number, number, number])[];
 
-/** The copy's ink in the colours of its distance: a disc a point, wide enough to meet its neighbours, cut to the ink. */
-function colouredInk(points: Points, ink: HTMLCanvasElement | null, place: Matrix, side: number): HTMLCanvasElement {
+/** The copy's ink in the colours of its distance: overlapping discs around the points, clipped to the ink. */
+function colouredInk(points: Points, ink: HTMLCanvasElement | null, copyToCanvas: Matrix, side: number): HTMLCanvasElement {
   const canvas = document.createElement("canvas");
   const context = clearedContext(canvas, side)!;
   const reach = medianSpacing(points) * side * (ink ? 1.5 : 0.6);
   for (const [x, y, r] of [...points].sort((a, b) => a[2] - b[2])) {
     context.fillStyle = cssRgb(distanceColour(r));
-    disc(context, transformPoint(place, [x, y]), reach);
+    disc(context, transformPoint(copyToCanvas, [x, y]), reach);
     context.fill();
   }
   if (ink) {
     context.globalCompositeOperation = "destination-in";
-    context.setTransform(...(place as [number, number, number, number, number, number]));
+    context.setTransform(...(copyToCanvas as [number, number, number, number, number, number]));
     context.drawImage(ink, 0, 0, 1, 1);
   }
   return canvas;
 }
 
-/** Median distance to the nearest neighbour, of some points. */
+/** Median distance to the nearest neighbour, of a sample of the points. */
 function medianSpacing(points: Points): number {
   const near = points.filter((_, k) => k % 7 === 0).map(([x, y]) =>
     points.reduce((least, [u, v]) => {

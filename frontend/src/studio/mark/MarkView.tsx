@@ -1,4 +1,4 @@
-// Everything of one mark: the verdict, and beside it the copy in three ways.
+// A whole mark: the verdict, and beside it remarks, overlay and surfaces in tabs.
 
 import { useEffect, useState } from "preact/hooks";
 import { t } from "../../i18n/studio";
@@ -11,11 +11,11 @@ import { Verdict } from "./Verdict";
 
 const VIEWS = ["remarks", "overlay", "surfaces"] as const;
 
-/** picture: of the copy, where the service keeps none: a visitor's. */
+/** picture: of the copy, if the service has not saved it, as for a visitor. */
 export function MarkView({ attempt, picture }: { attempt: Attempt; picture?: Blob | null }) {
   const [view, setView] = useState<(typeof VIEWS)[number]>("remarks");
-  const own = useObjectUrl(picture ?? null);
-  const shown = own ?? attempt.picture;
+  const objectUrl = useObjectUrl(picture ?? null);
+  const pictureUrl = objectUrl ?? attempt.picture;
   return (
     <div class="mark-view">
       <Verdict attempt={attempt} />
@@ -23,9 +23,9 @@ export function MarkView({ attempt, picture }: { attempt: Attempt; picture?: Blo
         <section class="panel" aria-label={t("views")}>
           <Tabs names={VIEWS} chosen={view} onChoose={setView} label={t("views")} title={(name) => t(name)}>
             {view === "remarks" ? (
-              <Remarks remarks={attempt.mark.remarks} picture={shown} />
+              <Remarks remarks={attempt.mark.remarks} picture={pictureUrl} />
             ) : view === "overlay" ? (
-              <DistanceOverlay attempt={attempt} picture={shown} />
+              <DistanceOverlay attempt={attempt} picture={pictureUrl} />
             ) : (
               <Surfaces attempt={attempt} />
             )}

@@ -1,4 +1,4 @@
-// What a teacher would say, numbered, and each with its strokes drawn on the copy.
+// The numbered remarks, each with the strokes it is about drawn on the copy.
 
 import { useState } from "preact/hooks";
 import { localize } from "../../i18n";
@@ -8,8 +8,8 @@ import { placeBadges, remarkBounds } from "./badges";
 
 export function Remarks({ remarks, picture }: { remarks: Remark[]; picture: string | null }) {
   const [pointed, setPointed] = useState<number | null>(null);
-  const [held, setHeld] = useState<number | null>(null);
-  const active = pointed ?? held;
+  const [pinned, setPinned] = useState<number | null>(null);
+  const active = pointed ?? pinned;
   if (!remarks.length)
     return (
       <div class="remarks">
@@ -26,12 +26,12 @@ export function Remarks({ remarks, picture }: { remarks: Remark[]; picture: stri
             <button
               type="button"
               class="remark"
-              aria-pressed={held === k}
+              aria-pressed={pinned === k}
               onPointerEnter={(event) => event.pointerType !== "touch" && setPointed(k)}
               onPointerLeave={() => setPointed(null)}
               onFocus={() => setPointed(k)}
               onBlur={() => setPointed(null)}
-              onClick={() => setHeld(held === k ? null : k)}
+              onClick={() => setPinned(pinned === k ? null : k)}
             >
               <span class="remark-number">{k + 1}</span>
               <span>
@@ -49,7 +49,7 @@ export function Remarks({ remarks, picture }: { remarks: Remark[]; picture: stri
 type SheetProps = { remarks: Remark[]; picture: string; active: number | null; onPoint: (k: number | null) => void };
 
 function CopySheet({ remarks, picture, active, onPoint }: SheetProps) {
-  const places = placeBadges(remarks);
+  const positions = placeBadges(remarks);
   return (
     <figure class="sheet-figure">
       <div class={`sheet${active === null ? "" : " pointing"}`}>
@@ -58,7 +58,7 @@ function CopySheet({ remarks, picture, active, onPoint }: SheetProps) {
           {remarks.map((remark, k) => (
             <Outline key={k} remark={remark} on={active === k} />
           ))}
-          {places.map((at, k) => (
+          {positions.map((at, k) => (
             <g key={k} class={`badge${active === k ? " on" : ""}`} onPointerEnter={() => onPoint(k)} onPointerLeave={() => onPoint(null)}>
               <circle cx={at.x} cy={at.y} r="0.034" />
               <text x={at.x} y={at.y}>

@@ -1,4 +1,4 @@
-// The mark on its scale: where it lies, how sure it is, and which of the four levels that means.
+// The score on its scale, with its interval and the zones of the four levels.
 
 import { localize } from "../../i18n";
 import { t } from "../../i18n/studio";
@@ -32,7 +32,7 @@ export function ScoreBand({ mark, teacher }: { mark: Mark; teacher?: number | nu
 
 const X = (score: number): number => 10 + 3 * Math.min(100, Math.max(0, score));
 
-/** The zones, where the service said where they begin. */
+/** The zones of the levels, if the service sent their limits. */
 function Levels({ mark }: { mark: Mark }) {
   if (!mark.cuts) return null;
   const edges = [0, mark.cuts.medium, mark.cuts.good, mark.cuts.excellent, 100];

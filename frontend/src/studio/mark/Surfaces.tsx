@@ -19,13 +19,13 @@ export function Surfaces({ attempt }: { attempt: Attempt }) {
   const [lit, setLit] = useState(true);
   useEffect(() => {
     if (!attempt.id) return;
-    let gone = false;
-    showSurfaces(attempt, hosts.map((host) => host.current), (found) => gone || setFacts(found)).then(
-      (made) => (gone ? made.forEach((viewer) => viewer.dispose()) : ((viewers.current = made), setLit(made.every((viewer) => viewer.field !== null)))),
-      (why: unknown) => gone || setError(why),
+    let cancelled = false;
+    showSurfaces(attempt, hosts.map((host) => host.current), (facts) => cancelled || setFacts(facts)).then(
+      (created) => (cancelled ? created.forEach((viewer) => viewer.dispose()) : ((viewers.current = created), setLit(created.every((viewer) => viewer.field !== null)))),
+      (reason: unknown) => cancelled || setError(reason),
     );
     return () => {
-      gone = true;
+      cancelled = true;
       viewers.current.forEach((viewer) => viewer.dispose());
       viewers.current = [];
     };
@@ -79,9 +79,9 @@ async function showSurfaces(
     get<ViewerFacts>(`/api/attempts/${attempt.id}/viewer`),
   ]);
   onFacts([master, copy]);
-  const made = await Promise.all(
+  const created = await Promise.all(
     [master, copy].map((facts, k) => createViewer(hosts[k]!, facts, { mode: "surface", ...LAMP, interactive: true })),
   );
-  made[0]!.link(made[1]!);
-  return made;
+  created[0]!.link(created[1]!);
+  return created;
 }

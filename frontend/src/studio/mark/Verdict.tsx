@@ -1,4 +1,4 @@
-// Level, score, parts, and what the mark rests on; or kindly, why there is none.
+// Level, score, parts of the mark and what it is based on; or reason there is no mark.
 
 import { language, localize } from "../../i18n";
 import { t } from "../../i18n/studio";
@@ -33,7 +33,7 @@ export function Verdict({ attempt }: { attempt: Attempt }) {
   );
 }
 
-/** The level as a seal: cinnabar, one character. */
+/** The level as a red seal with one character. */
 export function Seal({ mark }: { mark: Pick<Mark, "level" | "level_text"> }) {
   if (!mark.level) return null;
   return (

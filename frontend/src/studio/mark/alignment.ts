@@ -1,12 +1,12 @@
-// Between "as written" and "laid on the master": turn, size and shift each take their part of the way.
+// Affine maps between the copy "as written" and "aligned", interpolated in rotation, size and shift.
 
-/** x' = a x + c y + e, y' = b x + d y + f, as a canvas takes it. */
+/** x' = a x + c y + e, y' = b x + d y + f, in the order of a canvas's setTransform. */
 export type Matrix = readonly [a: number, b: number, c: number, d: number, e: number, f: number];
 export type Point = readonly [x: number, y: number];
 
 export const IDENTITY: Matrix = [1, 0, 0, 1, 0, 0];
 
-/** First `inner`, then `outer`. */
+/** The map that applies `inner`, then `outer`. */
 export const compose = (outer: Matrix, inner: Matrix): Matrix => {
   const [a, b, c, d, e, f] = outer;
   const [p, q, r, s, t, u] = inner;
@@ -15,7 +15,7 @@ export const compose = (outer: Matrix, inner: Matrix): Matrix => {
 
 export const transformPoint = ([a, b, c, d, e, f]: Matrix, [x, y]: Point): Point => [a * x + c * y + e, b * x + d * y + f];
 
-/** Turn (radians, clockwise on screen), size, and what is left: a symmetric stretch of area 1. */
+/** Rotation (radians, clockwise on screen), size, and the rest: a symmetric stretch of determinant 1. */
 export function decompose([a, b, c, d]: Matrix): { turn: number; size: number; stretch: readonly [number, number, number] } {
   const turn = Math.atan2(b - c, a + d);
   const size = Math.sqrt(Math.max(a * d - b * c, 1e-12));
@@ -23,7 +23,7 @@ export function decompose([a, b, c, d]: Matrix): { turn: number; size: number; s
   return { turn, size, stretch: [cos * a + sin * b, cos * c + sin * d, -sin * c + cos * d] };
 }
 
-/** A share of the way, 0 nothing to 1 the whole, turning and growing about `pivot`: the middle of the writing. */
+/** The map at `share`, from 0 (identity) to 1 (`whole`), rotating and growing about `pivot`: the middle of the writing. */
 export function interpolate(whole: Matrix, share: number, pivot: Point): Matrix {
   const { turn, size, stretch } = decompose(whole);
   const [cos, sin] = [Math.cos(turn * share), Math.sin(turn * share)].map((v) => v * Math.pow(size, share)) as [number, number];
@@ -35,17 +35,12 @@ export function interpolate(whole: Matrix, share: number, pivot: Point): Matrix 
   return [linear[0], linear[1], linear[2], linear[3], there[0] - here[0], there[1] - here[1]];
 }
 
-/** Fractions of a picture -> a square that holds it whole, in the middle. */
+/** Maps fractions of a picture into the unit square, whole and centred. */
 export function fitInSquare(width: number, height: number): Matrix {
   const longer = Math.max(width, height, 1);
   const [w, h] = [width / longer, height / longer];
   return [w, 0, 0, h, (1 - w) / 2, (1 - h) / 2];
 }
-
-export const inverse = ([a, b, c, d, e, f]: Matrix): Matrix => {
-  const det = a * d - b * c;
-  return [d / det, -b / det, -c / det, a / det, (c * f - d * e) / det, (b * e - a * f) / det];
-};
 
 export const centroid = (points: readonly (readonly number[])[]): Point => {
   if (!points.length) return [0.5, 0.5];

@@ -1,11 +1,11 @@
-// Where the number of a remark stands on the copy.
+// Positions of the remarks' numbers on the copy.
 
 import type { Remark } from "../../types";
 
 export type Badge = { x: number; y: number };
 type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];
 
-/** What a remark points at, in fractions of the cell; null where it speaks of the whole. */
+/** Bounding box of what a remark is about, in fractions of the cell; null if it is about the whole character. */
 export function remarkBounds(remark: Pick<Remark, "region" | "outline">): Bounds | null {
   const points = remark.outline.flat();
   if (points.length) {
@@ -15,7 +15,7 @@ export function remarkBounds(remark: Pick<Remark, "region" | "outline">): Bounds
   return remark.region;
 }
 
-/** One badge a remark: at the upper left of its place, or along the top edge for the whole; apart by `gap`, within the cell. */
+/** One badge for each remark, at the upper left of its bounding box or, without one, of the cell; at least `gap` apart. */
 export function placeBadges(remarks: readonly Pick<Remark, "region" | "outline">[], gap = 0.075): Badge[] {
   const set: Badge[] = [];
   for (const remark of remarks) {
@@ -28,7 +28,7 @@ export function placeBadges(remarks: readonly Pick<Remark, "region" | "outline">
 
 const within = (value: number): number => Math.min(0.95, Math.max(0.05, value));
 
-/** The nearest place on widening rings that is clear of the others. */
+/** The first position on widening rings that keeps its distance from the others. */
 function freePosition(wanted: Badge, taken: readonly Badge[], gap: number): Badge {
   for (let ring = 0; ring < 12; ring++) {
     for (let k = 0; k < Math.max(1, 8 * ring); k++) {
