@@ -25,9 +25,9 @@ import rumu
 from rumu.assessment.calibration import panel
 from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.errors import RefusedImage, SurfaceError
+from rumu.executors import in_order
 from rumu.gallery.masters import Master, read_masters
 from rumu.gallery.works import starter_works
-from rumu.processes import in_order
 from rumu_lab.experiments.e3c import read_copies
 from rumu_lab.simulation import faults
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor, picture_of

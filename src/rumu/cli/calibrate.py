@@ -16,7 +16,7 @@ from rumu.cli.options import AsJson, ask_for_file, master_path, not_an_input
 from rumu.cli.outcome import Outcome, ends_well
 from rumu.cli.progress import bar, working
 from rumu.errors import CalibrationError, RumuError
-from rumu.processes import by_group, cores
+from rumu.executors import by_group, cores
 
 if TYPE_CHECKING:
     from rumu.assessment.features import Features

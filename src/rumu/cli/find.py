@@ -31,9 +31,9 @@ def find(
     as_json: AsJson = False,
 ) -> Outcome:
     """The masters that a copy is most like, best first."""
+    from rumu.executors import cores
     from rumu.gallery.search import find as find_match
     from rumu.gallery.search import index_masters
-    from rumu.processes import cores
 
     with bar("Describing masters") as advance:
         index = index_masters(masters, jobs=cores(), progress=advance)

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rumu.cli.options import master_path, master_script
 from rumu.errors import ImageError, RumuError
+from rumu.executors import by_group, cores
 from rumu.outputs import whole_file
-from rumu.processes import by_group, cores
 
 if TYPE_CHECKING:
     from rumu.assessment.measurement import PreparedMaster

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rumu.errors import GalleryError, OutputError, RumuError
+from rumu.executors import in_order
 from rumu.gallery.gallery import user_home
 from rumu.gallery.masters import Master, Places, read_masters
-from rumu.processes import in_order
 from rumu.registration.descriptor import (
     VERSION,
     DescriptorSettings,

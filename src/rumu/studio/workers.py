@@ -11,7 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
 from rumu.errors import RumuError
-from rumu.processes import cores
+from rumu.executors import cores
 from rumu.studio import worker
 from rumu.studio.errors import Busy
 from rumu.studio.place import Place

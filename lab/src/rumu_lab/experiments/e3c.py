@@ -22,7 +22,7 @@ from rumu.assessment.features import Features
 from rumu.assessment.fitting import PARTS, WEIGHED, anchored, fit_scale
 from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.errors import CalibrationError, RefusedImage
-from rumu.processes import in_order
+from rumu.executors import in_order
 from rumu.values import FloatArray
 
 Progress = Callable[[int, int], None]

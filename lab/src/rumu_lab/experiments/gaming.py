@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from rumu.assessment.measurement import PreparedMaster
+from rumu.executors import in_order
 from rumu.gallery.works import starter_works
-from rumu.processes import in_order
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor
 
 Progress = Callable[[int, int], None]

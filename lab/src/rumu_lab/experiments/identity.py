@@ -23,8 +23,8 @@ import numpy as np
 
 from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.errors import RefusedImage, RegistrationError
+from rumu.executors import in_order
 from rumu.gallery.masters import Master, read_masters
-from rumu.processes import in_order
 from rumu.values import FloatArray
 from rumu_lab.experiments.e3c import read_copies
 

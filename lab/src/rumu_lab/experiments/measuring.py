@@ -201,7 +201,7 @@ def measure_by(
 
 def _in_parallel(work: Callable[[GradingTask], Measured], tasks: Sequence[GradingTask]) -> Iterator[Measured]:
     """In order, a few neighbours to a process at a time: they share a master, and often a copy."""
-    from rumu.processes import cores, in_order
+    from rumu.executors import cores, in_order
 
     few = [tasks[k : k + _NEIGHBOURS] for k in range(0, len(tasks), _NEIGHBOURS)]
     for answers in in_order(functools.partial(_each, work), few, processes=min(cores(), len(few)) or 1):

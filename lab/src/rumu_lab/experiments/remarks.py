@@ -20,7 +20,7 @@ import numpy as np
 
 from rumu.assessment.measurement import PreparedMaster
 from rumu.errors import CalibrationError, RumuError, SurfaceError
-from rumu.processes import in_order
+from rumu.executors import in_order
 from rumu.values import BoolArray, Remark
 from rumu_lab.simulation.faults import FaultyGlyph, apply
 from rumu_lab.simulation.glyph import Glyph

@@ -5,11 +5,16 @@ from __future__ import annotations
 import itertools
 import math
 import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
 from rumu.errors import RumuError
-from rumu.processes import by_group, cores, in_order
+from rumu.executors import by_group, cores, in_order
 
 
 @pytest.mark.parametrize("processes", [1, 2])
@@ -59,3 +64,39 @@ def test_a_killed_process_is_one_clear_line():
 
 def test_all_cores_that_may_be_used():
     assert 1 <= cores() <= (os.cpu_count() or 1)
+
+
+def test_another_executor_can_take_the_work():
+    with ThreadPoolExecutor(2) as executor:
+        assert list(in_order(math.sqrt, [1, 4, 9], executor=executor)) == [1, 2, 3]
+        assert executor.submit(math.sqrt, 16).result() == 4, "it is not ended"
+
+
+def is_running(process: int) -> bool:
+    """Whether a process is there and not merely waiting for its parent to read how it ended."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
+def test_workers_end_with_a_parent_that_is_killed(tmp_path):
+    script = tmp_path / "parent.py"
+    script.write_text(
+        "import os, sys, time\n"
+        "from rumu.executors import process_executor\n"
+        "if __name__ == '__main__':\n"
+        "    executor = process_executor(2)\n"
+        "    print(executor.submit(os.getpid).result(), *executor._processes, flush=True)\n"
+        "    executor.submit(time.sleep, 60)\n"
+        "    time.sleep(60)\n"
+    )
+    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as parent:
+        workers = {int(word) for word in parent.stdout.readline().split()}
+        parent.kill()
+    until = time.monotonic() + 20
+    while any(map(is_running, workers)) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert len(workers) == 2
+    assert not [worker for worker in workers if is_running(worker)]

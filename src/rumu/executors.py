@@ -1,0 +1,147 @@
+"""Work spread over processes, behind one interface: `concurrent.futures.Executor`.
+
+The executor here is loky's, which notices a killed worker. Another one, such as that of a Dask client, can
+stand in its place wherever an executor is taken. Answers come in the order of the items.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, Future
+from typing import Any, TypeVar
+
+from rumu.errors import RumuError
+
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
+
+_AHEAD = 8  # items handed to each process before its answers are awaited
+_PARENT_CHECK = 0.5  # seconds between two looks at whether the parent process still runs
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def process_executor(processes: int, *, niceness: int = 0) -> Executor:
+    """Return an executor of worker processes, each of one thread, that end with this process.
+
+    Work is pickled: a function of a module, or a partial of one. When a worker is killed, all that is in
+    flight raises BrokenExecutor. niceness: by how much the workers' priority is lowered. End it with
+    `end_executor`.
+    """
+    from loky import ProcessPoolExecutor
+
+    executor: Executor = ProcessPoolExecutor(
+        processes, env=_ONE_THREAD, initializer=_set_up_worker, initargs=(niceness,)
+    )
+    return executor
+
+
+def submit(executor: Executor, work: Callable[..., Answer], *arguments: Any) -> Future[Answer]:
+    """Submit work; a worker that starts for it does not receive Ctrl-C, which the parent alone answers."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        return executor.submit(work, *arguments)
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # which would unblock the signal if the executor started it
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # a new process inherits the mask
+    try:
+        return executor.submit(work, *arguments)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def end_executor(executor: Executor, *, kill: bool = False) -> None:
+    """End an executor after what is in flight; kill: at once where possible, in the midst of the work."""
+    try:
+        executor.shutdown(wait=True, kill_workers=kill)  # type: ignore[call-arg]
+    except TypeError:  # an executor other than loky's
+        executor.shutdown(wait=not kill, cancel_futures=True)
+
+
+def in_order(
+    work: Callable[[Item], Answer],
+    items: Iterable[Item],
+    *,
+    processes: int | None = None,
+    executor: Executor | None = None,
+) -> Iterator[Answer]:
+    """Yield `work` of each item, in order, as they come; items are read no farther ahead than needed.
+
+    processes: all cores by default; 1 does the work in this process. executor: takes the work in place of new
+    processes, and is not ended. Raises RumuError when a worker is killed; what `work` raises is raised here.
+    """
+    processes = processes or cores()
+    if executor is None and processes == 1:
+        yield from map(work, items)
+        return
+    from concurrent.futures import BrokenExecutor
+
+    own = process_executor(processes) if executor is None else executor
+    waiting: deque[Future[Answer]] = deque()
+    finished = False
+    try:
+        for item in items:
+            waiting.append(submit(own, work, item))
+            if len(waiting) >= _AHEAD * processes:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
+        finished = True
+    except BrokenExecutor as error:
+        raise RumuError("a process was ended from outside (out of memory?); try fewer --jobs") from error
+    finally:
+        if executor is None:
+            end_executor(own, kill=not finished)
+        else:
+            for future in waiting:
+                future.cancel()
+
+
+def by_group(
+    work: Callable[[Item], Answer],
+    items: Sequence[Item],
+    *,
+    group: Callable[[Item], str],
+    processes: int | None = None,
+    executor: Executor | None = None,
+    advance: Callable[[], object] = lambda: None,
+) -> list[Answer]:
+    """Return `work` of each item, in order, but worked on group by group: what a group shares is loaded once.
+
+    advance: called after each. processes, executor, errors: as in `in_order`.
+    """
+    order = sorted(range(len(items)), key=lambda k: group(items[k]))
+    answers: dict[int, Answer] = {}
+    ordered = in_order(work, (items[k] for k in order), processes=processes, executor=executor)
+    for k, answer in zip(order, ordered, strict=True):
+        answers[k] = answer
+        advance()
+    return [answers[k] for k in range(len(items))]
+
+
+def _set_up_worker(niceness: int) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(ImportError):
+        import cv2
+
+        cv2.setNumThreads(1)
+    if niceness and hasattr(os, "nice"):
+        os.nice(niceness)
+    if os.name == "posix":  # a parent that is killed cannot end its workers
+        threading.Thread(target=_end_with_parent, args=(os.getppid(),), daemon=True).start()
+
+
+def _end_with_parent(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_PARENT_CHECK)
+    os._exit(1)
