@@ -19,7 +19,7 @@ import numpy as np
 from PIL import Image
 
 import rumu
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu.registration.icp import IcpSettings
 from rumu.registration.points import sample_points
 from rumu_lab.simulation import faults

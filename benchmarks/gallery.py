@@ -18,13 +18,13 @@ import numpy as np
 
 import rumu
 from rumu.gallery.archive import export_gallery
+from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import open_gallery, works
 from rumu.gallery.derived import derived
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.gallery import Gallery
 from rumu.gallery.iiif_image import image_response
-from rumu.gallery.importing import import_folder
-from rumu.gallery.works import starter_works
+from rumu.gallery.starter import starter_works
 
 SETS = ("regular", "running-lantingxu", "cursive")
 ASKED: tuple[dict[str, object], ...] = (

@@ -27,7 +27,7 @@ from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.errors import RefusedImage, SurfaceError
 from rumu.executors import in_order
 from rumu.gallery.masters import Master, read_masters
-from rumu.gallery.works import starter_works
+from rumu.gallery.starter import starter_works
 from rumu_lab.experiments.e3c import read_copies
 from rumu_lab.simulation import faults
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor, picture_of

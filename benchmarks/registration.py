@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image
 
 import rumu
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu.registration.icp import IcpSettings, register_points
 from rumu.registration.points import sample_points
 from rumu.values import PointSet, Surface

@@ -34,7 +34,7 @@ import httpx
 import numpy as np
 
 from rumu.gallery.catalog import open_gallery
-from rumu.gallery.works import starter_samples
+from rumu.gallery.starter import starter_samples
 from rumu.studio.people import create_person
 
 PASSWORD = "a long password"

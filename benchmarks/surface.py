@@ -127,7 +127,7 @@ def thresholds() -> None:
 
     from rumu.capture.image import read_image
     from rumu.errors import RefusedImage
-    from rumu.gallery.works import starter_works
+    from rumu.gallery.starter import starter_works
     from rumu.surface import ink, paper
 
     ours = paper.otsu_threshold

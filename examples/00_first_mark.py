@@ -1,7 +1,7 @@
 """A mark: one simulated copy against its master, both from the package."""
 
 import rumu
-from rumu.gallery.works import find_work, starter_samples
+from rumu.gallery.starter import find_work, starter_samples
 
 sample = starter_samples(work="regular-shui")[1]
 mark = rumu.assess(sample.path, find_work(sample.work).path)

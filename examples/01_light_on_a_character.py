@@ -3,7 +3,7 @@
 from PIL import Image
 
 import rumu
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu.report.pictures import srgb
 
 surface = rumu.relief(find_work("seal-ri").path)

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 import rumu
-from rumu.gallery.works import find_work, starter_samples
+from rumu.gallery.starter import find_work, starter_samples
 from rumu.pipeline import surface_of
 from rumu.report.mesh_picture import MeshView, mesh_picture
 from rumu.report.overlay import OverlaySettings, overlay_picture

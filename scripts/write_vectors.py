@@ -72,9 +72,9 @@ def encoding() -> dict[str, Any]:
 
 def decoding(surface: Surface) -> dict[str, Any]:
     """Normals, and their bytes as the service sends them."""
-    from rumu.gallery.making import _packed_normals
+    from rumu.gallery.renderers import normals_8
 
-    packed = _packed_normals(surface, SIDE).reshape(-1, 3)
+    packed = normals_8(surface, SIDE).reshape(-1, 3)
     return {"bytes": packed.tolist(), "normals": surface.normals.reshape(-1, 3).tolist()}
 
 

@@ -14,7 +14,7 @@ from PIL import Image
 import rumu
 from rumu import pipeline
 from rumu.errors import CalibrationError, ImageError, RefusedImage
-from rumu.gallery.works import find_work, starter_works
+from rumu.gallery.starter import find_work, starter_works
 from rumu.surface.folder import write_surface
 from rumu.values import Assessment, Surface
 from rumu_lab.simulation import faults

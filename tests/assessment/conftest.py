@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from rumu.assessment.measurement import PreparedMaster, measure
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu.registration.icp import register_points
 from rumu.registration.points import Sampling, sample_points
 from rumu.surface.inflation import inflate

@@ -7,7 +7,7 @@ import pytest
 from rumu import pipeline
 from rumu.assessment.measurement import measure
 from rumu.assessment.omissions import left_over
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.simulation.copies import copy_at
 from rumu_lab.simulation.faults import apply
 from rumu_lab.simulation.glyph import Glyph

@@ -15,7 +15,7 @@ import rumu
 from rumu.assessment.evidence import filled, parts_of
 from rumu.assessment.measurement import Measurement, PreparedMaster, measure
 from rumu.assessment.refusal import RefusalLimits, check_copy, reason
-from rumu.gallery.works import find_work, starter_works
+from rumu.gallery.starter import find_work, starter_works
 from rumu.values import Surface
 from rumu_lab.simulation import faults
 from rumu_lab.simulation.impostors import impostor, picture_of

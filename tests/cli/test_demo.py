@@ -11,7 +11,7 @@ import sys
 import httpx
 import pytest
 
-from rumu.gallery.works import starter_samples
+from rumu.gallery.starter import starter_samples
 
 SAMPLES = starter_samples()
 

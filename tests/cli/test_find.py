@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from rumu.gallery.works import starter_works
+from rumu.gallery.starter import starter_works
 
 
 @pytest.fixture

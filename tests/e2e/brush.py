@@ -6,7 +6,7 @@ from functools import cache
 
 from playwright.sync_api import Page
 
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu.pipeline import surface_of
 from rumu.surface.skeleton import skeletonise, strokes
 

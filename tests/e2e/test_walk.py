@@ -12,7 +12,7 @@ from playwright.sync_api import Page, expect
 from tests.e2e.brush import write
 from tests.e2e.conftest import Arrive, Visitor
 
-from rumu.gallery.works import starter_samples
+from rumu.gallery.starter import starter_samples
 
 LogIn = Callable[..., Visitor]
 

@@ -15,8 +15,8 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 import rumu
+from rumu.gallery.assets import assets_of
 from rumu.gallery.catalog import open_gallery, work
-from rumu.gallery.originals import original_of
 from rumu.gallery.single_page import single_page
 from rumu.report.pictures import srgb
 from rumu.surface.relight import relight_three
@@ -240,7 +240,7 @@ def test_a_work_of_the_gallery_from_a_disk(browser: Browser, standalone: Path, t
     target = tmp_path / "page.html"
     target.write_bytes(single_page(gallery, "regular-shui", static=standalone))
     page = opened(browser, target.as_uri())
-    shown = original_of(gallery.store, work(gallery, "regular-shui")).surface()
+    shown = assets_of(gallery.store, work(gallery, "regular-shui")).surface()
     for tilt, slant in LAMPS[:2]:
         found = drawn(page, {"tilt": tilt, "slant": slant, "look": "exact"})
         assert np.abs(found - coded(rumu.relight(shown, tilt=tilt, slant=slant))).mean() < 2 / 255

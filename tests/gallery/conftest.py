@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 
 from rumu.database.engine import Database, open_database
+from rumu.gallery.assets import assets_of
 from rumu.gallery.catalog import work
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.originals import original_of
-from rumu.gallery.starting import put_starter
+from rumu.gallery.seed import add_starter_works
 from rumu.gallery.store import Store
 from rumu.values import Surface
 
@@ -31,7 +31,7 @@ def database(database_url: str) -> Iterator[Database]:
 def gallery(database: Database, tmp_path: Path) -> Gallery:
     """The starter gallery, on SQLite and on PostgreSQL."""
     made = Gallery(database, Store.open(tmp_path / "files"))
-    put_starter(made)
+    add_starter_works(made)
     return made
 
 
@@ -45,7 +45,7 @@ def bare(tmp_path: Path) -> Iterator[Gallery]:
 
 def surface(gallery: Gallery, work_id: str) -> Surface:
     """The surface of a work."""
-    return original_of(gallery.store, work(gallery, work_id)).surface()
+    return assets_of(gallery.store, work(gallery, work_id)).surface()
 
 
 def drawn(number: int, *, side: int = 48) -> Image.Image:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rumu.errors import GalleryError
-from rumu.gallery.annotations import add_annotation, change_annotation, delete_annotation, said_of
+from rumu.gallery.annotations import add_annotation, annotations_of, change_annotation, delete_annotation
 
 WORK = "seal-ri"
 
@@ -13,11 +13,11 @@ WORK = "seal-ri"
 def test_annotations_are_said_changed_and_taken_back(gallery):
     first = add_annotation(gallery, WORK, {"x": 0.25, "y": 0.5, "title_zh": "起筆", "text_en": "begins here"})
     second = add_annotation(gallery, WORK, {"x": 0, "y": 1, "text_zh": "收筆"})
-    assert [one.id for one in said_of(gallery, WORK)] == [first.id, second.id]
+    assert [one.id for one in annotations_of(gallery, WORK)] == [first.id, second.id]
     change_annotation(gallery, second.id, {"x": 0.5, "position": -1}, of=WORK)
-    assert [(one.id, one.x) for one in said_of(gallery, WORK)] == [(second.id, 0.5), (first.id, 0.25)]
+    assert [(one.id, one.x) for one in annotations_of(gallery, WORK)] == [(second.id, 0.5), (first.id, 0.25)]
     delete_annotation(gallery, first.id)
-    assert [one.id for one in said_of(gallery, WORK)] == [second.id]
+    assert [one.id for one in annotations_of(gallery, WORK)] == [second.id]
 
 
 @pytest.mark.parametrize(
@@ -37,10 +37,10 @@ def test_annotations_are_said_changed_and_taken_back(gallery):
     ],
 )
 def test_other_facts_are_refused(gallery, facts, words):
-    before = len(said_of(gallery, WORK))
+    before = len(annotations_of(gallery, WORK))
     with pytest.raises(GalleryError, match=words):
         add_annotation(gallery, WORK, facts)
-    assert len(said_of(gallery, WORK)) == before
+    assert len(annotations_of(gallery, WORK)) == before
 
 
 def test_annotations_belong_to_their_work(gallery):
@@ -54,11 +54,11 @@ def test_annotations_belong_to_their_work(gallery):
         with pytest.raises(GalleryError, match="no annotation"):
             act()
     for act in (
-        lambda: said_of(gallery, "nothing"),
+        lambda: annotations_of(gallery, "nothing"),
         lambda: add_annotation(gallery, "no", {"x": 0, "y": 0, "text_zh": "x"}),
     ):
         with pytest.raises(GalleryError, match="no work"):
             act()
     with pytest.raises(GalleryError, match="to say something"):
         change_annotation(gallery, one.id, {"text_zh": ""})
-    assert said_of(gallery, WORK)[-1].text_zh == "x"
+    assert annotations_of(gallery, WORK)[-1].text_zh == "x"

@@ -8,11 +8,11 @@ import json
 import pytest
 
 from rumu.errors import GalleryError, OutputError
-from rumu.gallery.annotations import add_annotation, said_of
+from rumu.gallery.annotations import add_annotation, annotations_of
 from rumu.gallery.archive import export_gallery, holds_starter
+from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import change_work, delete_work, work, works
-from rumu.gallery.importing import import_folder
-from rumu.gallery.starting import put_starter
+from rumu.gallery.seed import add_starter_works
 from rumu.gallery.tours import add_tour
 
 
@@ -91,15 +91,15 @@ def exported(gallery, tmp_path):
 
 
 def test_a_work_that_nobody_changed_takes_the_exported_facts(bare, exported):
-    put_starter(bare)
+    add_starter_works(bare)
     done = import_folder(bare, exported)
     assert (done.added, done.existing, done.left_out) == (0, 30, ())
     assert work(bare, "seal-ri").title_en == "renamed before the export"
-    assert [one.text_en for one in said_of(bare, "seal-ri")] == ["said before"]
+    assert [one.text_en for one in annotations_of(bare, "seal-ri")] == ["said before"]
 
 
 def test_a_work_that_was_changed_here_keeps_its_facts(bare, exported):
-    put_starter(bare)
+    add_starter_works(bare)
     change_work(bare, "seal-ri", {"title_en": "renamed here"})
     import_folder(bare, exported)
     assert work(bare, "seal-ri").title_en == "renamed here"

@@ -23,7 +23,7 @@ from rumu.gallery.catalog import (
     work,
     works,
 )
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 
 
 def ids(page) -> list[str]:
@@ -140,14 +140,14 @@ def test_a_forgotten_work_takes_its_files_and_words_along(gallery):
 
 
 def test_a_file_that_another_work_shares_stays(gallery):
-    from rumu.gallery.adding import keep
-    from rumu.gallery.entries import Entry, Kept, Room, digest_of
+    from rumu.gallery.add_work import add_stored_work
+    from rumu.gallery.metadata import CollectionMetadata, StoredFiles, WorkMetadata, work_digest
     from rumu.values import Bilingual
 
     first = work(gallery, "seal-ri")
-    kept = Kept(picture=first.picture, digest=digest_of("other label"), width=512, height=512)
-    room = Room(id="more", title=Bilingual("更多", "More"))
-    second = keep(gallery, Entry(title=Bilingual("日", "sun")), kept, room=room).id
+    kept = StoredFiles(picture=first.picture, digest=work_digest("other label"), width=512, height=512)
+    room = CollectionMetadata(id="more", title=Bilingual("更多", "More"))
+    second = add_stored_work(gallery, WorkMetadata(title=Bilingual("日", "sun")), kept, collection=room).id
     delete_work(gallery, "seal-ri")
     assert gallery.store.exists(first.picture)
     assert delete_collection(gallery, "more") == 1

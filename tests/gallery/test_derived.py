@@ -6,6 +6,7 @@ import io
 import json
 import subprocess
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,16 +15,16 @@ from PIL import Image
 from tests.gallery.conftest import surface
 
 from rumu.errors import GalleryError, RefusedImage
-from rumu.gallery import making
+from rumu.gallery import renderers
 from rumu.gallery.derived import KINDS, derived, viewer_facts
-from rumu.gallery.starting import put_starter
+from rumu.gallery.seed import add_starter_works
+from rumu.gallery.starter import starter_works
 from rumu.gallery.store import Store
-from rumu.gallery.works import starter_works
 
 
 @pytest.fixture
 def gallery(bare):
-    put_starter(bare)
+    add_starter_works(bare)
     return bare
 
 
@@ -81,7 +82,7 @@ def test_every_starter_mesh_is_sound_and_small(gallery, work):
     import trimesh
 
     data = derived(gallery, work, "glb").data
-    assert len(data) <= making.GLB_BYTES
+    assert len(data) <= renderers.GLB_BYTES
     mesh = trimesh.load(io.BytesIO(data), file_type="glb", force="mesh")
     assert mesh.is_winding_consistent and len(mesh.faces) > 10_000
     assert mesh.extents[:2] == pytest.approx([0.1, 0.1], rel=0.02)
@@ -109,7 +110,7 @@ def test_khronos_validator_finds_no_fault_in_a_mesh(gallery, work, node):
 
 def test_a_large_photometric_mesh_stays_below_5_mb(bare):
     """Noise is what a JPEG and a mesh pack worst."""
-    from rumu.gallery.originals import Original
+    from rumu.gallery.assets import Assets
     from rumu.values import Surface
 
     rng = np.random.default_rng(3)
@@ -127,19 +128,19 @@ def test_a_large_photometric_mesh_stays_below_5_mb(bare):
         unit="mm",
         source="photometric",
     )
-    data = making.glb(Original(digest="x", picture=bytes, surface=lambda: noisy), exaggeration=1.0)
-    assert 500_000 < len(data) <= making.GLB_BYTES
+    data = renderers.render_glb(Assets(digest="x", picture=bytes, surface=lambda: noisy), exaggeration=1.0)
+    assert 500_000 < len(data) <= renderers.GLB_BYTES
 
 
 def test_the_real_photographs_give_a_small_mesh(bare, data):
-    from rumu.gallery.adding import add_capture
-    from rumu.gallery.entries import Entry
+    from rumu.gallery.add_work import add_capture
+    from rumu.gallery.metadata import WorkMetadata
     from rumu.values import Bilingual
 
     added = add_capture(
-        bare, data / "photometric" / "uw-psm" / "cat", entry=Entry(title=Bilingual("貓", "Cat"))
+        bare, data / "photometric" / "uw-psm" / "cat", metadata=WorkMetadata(title=Bilingual("貓", "Cat"))
     )
-    assert len(derived(bare, added.id, "glb").data) <= making.GLB_BYTES
+    assert len(derived(bare, added.id, "glb").data) <= renderers.GLB_BYTES
 
 
 def test_a_mesh_can_be_exaggerated_and_nothing_else(gallery):
@@ -160,8 +161,9 @@ def test_a_mesh_can_be_exaggerated_and_nothing_else(gallery):
 
 
 def test_each_file_is_made_once_and_then_kept(gallery, monkeypatch):
-    made, real = [], making.normals
-    monkeypatch.setattr(making, "normals", lambda original: made.append(1) or real(original))
+    made, real = [], KINDS["normals"]
+    counting = replace(real, render=lambda assets: made.append(1) or real.render(assets))
+    monkeypatch.setitem(KINDS, "normals", counting)
     answers = []
     threads = [
         threading.Thread(target=lambda: answers.append(derived(gallery, "seal-ri", "normals")))
@@ -176,10 +178,10 @@ def test_each_file_is_made_once_and_then_kept(gallery, monkeypatch):
 
 
 def test_a_file_that_fails_half_way_is_not_kept(gallery, monkeypatch):
-    def fails(original) -> bytes:
+    def fails(assets) -> bytes:
         raise RuntimeError
 
-    monkeypatch.setattr(making, "normals", fails)
+    monkeypatch.setitem(KINDS, "normals", replace(KINDS["normals"], render=fails))
     with pytest.raises(RuntimeError):
         derived(gallery, "seal-ri", "normals")
     monkeypatch.undo()
@@ -198,8 +200,8 @@ def test_the_tag_changes_with_the_content(gallery):
 
 
 def test_a_picture_without_writing_has_a_picture_but_no_surface(bare, labelled):
+    from rumu.gallery.bulk_import import import_folder
     from rumu.gallery.catalog import works
-    from rumu.gallery.importing import import_folder
 
     folder = labelled(1)
     Image.new("L", (64, 64), 250).save(folder / "img" / "00000.png")
@@ -211,15 +213,15 @@ def test_a_picture_without_writing_has_a_picture_but_no_surface(bare, labelled):
 
 
 def test_a_large_picture_is_brought_down(bare, tmp_path):
-    from rumu.gallery.adding import add_picture
-    from rumu.gallery.entries import Entry
+    from rumu.gallery.add_work import add_picture
+    from rumu.gallery.metadata import WorkMetadata
     from rumu.values import Bilingual
 
     page = np.full((2600, 3000, 3), 240, np.uint8)
     page[400:2200, 1300:1600] = 20
     page[1100:1400, 500:2500] = 20
     Image.fromarray(page).save(tmp_path / "large.jpg")
-    added = add_picture(bare, tmp_path / "large.jpg", entry=Entry(title=Bilingual("十", "ten")))
+    added = add_picture(bare, tmp_path / "large.jpg", metadata=WorkMetadata(title=Bilingual("十", "ten")))
     assert max(surface(bare, added.id).height.shape) == 2400
     assert picture_of(bare, "picture", added.id).shape == (1775, 2048, 3)
     assert picture_of(bare, "normals", added.id).shape == (887, 1024, 3)
@@ -230,6 +232,6 @@ def test_a_store_elsewhere_serves_as_well(bare):
     from rumu.gallery.gallery import Gallery
 
     there = Gallery(bare.database, Store.open("memory://derived"))
-    put_starter(there)
+    add_starter_works(there)
     for kind in set(KINDS) - {"lamp-a", "lamp-b", "lamp-c"}:
         assert derived(there, "regular-ri", kind).data == derived(there, "regular-ri", kind).data

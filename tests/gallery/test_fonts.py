@@ -13,8 +13,8 @@ from rumu.gallery.fonts import SIDE, Face
 
 def test_a_font_tells_who_made_it_and_under_which_licence(data):
     face = Face(data / "fonts" / "LXGWSeal-Regular.ttf")
-    assert "LXGW" in face.says("family") and "LXGW" in face.says("copyright")
-    assert "SIL Open Font License" in face.says("licence")
+    assert "LXGW" in face.name("family") and "LXGW" in face.name("copyright")
+    assert "SIL Open Font License" in face.name("licence")
 
 
 def test_a_glyph_stands_in_the_middle(data):

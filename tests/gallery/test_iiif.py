@@ -8,18 +8,18 @@ import pytest
 
 from rumu.errors import GalleryError
 from rumu.gallery.annotations import add_annotation
+from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import work, works
 from rumu.gallery.iiif import collection_manifest, manifest
 from rumu.gallery.iiif_image import image_info, image_response
-from rumu.gallery.importing import import_folder
-from rumu.gallery.starting import put_starter
+from rumu.gallery.seed import add_starter_works
 
 BASE = "https://example.org"
 
 
 @pytest.fixture
 def gallery(bare):
-    put_starter(bare)
+    add_starter_works(bare)
     return bare
 
 

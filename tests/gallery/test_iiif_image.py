@@ -9,9 +9,9 @@ import pytest
 from PIL import Image
 
 from rumu.errors import GalleryError
-from rumu.gallery.adding import add_picture
-from rumu.gallery.entries import Entry
+from rumu.gallery.add_work import add_picture
 from rumu.gallery.iiif_image import BadImageRequest, Box, image_info, image_response, region_box, size_of
+from rumu.gallery.metadata import WorkMetadata
 from rumu.values import Bilingual
 
 
@@ -30,7 +30,7 @@ def page() -> np.ndarray:
 def ask(bare, page, tmp_path):
     """A function of region, size, rotation, quality, format: the picture that comes back."""
     Image.fromarray(page).save(tmp_path / "page.png")
-    added = add_picture(bare, tmp_path / "page.png", entry=Entry(title=Bilingual("十", "ten")))
+    added = add_picture(bare, tmp_path / "page.png", metadata=WorkMetadata(title=Bilingual("十", "ten")))
 
     def asked(region="full", size="max", rotation="0", quality="default", format="png") -> Image.Image:
         data, media_type = image_response(bare, added.id, region, size, rotation, quality, format)
@@ -198,7 +198,7 @@ def test_a_large_picture_has_smaller_sizes_and_tiles(bare, tmp_path):
     page = np.full((1500, 5000), 240, np.uint8)
     page[600:900, 800:4200] = 10
     Image.fromarray(page).save(tmp_path / "long.png")
-    added = add_picture(bare, tmp_path / "long.png", entry=Entry(title=Bilingual("一", "one")))
+    added = add_picture(bare, tmp_path / "long.png", metadata=WorkMetadata(title=Bilingual("一", "one")))
     info = image_info(bare, added.id, base="x")
     assert info["sizes"][-1] == {"width": 2500, "height": 750}
     data, _ = image_response(bare, added.id, "full", "max", "0", "gray", "jpg")

@@ -7,13 +7,13 @@ import json
 import pytest
 
 from rumu.errors import GalleryError
-from rumu.gallery.labels import Told, collection_of, read_description, read_rows
+from rumu.gallery.labels import SharedMetadata, collection_of, read_description, read_labels
 from rumu.values import Bilingual
 
 
-def rows(folder, text: str, told: Told | None = None):
+def rows(folder, text: str, told: SharedMetadata | None = None):
     (folder / "labels.csv").write_text(text, encoding="utf-8")
-    return read_rows(folder, told or Told())
+    return read_labels(folder, told or SharedMetadata())
 
 
 def test_the_columns_of_the_steles(tmp_path):
@@ -22,7 +22,7 @@ def test_the_columns_of_the_steles(tmp_path):
         "file,character,calligrapher,calligrapher_zh,work,dynasty,script,label_confidence\n"
         "a/1.png,天,yu_shinan_attr,虞世南(傳),演連珠,Tang (attributed),regular,1.0\n",
     )
-    entry = row.entry
+    entry = row.metadata
     assert (row.file, entry.character, entry.script, entry.dynasty) == ("a/1.png", "天", "regular", "Tang")
     assert entry.title == Bilingual("演連珠「天」", "天, 演連珠")
     assert entry.hand == Bilingual("虞世南(傳)", "Yu Shinan (attributed)")
@@ -32,7 +32,7 @@ def test_the_columns_of_the_steles(tmp_path):
 
 def test_the_columns_of_the_lantingxu(tmp_path):
     (row,) = rows(tmp_path, "file,character,script,medium\nd/1.jpg,永,running,rubbing(white on black)\n")
-    assert row.entry.material == Bilingual("拓本（黑底白字）", "rubbing (white on black)")
+    assert row.metadata.material == Bilingual("拓本（黑底白字）", "rubbing (white on black)")
 
 
 def test_the_columns_of_the_cursive_characters(tmp_path):
@@ -40,25 +40,29 @@ def test_the_columns_of_the_cursive_characters(tmp_path):
         tmp_path,
         "file,character,calligrapher_zh,script,polarity_guess\n1.webp,一,王铎,cursive,light_on_dark\n",
     )
-    assert row.entry.title == Bilingual("王铎草書「一」", "一, 王铎, cursive script")
-    assert row.entry.hand == Bilingual("王铎", "王铎")
-    assert "guessed" in row.entry.material.en and row.entry.dynasty == ""
+    assert row.metadata.title == Bilingual("王铎草書「一」", "一, 王铎, cursive script")
+    assert row.metadata.hand == Bilingual("王铎", "王铎")
+    assert "guessed" in row.metadata.material.en and row.metadata.dynasty == ""
 
 
 def test_a_description_says_what_no_row_says(tmp_path):
     held = {"id": "Six Steles!", "title": {"zh": "六碑", "en": "Six steles"}, "source": "x", "dynasty": "唐"}
     (tmp_path / "collection.json").write_text(json.dumps(held), encoding="utf-8")
-    told = Told({"source": "y"}).over(read_description(tmp_path))
+    told = SharedMetadata({"source": "y"}).with_defaults(read_description(tmp_path))
     one, two = rows(tmp_path, "file,dynasty,licence\n1.png,Sui,CC0-1.0\n2.png,,\n", told)
-    assert (one.entry.dynasty, one.entry.licence, one.entry.source) == ("Sui", "CC0-1.0", "y")
-    assert (two.entry.dynasty, two.entry.licence, two.entry.period.en) == ("Tang", "none stated", "Tang")
+    assert (one.metadata.dynasty, one.metadata.licence, one.metadata.source) == ("Sui", "CC0-1.0", "y")
+    assert (two.metadata.dynasty, two.metadata.licence, two.metadata.period.en) == (
+        "Tang",
+        "none stated",
+        "Tang",
+    )
     room = collection_of(tmp_path, told)
     assert (room.id, room.title.zh, room.source) == ("six-steles", "六碑", "y")
 
 
 def test_a_folder_of_any_name_is_a_collection(tmp_path):
     (tmp_path / "草書").mkdir()
-    room = collection_of(tmp_path / "草書", Told())
+    room = collection_of(tmp_path / "草書", SharedMetadata())
     assert room.id.startswith("collection-") and room.id.isascii() and room.title.zh == "草書"
 
 

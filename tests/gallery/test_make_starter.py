@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from rumu.errors import GalleryError
-from rumu.gallery.works import starter_works
+from rumu.gallery.starter import starter_works
 
 SCRIPT = Path(__file__).parents[2] / "scripts" / "make_starter.py"
 

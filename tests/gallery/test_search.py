@@ -13,7 +13,7 @@ import rumu
 from rumu.errors import GalleryError, RefusedImage
 from rumu.gallery import search
 from rumu.gallery.search import MasterIndex, find, index_masters
-from rumu.gallery.works import find_work, starter_works
+from rumu.gallery.starter import find_work, starter_works
 
 CHARACTERS = "下令傳十合寧式當得德手方益讀銘非風"
 
@@ -42,13 +42,13 @@ def folder(tmp_path) -> Path:
 def described(monkeypatch) -> list[str]:
     """Names of the files that are described from now on."""
     names: list[str] = []
-    row = search._row
+    row = search._describe_master
 
     def noted(path: str):
         names.append(Path(path).name)
         return row(path)
 
-    monkeypatch.setattr(search, "_row", noted)
+    monkeypatch.setattr(search, "_describe_master", noted)
     return names
 
 

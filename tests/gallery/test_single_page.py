@@ -14,13 +14,13 @@ from tests.gallery.conftest import surface
 from rumu.errors import GalleryError
 from rumu.gallery.annotations import add_annotation
 from rumu.gallery.catalog import change_work
+from rumu.gallery.seed import add_starter_works
 from rumu.gallery.single_page import LARGEST, page_facts, single_page, write_page
-from rumu.gallery.starting import put_starter
 
 
 @pytest.fixture
 def gallery(bare):
-    put_starter(bare)
+    add_starter_works(bare)
     return bare
 
 

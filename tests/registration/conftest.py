@@ -10,7 +10,7 @@ import pytest
 from hypothesis import settings
 from PIL import Image
 
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu.surface.inflation import inflate
 from rumu.values import Surface
 

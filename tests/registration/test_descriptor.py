@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 import rumu
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu.registration.descriptor import (
     DescriptorSettings,
     beyond_others,

@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw
 
 from rumu.gallery.catalog import open_gallery
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.works import starter_samples
+from rumu.gallery.starter import starter_samples
 from rumu.studio.people import Identity, create_person, identity
 from rumu.studio.place import Place
 

@@ -44,13 +44,13 @@ def test_what_was_kept_is_all_there(gallery, kept, marked, person):
 
 
 def test_a_deleted_attempt_leaves_no_file(gallery, kept, person, tmp_path):
+    from rumu.gallery.assets import picture_assets
     from rumu.gallery.derived import derived_of
-    from rumu.gallery.originals import picture_original
 
     lin = person("林")
     before = {p for p in (tmp_path / "files").rglob("*") if p.is_file()}
     attempt = kept(lin, strokes="[]")
-    derived_of(gallery.store, picture_original(gallery.store, attempt.picture), "thumb")
+    derived_of(gallery.store, picture_assets(gallery.store, attempt.picture), "thumb")
     attempts.delete(gallery, attempt.id, who=lin)
     assert {p for p in (tmp_path / "files").rglob("*") if p.is_file()} == before
     with pytest.raises(Missing):

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from rumu import pipeline
-from rumu.gallery.works import find_work, starter_samples
+from rumu.gallery.starter import find_work, starter_samples
 from rumu.report.overlay import _planar
 from rumu.studio.marking import POINTS, alignment, in_cell, mark_facts, residual_facts
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rumu.database.tables import Attempt
-from rumu.gallery.works import starter_samples
+from rumu.gallery.starter import starter_samples
 from rumu.studio.comparisons import next_pair
 from rumu.studio.samples import put_samples, waiting
 

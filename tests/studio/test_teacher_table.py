@@ -12,7 +12,7 @@ import zipfile
 import pytest
 
 from rumu.database.tables import Membership, TeacherMark, Work
-from rumu.gallery.works import starter_samples
+from rumu.gallery.starter import starter_samples
 from rumu.studio import attempts, worker
 from rumu.studio.classes import create_class
 from rumu.studio.teacher_table import given_marks, marks_csv, marks_zip

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from rumu.errors import SurfaceError
-from rumu.gallery.works import find_work, starter_works
+from rumu.gallery.starter import find_work, starter_works
 from rumu.surface.skeleton import Skeleton, skeletonise, strokes
 
 SIDE = 256

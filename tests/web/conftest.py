@@ -12,7 +12,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from rumu.database.tables import Membership, Person
-from rumu.gallery.works import starter_samples
+from rumu.gallery.starter import starter_samples
 from rumu.studio.classes import create_class
 from rumu.studio.people import create_person, identity
 from rumu.studio.place import Place

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.baselines.cell import SIDE, Cell, cell_from
 from rumu_lab.simulation import faults
 

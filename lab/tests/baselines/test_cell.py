@@ -9,7 +9,7 @@ import pytest
 
 import rumu
 from rumu.errors import RegistrationError
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.baselines.cell import SIDE, Cell, Raw, cell_from, cell_of
 
 

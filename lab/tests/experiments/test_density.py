@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.experiments import density
 from rumu_lab.experiments.measuring import GradingTask, Measured
 from rumu_lab.experiments.severities import starter_subjects

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.experiments import gaming
 from rumu_lab.experiments.gaming import OTHER, SCRIPT, Result, Trial, Verdict
 from rumu_lab.simulation.impostors import IMPOSTORS

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.baselines.methods import METHODS
 from rumu_lab.experiments import measuring
 from rumu_lab.experiments.measuring import OURS, OWN, GradingTask, Measured

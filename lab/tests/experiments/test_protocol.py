@@ -6,7 +6,7 @@ import hashlib
 import json
 from pathlib import Path
 
-from rumu.gallery.works import starter_works
+from rumu.gallery.starter import starter_works
 from rumu_lab.experiments import protocol
 from rumu_lab.simulation.copies import RECIPES
 from rumu_lab.simulation.severity import GREATEST, KINDS

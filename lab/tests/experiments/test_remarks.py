@@ -79,7 +79,7 @@ def test_a_heavy_entry_must_be_told_at_that_end(cross):
 
 
 def test_what_strikes_many_strokes_may_be_told_of_all_at_once():
-    from rumu.gallery.works import starter_works
+    from rumu.gallery.starter import starter_works
     from rumu.pipeline import surface_of
 
     work = next(w for w in starter_works() if w.id == "regular-ren")
@@ -130,7 +130,7 @@ def test_a_folder_without_masters_is_said_to_be_one(tmp_path):
 
 
 def test_a_real_master_is_asked_for_every_fault_and_for_clean_copies(monkeypatch):
-    from rumu.gallery.works import starter_works
+    from rumu.gallery.starter import starter_works
 
     monkeypatch.setattr(remarks, "ANSWERS", {name: ANSWERS[name] for name in ("missing", "thick", "lean")})
     monkeypatch.setattr(remarks, "ASKED", (("lean", 1.5),))

@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.experiments.protocol import declared
 from rumu_lab.experiments.simulated_copies import AtDegree, Disturbed, Faulty, Written
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.experiments import variants
 from rumu_lab.experiments.measuring import GradingTask
 from rumu_lab.experiments.simulated_copies import Faulty, Written

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from rumu.errors import SurfaceError
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.simulation.copies import DEGREES, RECIPES, copy_at
 from rumu_lab.simulation.faults import FAULTS
 

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from rumu.errors import SurfaceError
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.simulation.faults import FAULTS, FaultyGlyph, apply
 from rumu_lab.simulation.glyph import Glyph
 from rumu_lab.simulation.severity import KINDS, size_of

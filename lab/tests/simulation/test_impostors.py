@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from rumu.errors import SurfaceError
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor, picture_of
 
 

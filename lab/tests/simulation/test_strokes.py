@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rumu.errors import SurfaceError
-from rumu.gallery.works import find_work
+from rumu.gallery.starter import find_work
 from rumu_lab.simulation.ink import brush_depth
 from rumu_lab.simulation.strokes import separate
 

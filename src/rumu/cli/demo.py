@@ -17,7 +17,7 @@ from rumu.cli.outcome import Outcome, ends_well, plain
 from rumu.cli.progress import Advance, bar
 
 if TYPE_CHECKING:
-    from rumu.gallery.works import Sample, Work
+    from rumu.gallery.starter import Sample, StarterWork
     from rumu.report.pages import IndexSample, IndexWork
 
 MARKS = "marks.json"  # also the sign by which an earlier demo is known and may be replaced
@@ -92,20 +92,20 @@ def _show(port: int, *, opens: bool) -> None:
 
 
 def _samples() -> Sequence[Sample]:
-    from rumu.gallery.works import starter_samples
+    from rumu.gallery.starter import starter_samples
 
     return starter_samples()
 
 
-def _works() -> Sequence[Work]:
-    from rumu.gallery.works import starter_works
+def _works() -> Sequence[StarterWork]:
+    from rumu.gallery.starter import starter_works
 
     return starter_works()
 
 
 def _marked(samples: Sequence[Sample], advance: Advance) -> list[IndexSample]:
     """The marks alone."""
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
     from rumu.report.pages import IndexSample
 
     cuts = level_cuts("panel")
@@ -137,7 +137,7 @@ def _written(samples: Sequence[Sample], out: Path, *, advance: Advance, total: i
 def _sample_pages(
     samples: Sequence[Sample], folder: Path, *, advance: Advance, total: int
 ) -> list[IndexSample]:
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
     from rumu.report.pages import IndexSample
     from rumu.report.wording import SIMULATED
 
@@ -155,7 +155,7 @@ def _sample_pages(
     return rows
 
 
-def _sheet(works: Sequence[Work], *, advance: Advance, done: int, total: int) -> list[IndexWork]:
+def _sheet(works: Sequence[StarterWork], *, advance: Advance, done: int, total: int) -> list[IndexWork]:
     from rumu import pipeline
     from rumu.report.pages import IndexWork
 

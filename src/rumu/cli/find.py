@@ -13,7 +13,7 @@ from rumu.cli.outcome import Outcome, ends_well
 from rumu.cli.progress import bar
 
 if TYPE_CHECKING:
-    from rumu.gallery.search import MasterIndex, Match
+    from rumu.gallery.search import MasterIndex, SearchResult
 
 
 def register(app: typer.Typer) -> None:
@@ -55,13 +55,13 @@ def _heading(copy: Path, index: MasterIndex, seconds: float) -> str:
     return f"{copy}, among {len(index.masters)} masters{left_out}, {seconds:.2f} s"
 
 
-def _line(match: Match) -> str:
+def _line(match: SearchResult) -> str:
     master = match.master
     words = [word for word in (master.character, master.hand, master.work) if word]
     return f"  {match.likeness:.2f}  {' '.join(words)}  {master.path}".replace("    ", "  ")
 
 
-def _facts(match: Match) -> dict[str, Any]:
+def _facts(match: SearchResult) -> dict[str, Any]:
     master = match.master
     return {
         "file": master.path,

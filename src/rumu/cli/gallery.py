@@ -13,7 +13,7 @@ from rumu.cli.progress import bar, working
 
 if TYPE_CHECKING:
     from rumu.database.tables import Work
-    from rumu.gallery.labels import Told
+    from rumu.gallery.labels import SharedMetadata
 
 Id = Annotated[str, typer.Argument(metavar="ID", help="Id of a work, as `gallery list` prints it.")]
 Collection = Annotated[
@@ -141,18 +141,22 @@ def add(
         source=source, licence=licence, attribution=attribution,
     )  # fmt: skip
     gallery = open_gallery()
-    from rumu.gallery.adding import add_capture, add_glyphs, add_picture, room_named
+    from rumu.gallery.add_work import add_capture, add_glyphs, add_picture, named_collection
 
-    room, entry = room_named(collection), told.entry(character=character)
+    target, metadata = named_collection(collection), told.work_metadata(character=character)
     if font is not None:
-        added = add_glyphs(gallery, font, characters or "", entry=entry, room=room)
+        added = add_glyphs(gallery, font, characters or "", metadata=metadata, collection=target)
     elif path is not None and path.is_dir():
         with working("Reconstructing"):
-            added = (add_capture(gallery, path, entry=_named(entry, path), room=room),)
+            added = (add_capture(gallery, path, metadata=_named(metadata, path), collection=target),)
     else:
         picture = Path(str(path))
-        entry = _named(entry, picture)
-        added = (add_picture(gallery, picture, entry=entry, room=room, method=method, spacing=spacing),)
+        metadata = _named(metadata, picture)
+        added = (
+            add_picture(
+                gallery, picture, metadata=metadata, collection=target, method=method, spacing=spacing
+            ),
+        )
     lines = [f"{one.id}: {'added' if one.new else 'was there already'}" for one in added]
     return Outcome({"works": [{"id": one.id, "new": one.new} for one in added]}, "\n".join(lines))
 
@@ -177,9 +181,9 @@ def import_works(
 ) -> Outcome:
     """Every work of a folder; run it again to go on where it was ended. Options say what no label says."""
     from rumu.gallery.archive import holds_starter
+    from rumu.gallery.assets import delete_orphans
+    from rumu.gallery.bulk_import import import_folder
     from rumu.gallery.catalog import open_gallery
-    from rumu.gallery.importing import import_folder
-    from rumu.gallery.sweeping import sweep
 
     told = _told(
         title_zh=title_zh, title_en=title_en, script=script, hand=hand, dynasty=dynasty, material=material,
@@ -187,8 +191,8 @@ def import_works(
     )  # fmt: skip
     gallery = open_gallery(starter=not holds_starter(folder))
     with bar("Importing") as advance:
-        done = import_folder(gallery, folder, told=told, progress=advance)
-    sweep(gallery)
+        done = import_folder(gallery, folder, shared=told, progress=advance)
+    delete_orphans(gallery)
     lines = [f"{done.added} works added, {done.existing} were there already: {', '.join(done.collections)}"]
     if done.left_out:
         lines.append(f"{len(done.left_out)} left out, such as {': '.join(done.left_out[0])}")
@@ -267,25 +271,25 @@ def _page(work_id: str, out: Path) -> Outcome:
     return Outcome({"id": work_id, "out": out, "bytes": size}, f"{work_id}: {out} ({size / 1e6:.1f} MB)")
 
 
-def _told(**given: str | None) -> Told:
-    from rumu.gallery.labels import Told
+def _told(**given: str | None) -> SharedMetadata:
+    from rumu.gallery.labels import SharedMetadata
     from rumu.values import Bilingual
 
     zh, en = given.pop("title_zh"), given.pop("title_en")
     both = {name: Bilingual(text, text) for name in ("hand", "material") if (text := given.pop(name))}
     if zh or en:
         both["title"] = Bilingual(str(zh or en), str(en or zh))
-    return Told({name: text for name, text in given.items() if text}, both)
+    return SharedMetadata({name: text for name, text in given.items() if text}, both)
 
 
-def _named(entry: Any, path: Path) -> Any:
+def _named(metadata: Any, path: Path) -> Any:
     """A work that nobody named is called by its character or its file."""
     from dataclasses import replace
 
     from rumu.values import Bilingual
 
-    name = entry.character or path.resolve().stem
-    return entry if entry.title.zh else replace(entry, title=Bilingual(name, name))
+    name = metadata.character or path.resolve().stem
+    return metadata if metadata.title.zh else replace(metadata, title=Bilingual(name, name))
 
 
 def _write_png(data: bytes, target: Path) -> None:
@@ -302,9 +306,9 @@ def _write_png(data: bytes, target: Path) -> None:
             if picture.format == "PNG":
                 part.write_bytes(data)
                 return
-        from rumu.gallery.making import opened
+        from rumu.gallery.assets import decode_picture
 
-        opened(data).save(part, "PNG")
+        decode_picture(data).save(part, "PNG")
 
 
 def _once(first: str, second: str) -> str:

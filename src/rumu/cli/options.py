@@ -65,7 +65,7 @@ def master_path(master: str, *, root: Path | None = None) -> Path:
     path = Path(master) if root is None else root / master
     if path.exists():
         return path
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
 
     try:
         return find_work(master).path
@@ -80,7 +80,7 @@ def master_script(master: str, *, root: Path | None = None) -> str | None:
     path = Path(master) if root is None else root / master
     if path.exists():
         return None
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
 
     try:
         return find_work(master).script

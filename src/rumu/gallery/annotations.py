@@ -18,7 +18,7 @@ _LONGEST = {"title_zh": 200, "title_en": 200, "text_zh": 5000, "text_en": 5000}
 _FACTS = frozenset({"x", "y", "position", *TEXTS})
 
 
-def said_of(gallery: Gallery, work_id: str) -> tuple[Annotation, ...]:
+def annotations_of(gallery: Gallery, work_id: str) -> tuple[Annotation, ...]:
     """The annotations of a work, in order. Raises GalleryError when there is no such work."""
     work(gallery, work_id)
     with gallery.database.reading() as session:

@@ -26,9 +26,9 @@ from sqlalchemy.orm import Session
 from rumu.database.tables import Annotation, Base, Collection, Tour, UtcTime, Work
 from rumu.errors import GalleryError, OutputError
 from rumu.gallery.catalog import collection as find_collection
-from rumu.gallery.entries import Room, put_others, put_works, search_text
 from rumu.gallery.gallery import Gallery
 from rumu.gallery.masters import LABELS
+from rumu.gallery.metadata import CollectionMetadata, insert_rows, search_text
 from rumu.outputs import whole_folder
 from rumu.values import Bilingual
 
@@ -191,29 +191,35 @@ def _label(work: Work) -> dict[str, str]:
 
 
 def import_archive(
-    gallery: Gallery, folder: Path, *, room: Room | None = None, progress: Progress | None = None
+    gallery: Gallery,
+    folder: Path,
+    *,
+    collection: CollectionMetadata | None = None,
+    progress: Progress | None = None,
 ) -> ImportResult:
     """Import an exported folder. A work that is there already is updated only if nobody has changed it here.
 
-    room: the collection for new works, in place of their own; works that are there stay as they are.
+    collection: for new works, in place of their own; works that are there stay as they are.
     Raises GalleryError when the folder is not complete: a line that is no work, a missing file or one whose
     content does not match its name.
     """
     manifest = _read_manifest(folder)
-    collections = manifest["collections"] if room is None else [room.row()]
+    collections = manifest["collections"] if collection is None else [collection.row()]
     titles = {one["id"]: Bilingual(one["title_zh"], one["title_en"]) for one in collections}
     entries = list(_read_entries(folder))
-    if room is not None:
-        entries = [entry | {"collection_id": room.id} for entry in entries]
+    if collection is not None:
+        entries = [entry | {"collection_id": collection.id} for entry in entries]
     result = ImportResult(tuple(titles))
     with gallery.database.writing() as session:
-        put_others(session, Collection, [_from_json(Collection, one) for one in collections])
+        insert_rows(session, Collection, [_from_json(Collection, one) for one in collections])
     for batch in split(entries, BATCH):
-        result = result.and_then(_import_batch(gallery, folder, batch, titles, update_same=room is None))
+        result = result.and_then(
+            _import_batch(gallery, folder, batch, titles, update_same=collection is None)
+        )
         if progress is not None:
             progress(result.total, len(entries))
     with gallery.database.writing() as session:
-        put_others(session, Tour, [_from_json(Tour, tour) for tour in manifest["tours"]])
+        insert_rows(session, Tour, [_from_json(Tour, tour) for tour in manifest["tours"]])
     return result
 
 
@@ -240,7 +246,7 @@ def _import_batch(
     rows = [_work_row(entry, titles) for entry in batch]
     same = [row for row in rows if update_same and existing.get(row["id"]) == (row["digest"], True)]
     with gallery.database.writing() as session:
-        added = put_works(session, [row for row in rows if row["id"] not in existing])
+        added = insert_rows(session, Work, [row for row in rows if row["id"] not in existing])
         for row in same:  # such as a starter work that was renamed before the export
             session.execute(update(Work).where(Work.id == row["id"]).values(row))
         annotations = [
@@ -249,7 +255,7 @@ def _import_batch(
             if entry["id"] in added or entry["id"] in existing
             for one in entry["annotations"]
         ]
-        put_others(session, Annotation, annotations)
+        insert_rows(session, Annotation, annotations)
     conflicts = tuple(
         (entry["id"], "another work has this id")
         for entry in batch

@@ -19,11 +19,11 @@ from sqlalchemy.orm import Session
 from rumu.database.engine import open_database
 from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
-from rumu.gallery.entries import search_text
+from rumu.gallery.assets import delete_files
 from rumu.gallery.filters import Filters, check_script, conditions
 from rumu.gallery.gallery import Gallery, user_home
-from rumu.gallery.originals import forget_files
-from rumu.gallery.starting import put_starter
+from rumu.gallery.metadata import search_text
+from rumu.gallery.seed import add_starter_works
 from rumu.gallery.store import Store
 from rumu.values import Bilingual
 
@@ -53,7 +53,7 @@ def open_gallery(
         Store.open(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
     )
     if starter:
-        put_starter(gallery)
+        add_starter_works(gallery)
     return gallery
 
 
@@ -181,7 +181,7 @@ def delete_work(gallery: Gallery, work_id: str) -> None:
     gone = work(gallery, work_id)
     with gallery.database.writing() as session:
         session.execute(delete(Work).where(Work.id == work_id))
-    forget_files(gallery, gone)
+    delete_files(gallery, gone)
 
 
 def delete_collection(gallery: Gallery, collection_id: str) -> int:
@@ -193,7 +193,7 @@ def delete_collection(gallery: Gallery, collection_id: str) -> int:
         session.execute(delete(Work).where(Work.collection_id == collection_id))
         session.execute(delete(Collection).where(Collection.id == collection_id))
     for row in gone:
-        forget_files(gallery, row)
+        delete_files(gallery, row)
     return len(gone)
 
 

@@ -1,7 +1,8 @@
-"""Pictures, maps and meshes of a work: made when they are first asked for, then kept in the store.
+"""Derived files of a work: pictures, maps and meshes, computed when first requested and then stored.
 
-A derived file lies under the digest of what it was made of, so it is never out of date and can always be
-thrown away. It is written whole or not at all, and made once however many threads ask for it.
+A derived file lies under the digest of what it was computed from, so it is never out of date and can be
+deleted at any time. It is written completely or not at all, and computed once if several threads request it
+together.
 """
 
 from __future__ import annotations
@@ -11,22 +12,24 @@ import json
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
+from cachetools import LRUCache, cached
+
 from rumu.errors import GalleryError
+from rumu.gallery import renderers
+from rumu.gallery.assets import VERSION, Assets, assets_of, derived_folder
 from rumu.gallery.catalog import work
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.originals import VERSION, Original, derived_folder, original_of
 from rumu.gallery.store import Store
 
 MESHES = ("glb", "stl", "ply")
-_making = tuple(threading.Lock() for _ in range(32))
 
 
 @dataclass(frozen=True, slots=True)
-class Derived:
-    """A file as it is sent. media_type: e.g. 'image/webp'. etag: changes when the bytes do, without
-    quotes."""
+class DerivedFile:
+    """A file as it is sent. media_type: e.g. 'image/webp'. etag: of the content, unquoted."""
 
     data: bytes
     media_type: str
@@ -34,77 +37,76 @@ class Derived:
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
-    """How one kind of file is made: its module function, the type, and the end of its name."""
+class FileKind:
+    """A kind of derived file. render: computes it from assets; of a mesh with its exaggeration, too."""
 
-    make: str
+    render: Callable[..., bytes]
     media_type: str
     suffix: str
 
 
+def _webp(render: Callable[..., bytes], **options: Any) -> FileKind:
+    return FileKind(partial(render, **options), "image/webp", ".webp")
+
+
 KINDS = {
-    "thumb": Kind("thumb", "image/webp", ".webp"),
-    "thumb-normals": Kind("thumb_normals", "image/webp", ".webp"),
-    "picture": Kind("picture", "image/webp", ".webp"),
-    "albedo": Kind("albedo", "image/webp", ".webp"),
-    "normals": Kind("normals", "image/webp", ".webp"),
-    "normals-16": Kind("normals_16", "image/png", ".png"),
-    "height16": Kind("height_16", "image/png", ".png"),
-    "heights": Kind("heights", "application/octet-stream", ".f32"),
-    "mask": Kind("mask", "image/png", ".png"),
-    "lamp-a": Kind("lamp_a", "image/webp", ".webp"),
-    "lamp-b": Kind("lamp_b", "image/webp", ".webp"),
-    "lamp-c": Kind("lamp_c", "image/webp", ".webp"),
-    "glb": Kind("glb", "model/gltf-binary", ".glb"),
-    "stl": Kind("stl", "model/stl", ".stl"),
-    "ply": Kind("ply", "application/octet-stream", ".ply"),
-    "facts": Kind("facts", "application/json", ".json"),
+    "thumb": _webp(renderers.render_picture, longest=renderers.THUMB, quality=82),
+    "thumb-normals": _webp(renderers.render_normals, longest=renderers.THUMB_NORMALS),
+    "picture": _webp(renderers.render_picture, longest=renderers.SHOWN, quality=90),
+    "albedo": _webp(renderers.render_albedo),
+    "normals": _webp(renderers.render_normals, longest=renderers.MAP),
+    "normals-16": FileKind(renderers.render_normals_16, "image/png", ".png"),
+    "height16": FileKind(renderers.render_height_16, "image/png", ".png"),
+    "heights": FileKind(renderers.render_heights, "application/octet-stream", ".f32"),
+    "mask": FileKind(renderers.render_mask, "image/png", ".png"),
+    "lamp-a": _webp(renderers.render_photograph, number=0),
+    "lamp-b": _webp(renderers.render_photograph, number=1),
+    "lamp-c": _webp(renderers.render_photograph, number=2),
+    "glb": FileKind(renderers.render_glb, "model/gltf-binary", ".glb"),
+    "stl": FileKind(partial(renderers.render_mesh, kind="stl"), "model/stl", ".stl"),
+    "ply": FileKind(partial(renderers.render_mesh, kind="ply"), "application/octet-stream", ".ply"),
+    "facts": FileKind(renderers.render_facts, "application/json", ".json"),
 }
 
 
-def derived(gallery: Gallery, work_id: str, kind: str, *, exaggeration: float = 1.0) -> Derived:
-    """One derived file of a work.
+def derived(gallery: Gallery, work_id: str, kind: str, *, exaggeration: float = 1.0) -> DerivedFile:
+    """A derived file of a work.
 
-    kind: one of KINDS: 'thumb' (at most 256 px), 'thumb-normals' (128 px), 'picture' (as shown, at most 2048
-        px), 'albedo' and 'normals' (at most 1024 px; n = value / 127.5 - 1, y up), 'normals-16', 'height16'
-        (16-bit PNG; 'facts' says its scale), 'heights' (float32, little endian, row by row, at most 512 px),
-        'mask', 'lamp-a' to 'lamp-c' (the photographs of a three-lamp work), 'glb', 'stl', 'ply', 'facts'
-    (JSON). exaggeration: of a mesh's height, 0.01 to 100.
-    Raises GalleryError for another kind, one that this work does not have, or a work that is not there;
-    ImageError or RefusedImage when its picture cannot be used.
+    kind: one of KINDS: 'thumb' (at most 256 px), 'thumb-normals' (128 px), 'picture' (for showing, at most
+        2048 px), 'albedo' and 'normals' (at most 1024 px; n = value / 127.5 - 1, y up), 'normals-16',
+        'height16' (16-bit PNG; 'facts' gives its scale), 'heights' (float32, little endian, row by row, at
+        most 512 px), 'mask', 'lamp-a' to 'lamp-c' (the photographs of a three-lamp work), 'glb', 'stl',
+        'ply', 'facts' (JSON). exaggeration: of a mesh's height, 0.01 to 100.
+    Raises GalleryError for an unknown kind, one that this work does not have, or an unknown work; ImageError
+    or RefusedImage when its picture cannot be used.
     """
-    original = original_of(gallery.store, work(gallery, work_id))
-    return derived_of(gallery.store, original, kind, exaggeration=exaggeration)
+    assets = assets_of(gallery.store, work(gallery, work_id))
+    return derived_of(gallery.store, assets, kind, exaggeration=exaggeration)
 
 
-def derived_of(store: Store, original: Original, kind: str, *, exaggeration: float = 1.0) -> Derived:
-    """One derived file of an original; see `derived`."""
-    key = _key(original, kind, exaggeration)
+def derived_of(store: Store, assets: Assets, kind: str, *, exaggeration: float = 1.0) -> DerivedFile:
+    """A derived file of assets; see `derived`."""
+    tag = etag(assets, kind, exaggeration=exaggeration)
     if kind == "picture":
-        shown = _as_it_came(original)
-        if shown is not None:
-            return Derived(shown[0], shown[1], etag(original, kind))
-    data = _kept(store, key)
-    if data is None:
-        with _making[hash(key) % len(_making)]:
-            data = _kept(store, key)  # another thread may have made it meanwhile
-            if data is None:
-                data = _made(original, kind, exaggeration)
-                store.write(key, data)
-    return Derived(data, KINDS[kind].media_type, etag(original, kind, exaggeration=exaggeration))
+        data = assets.picture()
+        media_type = renderers.browser_media_type(data)
+        if media_type is not None:
+            return DerivedFile(data, media_type, tag)
+    return DerivedFile(_read_or_render(store, assets, kind, exaggeration), KINDS[kind].media_type, tag)
 
 
-def kept(store: Store, original: Original, kind: str, *, exaggeration: float = 1.0) -> Derived | None:
-    """The same where it is there without being made, else None."""
-    data = _kept(store, _key(original, kind, exaggeration))
-    if data is None:
+def stored_file(store: Store, assets: Assets, kind: str, *, exaggeration: float = 1.0) -> DerivedFile | None:
+    """A derived file of assets if it is in the store, else None."""
+    key = _key(assets, kind, exaggeration)
+    if not store.exists(key):
         return None
-    return Derived(data, KINDS[kind].media_type, etag(original, kind, exaggeration=exaggeration))
+    tag = etag(assets, kind, exaggeration=exaggeration)
+    return DerivedFile(store.read(key), KINDS[kind].media_type, tag)
 
 
-def etag(original: Original, kind: str, *, exaggeration: float = 1.0) -> str:
-    """What names the content of a derived file, known before it is made."""
-    return hashlib.sha256(_key(original, kind, exaggeration).encode()).hexdigest()[:20]
+def etag(assets: Assets, kind: str, *, exaggeration: float = 1.0) -> str:
+    """The ETag of a derived file, which is known before the file is computed."""
+    return hashlib.sha256(_key(assets, kind, exaggeration).encode()).hexdigest()[:20]
 
 
 def viewer_facts(
@@ -112,24 +114,24 @@ def viewer_facts(
 ) -> dict[str, Any]:
     """What the viewer needs to show a work.
 
-    url: makes the address of a kind of derived file with its etag; by default of the service's own files.
+    url: makes the address of a kind of derived file with its ETag; by default of the service's own files.
     Returns pixels ([width, height] of albedo and normals), aspect, unit, spacing (of those pixels), source,
     source_text, height {url, width, height, min, max}, normals, albedo, picture, mask, glb, and three_lamps
     {a, b, c, slant} or None. Raises as `derived`.
     """
     return viewer_facts_of(
         gallery.store,
-        original_of(gallery.store, work(gallery, work_id)),
+        assets_of(gallery.store, work(gallery, work_id)),
         url=url or (lambda kind, tag: f"/api/works/{work_id}/files/{kind}?v={tag}"),
     )
 
 
-def viewer_facts_of(store: Store, original: Original, *, url: Callable[[str, str], str]) -> dict[str, Any]:
-    """The same of any original; see `viewer_facts`."""
-    facts: dict[str, Any] = json.loads(derived_of(store, original, "facts").data)
+def viewer_facts_of(store: Store, assets: Assets, *, url: Callable[[str, str], str]) -> dict[str, Any]:
+    """What the viewer needs to show a work or another picture; see `viewer_facts`."""
+    facts: dict[str, Any] = json.loads(derived_of(store, assets, "facts").data)
 
     def address(kind: str) -> str:
-        return url(kind, etag(original, kind))
+        return url(kind, etag(assets, kind))
 
     lamps, heights, _ = (facts.pop(name) for name in ("three_lamps", "heights", "height16"))
     return facts | {
@@ -139,7 +141,7 @@ def viewer_facts_of(store: Store, original: Original, *, url: Callable[[str, str
     }
 
 
-def _key(original: Original, kind: str, exaggeration: float) -> str:
+def _key(assets: Assets, kind: str, exaggeration: float) -> str:
     if kind not in KINDS:
         raise GalleryError(f"expected a kind of file among {', '.join(KINDS)}, got {kind!r}")
     if not 0.01 <= exaggeration <= 100:
@@ -147,24 +149,21 @@ def _key(original: Original, kind: str, exaggeration: float) -> str:
     if exaggeration != 1.0 and kind not in MESHES:
         raise GalleryError(f"expected an exaggeration of a mesh ({', '.join(MESHES)}), got it of {kind}")
     more = "" if exaggeration == 1.0 else f"-x{exaggeration:g}"
-    return f"{derived_folder(original.digest)}/v{VERSION}-{kind}{more}{KINDS[kind].suffix}"
+    return f"{derived_folder(assets.digest)}/v{VERSION}-{kind}{more}{KINDS[kind].suffix}"
 
 
-def _kept(store: Store, key: str) -> bytes | None:
-    return store.read(key) if store.exists(key) else None
-
-
-def _made(original: Original, kind: str, exaggeration: float) -> bytes:
-    from rumu.gallery import making
-
-    make = getattr(making, KINDS[kind].make)
-    return bytes(make(original, exaggeration=exaggeration) if kind in MESHES else make(original))
-
-
-def _as_it_came(original: Original) -> tuple[bytes, str] | None:
-    """The picture itself, where a browser shows it and it is not too large."""
-    from rumu.gallery.making import shown_as_it_is
-
-    data = original.picture()
-    media_type = shown_as_it_is(data)
-    return None if media_type is None else (data, media_type)
+# The cache holds nothing, because the file is in the store: it makes threads that request a file wait for the
+# one that renders it.
+@cached(
+    LRUCache(0),
+    key=lambda store, assets, kind, exaggeration: (store.root, _key(assets, kind, exaggeration)),
+    condition=threading.Condition(),
+)
+def _read_or_render(store: Store, assets: Assets, kind: str, exaggeration: float) -> bytes:
+    key = _key(assets, kind, exaggeration)
+    if store.exists(key):
+        return store.read(key)
+    options = {"exaggeration": exaggeration} if kind in MESHES else {}
+    data = KINDS[kind].render(assets, **options)
+    store.write(key, data)
+    return data

@@ -1,4 +1,4 @@
-"""Filters of a search as SQL conditions, and facets: the values to filter by with their numbers of works."""
+"""Filters of a search as SQL conditions, and facets: the values to filter by, with their numbers of works."""
 
 from __future__ import annotations
 
@@ -12,21 +12,20 @@ from rumu.assessment.scripts import SCRIPTS
 from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.terms import UNKNOWN, dynasty_name, script_name
-from rumu.gallery.variants import folded, forms
+from rumu.gallery.vocabulary import UNKNOWN, dynasty_name, fold, script_name, variants
 
 FACETS = ("script", "dynasty", "hand", "character", "collection")
 MOST_VALUES = 500  # of one facet: nobody reads a longer list
-NONE = "none"  # stands for works of which a script, dynasty or hand is not known
+NONE = "none"  # asks for works whose script, dynasty or hand is unknown
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Filters:
-    """What works are asked for; None asks nothing. 'none' as script, dynasty or hand: those of whom it is not
-    known.
+    """What a search asks for; None does not filter.
 
-    character: in any of its forms, traditional or simplified. hand: as a facet names it, in Chinese or
-    English. query: words that all must occur in title, character, hand, collection, dynasty or script.
+    script, dynasty, hand: 'none' asks for works where it is unknown. hand: as a facet gives it, in Chinese or
+    English. character: in any of its variants, traditional or simplified. query: words that must all occur in
+    title, character, hand, collection, dynasty or script.
     """
 
     script: str | None = None
@@ -37,43 +36,9 @@ class Filters:
     query: str | None = None
 
 
-def check_script(script: str | None) -> None:
-    """Raise GalleryError unless it is one of the five, or says that none is known or asked for."""
-    if script not in (None, "", NONE, *SCRIPTS):
-        raise GalleryError(f"expected a script among {', '.join(SCRIPTS)}, got {script!r}")
-
-
-def conditions(filters: Filters, columns: Any) -> dict[str, ColumnElement[bool]]:
-    """What each choice asks of a row, by the name of its facet.
-
-    columns: of works, or of a query that has the same. Raises GalleryError for an unknown script.
-    """
-    check_script(filters.script)
-    asked: dict[str, ColumnElement[bool]] = {}
-    if filters.script:
-        asked["script"] = columns.script == _known(filters.script)
-    if filters.dynasty:
-        asked["dynasty"] = columns.dynasty == _known(filters.dynasty)
-    if filters.hand:
-        hand = _known(filters.hand)
-        asked["hand"] = or_(columns.hand_zh == hand, and_(columns.hand_en == hand, columns.hand_en != ""))
-    if filters.character:
-        asked["character"] = columns.character.in_(forms(filters.character))
-    if filters.collection:
-        asked["collection"] = columns.collection_id == filters.collection
-    if filters.query and filters.query.split():
-        words = folded(filters.query).split()
-        asked["query"] = and_(*(columns.search.contains(word, autoescape=True) for word in words))
-    return asked
-
-
-def _known(value: str) -> str:
-    return "" if value == NONE else value
-
-
 @dataclass(frozen=True, slots=True)
 class FacetValue:
-    """One choice of a facet: what to ask for, its name in both languages, how many works it leaves."""
+    """A value of a facet: the filter's value, its name in both languages, its number of works."""
 
     value: str
     zh: str
@@ -81,56 +46,88 @@ class FacetValue:
     count: int
 
 
-def count_facets(gallery: Gallery, filters: Filters) -> dict[str, tuple[FacetValue, ...]]:
-    """For each of FACETS its values, most works first, at most MOST_VALUES.
+def check_script(script: str | None) -> None:
+    """Raise GalleryError unless it is one of the five scripts, or stands for an unknown or for any script."""
+    if script not in (None, "", NONE, *SCRIPTS):
+        raise GalleryError(f"expected a script among {', '.join(SCRIPTS)}, got {script!r}")
 
-    The counts of a facet heed every other choice but its own, so that another value of it can be chosen.
+
+def conditions(filters: Filters, columns: Any) -> dict[str, ColumnElement[bool]]:
+    """The SQL condition of each filter that is set, by its name.
+
+    columns: of works, or of a query with the same columns. Raises GalleryError for an unknown script.
+    """
+    check_script(filters.script)
+    script, dynasty, hand = (
+        "" if value == NONE else value for value in (filters.script, filters.dynasty, filters.hand)
+    )
+    found: dict[str, ColumnElement[bool]] = {}
+    if filters.script:
+        found["script"] = columns.script == script
+    if filters.dynasty:
+        found["dynasty"] = columns.dynasty == dynasty
+    if filters.hand:
+        found["hand"] = or_(columns.hand_zh == hand, and_(columns.hand_en == hand, columns.hand_en != ""))
+    if filters.character:
+        found["character"] = columns.character.in_(variants(filters.character))
+    if filters.collection:
+        found["collection"] = columns.collection_id == filters.collection
+    if filters.query and filters.query.split():
+        words = fold(filters.query).split()
+        found["query"] = and_(*(columns.search.contains(word, autoescape=True) for word in words))
+    return found
+
+
+def count_facets(gallery: Gallery, filters: Filters) -> dict[str, tuple[FacetValue, ...]]:
+    """The values of each of FACETS, those with most works first, at most MOST_VALUES.
+
+    The counts of a facet follow all filters except its own, so that another value of it can be chosen.
     Raises GalleryError for an unknown script.
     """
-    found: dict[str, list[Any]] = {name: [] for name in FACETS}
+    rows: dict[str, list[Any]] = {name: [] for name in FACETS}
     with gallery.database.reading() as session:
-        for name, *values in session.execute(_counts(filters)):
-            found[name].append(values)
-        rooms = select(Collection.id, Collection.title_zh, Collection.title_en)
-        titles = {row[0]: (row[1], row[2]) for row in session.execute(rooms)}
-    return {name: tuple(_value(name, values, titles) for values in rows) for name, rows in found.items()}
+        for name, *values in session.execute(_facet_query(filters)):
+            rows[name].append(values)
+        collections = select(Collection.id, Collection.title_zh, Collection.title_en)
+        titles = {row[0]: (row[1], row[2]) for row in session.execute(collections)}
+    return {name: tuple(_facet_value(name, row, titles) for row in of_name) for name, of_name in rows.items()}
 
 
-def _counts(filters: Filters) -> Any:
-    """One statement for all facets, so that the words of a query are looked for in every work but once."""
+def _facet_query(filters: Filters) -> Any:
+    """One statement for all facets, so that the words of a query are searched only once."""
     columns: Any = Work.__table__.c
     words = conditions(Filters(query=filters.query), columns)
     if words:
         names = ("script", "dynasty", "hand_zh", "hand_en", "character", "collection_id", "search")
         columns = select(*(columns[name] for name in names)).where(*words.values()).cte("found").c
-    asked = {name: one for name, one in conditions(filters, columns).items() if name != "query"}
-    grouped = {
+    others = {name: one for name, one in conditions(filters, columns).items() if name != "query"}
+    group_by = {
         "script": (columns.script,),
         "dynasty": (columns.dynasty,),
         "hand": (columns.hand_zh, columns.hand_en),
         "character": (columns.character,),
         "collection": (columns.collection_id,),
     }
-    return union_all(*(select(_counted(name, grouped[name], asked).subquery()) for name in FACETS))
+    return union_all(*(select(_count_by(name, group_by[name], others).subquery()) for name in FACETS))
 
 
-def _counted(name: str, by: Sequence[Any], asked: dict[str, Any]) -> Any:
+def _count_by(name: str, columns: Sequence[Any], filters: dict[str, Any]) -> Any:
     count = func.count().label("works")
-    others = [condition for of, condition in asked.items() if of != name]
-    if name == "character":  # a sheet of many characters is no choice among them
-        others.append(by[0] != "")
-    second = by[1] if len(by) > 1 else literal("")
+    others = [condition for of, condition in filters.items() if of != name]
+    if name == "character":  # a sheet of several characters is no value to choose
+        others.append(columns[0] != "")
+    second = columns[1] if len(columns) > 1 else literal("")
     return (
-        select(literal(name).label("facet"), by[0].label("first"), second.label("second"), count)
+        select(literal(name).label("facet"), columns[0].label("first"), second.label("second"), count)
         .where(*others)
-        .group_by(*by)
-        .order_by(count.desc(), *by)
+        .group_by(*columns)
+        .order_by(count.desc(), *columns)
         .limit(MOST_VALUES)
     )
 
 
-def _value(name: str, values: Sequence[Any], titles: dict[str, tuple[str, str]]) -> FacetValue:
-    first, second, count = values
+def _facet_value(name: str, row: Sequence[Any], titles: dict[str, tuple[str, str]]) -> FacetValue:
+    first, second, count = row
     if name in ("script", "dynasty"):
         label = (script_name if name == "script" else dynasty_name)(first)
         return FacetValue(first or NONE, label.zh, label.en, count)

@@ -1,7 +1,7 @@
-"""A font's drawing of a character as a picture; a font that lacks a character is told, however it hides that.
+"""Pictures of characters drawn from a font, which refuse the characters that the font lacks.
 
-A table of characters may claim a glyph that is empty, or that is the font's substitute for whatever it does
-not have. Such a drawing is no work of anybody's, so it never becomes one.
+A font's character map may list a glyph that is empty or is the substitute for missing characters. Such a
+glyph never becomes a work.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
 
 SIDE = 512  # pixels of a picture
 SHARE = 0.76  # of the side that the longer side of the ink's box fills
-AREA = 0.42  # of the picture that the box may cover: a full-sized 日 would shout down its neighbours
+AREA = 0.42  # of the picture that the box may cover, or a full-sized 日 would look too large beside others
 OVERSAMPLING = 4
 
-# Characters that no small font holds, beside one of the private area: what a font draws for them is its
-# substitute, whatever its table of characters claims.
+# Characters that small fonts lack, and one of the private use area: what a font draws for them is its
+# substitute glyph, even if its character map lists them.
 SURELY_MISSING = "龘䶮𠀀𰻞\ue0ff\U0010fffd"
 
 _NAMES = {"family": 1, "version": 5, "copyright": 0, "designer": 9, "licence": 13}  # of OpenType's name table
 
 
 class Face:
-    """An opened font that refuses to draw what it does not have.
+    """An opened font that refuses to draw the characters that it lacks.
 
-    path: TTF, OTF, TTC (its first font), WOFF or WOFF2. hint: what to say besides when there is no such file.
+    path: TTF, OTF, TTC (its first font), WOFF or WOFF2. hint: added to the error when there is no such file.
     Raises GalleryError when there is none, or it is no font.
     """
 
@@ -39,29 +39,29 @@ class Face:
         if not path.is_file():
             raise GalleryError(f"{path}: expected a font there{hint}")
         self.path = path
-        self._font = _opened(path)
+        self._font = _open_font(path)
         self._glyphs = self._font.getGlyphSet()
         self._names = self._font.getBestCmap() or {}
 
     def outline(self, character: str) -> list[Any]:
-        """What the font draws for a character, its substitute included."""
+        """The drawing commands of the glyph for a character, which may be the substitute glyph."""
         from fontTools.pens.recordingPen import DecomposingRecordingPen  # type: ignore[import-untyped]
 
         pen = DecomposingRecordingPen(self._glyphs)
         self._glyphs[self._names.get(ord(character), ".notdef")].draw(pen)
-        drawn: list[Any] = pen.value
-        return drawn
+        commands: list[Any] = pen.value
+        return commands
 
     def check(self, character: str) -> None:
-        """Raises GalleryError unless the font holds a drawing of its own for this character."""
+        """Raise GalleryError unless the font has a glyph of its own for this character."""
         refusal = f"{self.path.name}: has no {character}"
         if ord(character) not in self._names:
             raise GalleryError(f"{refusal}: it is not in its table of characters")
-        own = self.outline(character)
-        if not own:
+        outline = self.outline(character)
+        if not outline:
             raise GalleryError(f"{refusal}: the glyph is empty")
         for other in SURELY_MISSING:
-            if other != character and own == self.outline(other):
+            if other != character and outline == self.outline(other):
                 raise GalleryError(f"{refusal}: it draws its substitute for missing characters")
 
     def picture(self, character: str) -> Picture:
@@ -73,28 +73,30 @@ class Face:
 
         self.check(character)
         big = SIDE * OVERSAMPLING
-        draft = self._drawn(character, size=big, side=2 * big).getbbox()
+        draft = self._draw(character, size=big, side=2 * big).getbbox()
         if draft is None:
             raise GalleryError(f"{self.path.name}: draws nothing for {character}")
         width, height = draft[2] - draft[0], draft[3] - draft[1]
         size = round(
             big * min(SHARE * big / max(width, height), (AREA * big * big / (width * height)) ** 0.5)
         )
-        drawn = self._drawn(character, size=size, side=3 * big)
+        drawn = self._draw(character, size=size, side=3 * big)
         left, top, right, bottom = drawn.getbbox() or (0, 0, big, big)
         x, y = (left + right - big) // 2, (top + bottom - big) // 2
         ink = drawn.crop((x, y, x + big, y + big)).resize((SIDE, SIDE), Image.Resampling.BOX)
         return Image.eval(ink, lambda value: 255 - value)
 
-    def says(self, what: str) -> str:
-        """What the font says of itself: 'family', 'version', 'copyright', 'designer' or 'licence'; ''
-        nothing."""
+    def name(self, what: str) -> str:
+        """An entry of the font's name table; '' where it has none.
+
+        what: 'family', 'version', 'copyright', 'designer' or 'licence'.
+        """
         record = self._font["name"].getDebugName(_NAMES[what]) if "name" in self._font else None
         return " ".join(str(record or "").split())
 
     @functools.cached_property
     def _plain(self) -> bytes:
-        """The font as the rasteriser reads it: a woff2 becomes a plain font, in memory."""
+        """The file as the rasteriser reads it; a WOFF2 font is uncompressed in memory."""
         if self._font.flavor is None:
             return self.path.read_bytes()
         self._font.flavor = None
@@ -102,7 +104,7 @@ class Face:
         self._font.save(plain)
         return plain.getvalue()
 
-    def _drawn(self, character: str, *, size: int, side: int) -> Picture:
+    def _draw(self, character: str, *, size: int, side: int) -> Picture:
         from PIL import Image, ImageDraw, ImageFont
 
         image = Image.new("L", (side, side), 0)
@@ -111,17 +113,17 @@ class Face:
         return image
 
 
-def _opened(path: Path) -> Any:
+def _open_font(path: Path) -> Any:
     import logging
 
     try:
         from fontTools.ttLib import TTFont  # type: ignore[import-untyped]
     except ModuleNotFoundError as error:
         raise GalleryError(f"a work from a font needs: pip install fonttools brotli ({error})") from error
-    logging.getLogger("fontTools").setLevel(logging.ERROR)  # old fonts have odd dates; they do no harm
+    logging.getLogger("fontTools").setLevel(logging.ERROR)  # it warns about odd dates of old fonts
     try:
         return TTFont(path, recalcBBoxes=False, fontNumber=0)
-    except Exception as error:  # a damaged font fails in as many ways as it has tables
+    except Exception as error:  # a damaged font fails in many ways
         raise GalleryError(
             f"{path}: expected a font (TTF, OTF, TTC, WOFF), cannot read it ({error})"
         ) from error

@@ -12,10 +12,10 @@ from sqlalchemy import select
 
 from rumu.database.tables import Annotation, Collection, Work
 from rumu.gallery import catalog
-from rumu.gallery.annotations import said_of
+from rumu.gallery.annotations import annotations_of
 from rumu.gallery.gallery import Gallery
 from rumu.gallery.iiif_image import MAX_SIDE
-from rumu.gallery.terms import HEIGHT_SOURCES, dynasty_name, script_name
+from rumu.gallery.vocabulary import HEIGHT_SOURCES, dynasty_name, script_name
 from rumu.values import Bilingual
 
 _CHINESE, _ENGLISH = "zh-Hant", "en"
@@ -35,7 +35,7 @@ def manifest(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
     """
     row = catalog.work(gallery, work_id)
     of = catalog.collection(gallery, row.collection_id)
-    made = _manifest(row, of, said_of(gallery, work_id), base=base.rstrip("/"))
+    made = _manifest(row, of, annotations_of(gallery, work_id), base=base.rstrip("/"))
     return _plain(made)
 
 

@@ -3,16 +3,15 @@ format."""
 
 from __future__ import annotations
 
-import functools
 import io
 import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rumu.errors import GalleryError
+from rumu.gallery.assets import read_picture
 from rumu.gallery.catalog import work
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.store import Store
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -88,7 +87,7 @@ def image_response(  # noqa: PLR0917  in the order of the address
     box = region_box(region, width=row.width, height=row.height)
     wanted = size_of(size, box)
     mirrored, quarters = _turn(rotation)
-    picture = _decoded(gallery.store, row.picture)
+    picture = read_picture(gallery.store, row.picture)
     part = picture.crop((box.x, box.y, box.x + box.width, box.y + box.height))
     return _packed(_toned(_turned(_scaled(part, wanted), mirrored, quarters), quality), format), FORMATS[
         format
@@ -202,10 +201,3 @@ def _packed(image: Picture, format: str) -> bytes:
     else:
         image.convert("RGB").save(packed, "WEBP", quality=90, method=3)
     return packed.getvalue()
-
-
-@functools.lru_cache(maxsize=4)  # a viewer asks for many parts of one picture
-def _decoded(store: Store, key: str) -> Picture:
-    from rumu.gallery.making import opened
-
-    return opened(store.read(key))

@@ -1,7 +1,8 @@
-"""Which master is this a copy of: every master is described once, a copy is then found among thousands.
+"""Find the master that a copy was written after, among thousands.
 
-The descriptions lie in RUMU_HOME/indices, one file for each set of masters. A master is described anew only
-when its content changed; names, sizes and times tell quickly that nothing did.
+Each master is described once by a vector of its outline. The descriptions lie in RUMU_HOME/indices, one file
+for each set of masters. A master is described again only when its content has changed; paths, sizes and times
+of the files tell quickly that nothing has.
 """
 
 from __future__ import annotations
@@ -37,14 +38,14 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 
 _LENGTH = DescriptorSettings().length
-_FEW = 50  # described before another process would have started
+_FEW = 50  # masters that one process describes before another has started
 
 
 @dataclass(frozen=True, slots=True)
-class Match:
-    """One master that may be the one.
+class SearchResult:
+    """A master that the copy may have been written after.
 
-    likeness: up to 1 for the same outline, about 0 for any two characters.
+    likeness: up to 1 for the same outline, about 0 for two unrelated characters.
     """
 
     master: Master
@@ -71,14 +72,38 @@ class MasterIndex:
 
 def find(
     copy: SurfaceLike, masters: Places | MasterIndex, *, top: int = 10, progress: Progress | None = None
-) -> tuple[Match, ...]:
-    """The masters that a copy is most like, best first.
+) -> tuple[SearchResult, ...]:
+    """Find the masters that a copy is most like.
 
-    copy: a path, an array or a Surface. masters: a folder of pictures, a labels.csv, several of these, or an
-        index from `index_masters`. The first search through a set describes each of its masters, some 25 ms
-        each, and keeps that. progress: called with (done, total) meanwhile.
-    Likeness is of outlines: the same character by another hand is found, and one that looks alike is near.
-    Raises RefusedImage for a copy without writing, GalleryError for masters that are not there.
+    Parameters
+    ----------
+    copy
+        A path, an (H, W) or (H, W, 3) array of an image in [0, 1], or a Surface.
+    masters
+        A folder of pictures, a labels.csv, several of these, or an index from
+        `rumu.gallery.search.index_masters`.
+    top
+        The number of masters to return at most, 1 or more.
+    progress
+        Called with (done, total) while masters are described.
+
+    Returns
+    -------
+    tuple of SearchResult
+        The masters with their likeness, up to 1, the most alike first.
+
+    Raises
+    ------
+    RefusedImage
+        When the copy holds no writing.
+    GalleryError
+        When there are no such masters, none of them holds writing, or `top` is below 1.
+
+    Notes
+    -----
+    The first search describes each master, which takes about 25 ms, and stores the descriptions in
+    RUMU_HOME/indices. Outlines are compared, see `rumu.registration.descriptor`: the same character by
+    another hand is found, and a character that looks similar is near.
     """
     if top < 1:
         raise GalleryError(f"top: expected 1 or more, got {top}")
@@ -88,45 +113,50 @@ def find(
     index = masters if isinstance(masters, MasterIndex) else index_masters(masters, progress=progress)
     alike = likeness(vector, from_bytes(index.vectors))
     best = np.argsort(-alike, kind="stable")[:top]
-    return tuple(Match(index.masters[k], float(alike[k])) for k in best)
+    return tuple(SearchResult(index.masters[k], float(alike[k])) for k in best)
 
 
 def index_masters(places: Places, *, jobs: int = 1, progress: Progress | None = None) -> MasterIndex:
-    """Describe the masters of a place (see `read_masters`), or read what was kept of them.
+    """Describe the masters of a place (see `read_masters`), or read the descriptions that are stored.
 
     jobs: processes; more than one needs a script that can be imported, as multiprocessing does.
     Raises GalleryError when there are none, or none that holds writing. Where RUMU_HOME cannot be written a
-    warning says so and nothing is kept.
+    warning says so and nothing is stored.
     """
     masters = read_masters(places)
     paths = [str(master.path.resolve()) for master in masters]
-    file = _file_of(paths)
-    kept = _Table.read(file)
-    stamps = np.array([_stamp(path) for path in paths], dtype=np.int64)
-    if kept is None or not kept.holds(paths, stamps):
-        kept = _described(paths, stamps, kept=kept, jobs=jobs, progress=progress)
+    name = hashlib.sha256("\n".join(paths).encode()).hexdigest()[:16]
+    file = user_home() / "indices" / f"{name}.npz"
+    table = _IndexTable.read(file)
+    stats = np.array([_size_and_time(path) for path in paths], dtype=np.int64)
+    if table is None or not table.matches(paths, stats):
+        table = _describe_masters(paths, stats, stored=table, jobs=jobs, progress=progress)
         try:
-            kept.write(file)
+            table.write(file)
         except OutputError as error:
             warnings.warn(f"the descriptions of the masters are not kept: {error}", UserWarning, stacklevel=2)
-    return _index(masters, kept)
+    return _index(masters, table)
 
 
-def _index(masters: Sequence[Master], table: _Table) -> MasterIndex:
-    fine = np.array([reason == "" for reason in table.reasons], dtype=bool)
-    if not fine.any():
+def _index(masters: Sequence[Master], table: _IndexTable) -> MasterIndex:
+    described = np.array([reason == "" for reason in table.reasons], dtype=bool)
+    if not described.any():
         raise GalleryError(f"none of {len(masters)} masters holds writing; the first: {table.reasons[0]}")
     pairs = list(zip(masters, table.reasons, strict=True))
     return MasterIndex(
         masters=tuple(master for master, reason in pairs if reason == ""),
-        vectors=table.vectors[fine],
+        vectors=table.vectors[described],
         left_out=tuple((master, str(reason)) for master, reason in pairs if reason != ""),
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Table:
-    """What is kept of a set of masters, one row each: where, size and time, content, vector or why none."""
+class _IndexTable:
+    """The file of an index, one row for each master.
+
+    paths: of the pictures. stamps: their sizes and times. digests: of their content. vectors: the
+    descriptions. reasons: why a master has none, else ''.
+    """
 
     paths: np.ndarray
     stamps: np.ndarray
@@ -134,82 +164,80 @@ class _Table:
     vectors: np.ndarray
     reasons: np.ndarray
 
-    def holds(self, paths: list[str], stamps: np.ndarray) -> bool:
+    def matches(self, paths: list[str], stats: np.ndarray) -> bool:
         """Whether these are the same files, unchanged as far as size and time tell."""
         return len(paths) == len(self.paths) and bool(
-            np.array_equal(self.stamps, stamps) and self.paths.tolist() == paths
+            np.array_equal(self.stamps, stats) and self.paths.tolist() == paths
         )
 
     @staticmethod
-    def read(file: Path) -> _Table | None:
-        """What was kept, or None when there is nothing that can be used."""
+    def read(file: Path) -> _IndexTable | None:
+        """The stored table, or None when there is none that can be used."""
         try:
-            with np.load(file, allow_pickle=False) as kept:
-                if int(kept["version"]) != VERSION:
+            with np.load(file, allow_pickle=False) as stored:
+                if int(stored["version"]) != VERSION:
                     return None
-                return _Table(*(kept[name] for name in _Table.__slots__))
+                return _IndexTable(*(stored[name] for name in _IndexTable.__slots__))
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-            return None  # not there, of an older rumu, or cut short: it is made anew
+            return None  # missing, of an older version, or truncated: it is computed again
 
     def write(self, file: Path) -> None:
-        """Whole or not at all."""
+        """Write the file completely or not at all."""
         from rumu.outputs import whole_file
 
         with whole_file(file) as part, part.open("wb") as stream:
             np.savez(stream, version=VERSION, **{name: getattr(self, name) for name in self.__slots__})
 
 
-def _file_of(paths: list[str]) -> Path:
-    name = hashlib.sha256("\n".join(paths).encode()).hexdigest()[:16]
-    return user_home() / "indices" / f"{name}.npz"
-
-
-def _stamp(path: str) -> tuple[int, int]:
+def _size_and_time(path: str) -> tuple[int, int]:
     try:
-        found = os.stat(path)  # noqa: PTH116  a Path for each of 10,000 files takes longer than the search
+        stat = os.stat(path)  # noqa: PTH116  a Path for each of 10,000 files takes longer than the search
     except OSError:
         return -1, -1
-    return found.st_size, found.st_mtime_ns
+    return stat.st_size, stat.st_mtime_ns
 
 
-def _described(
-    paths: list[str], stamps: np.ndarray, *, kept: _Table | None, jobs: int, progress: Progress | None
-) -> _Table:
-    """Every master's row; those whose content is among the kept ones are taken from there."""
-    digests = [_digest(path) for path in paths]
+def _describe_masters(
+    paths: list[str],
+    stats: np.ndarray,
+    *,
+    stored: _IndexTable | None,
+    jobs: int,
+    progress: Progress | None,
+) -> _IndexTable:
+    """The rows of all masters; those whose content is in the stored table are taken from there."""
+    digests = [_content_digest(path) for path in paths]
     known: dict[str, tuple[Any, str]] = {}
-    if kept is not None:
-        known = {
-            str(d): (v, str(r)) for d, v, r in zip(kept.digests, kept.vectors, kept.reasons, strict=True)
-        }
+    if stored is not None:
+        columns = zip(stored.digests, stored.vectors, stored.reasons, strict=True)
+        known = {str(digest): (vector, str(reason)) for digest, vector, reason in columns}
     new = [k for k, digest in enumerate(digests) if digest not in known or not digest]
     processes = jobs if len(new) > _FEW else 1
     rows = [known.get(digest, (np.zeros(_LENGTH, np.uint8), "")) for digest in digests]
-    for done, (k, row) in enumerate(
-        zip(new, in_order(_row, (paths[k] for k in new), processes=processes), strict=True)
-    ):
+    described = in_order(_describe_master, (paths[k] for k in new), processes=processes)
+    for done, (k, row) in enumerate(zip(new, described, strict=True), start=1):
         rows[k] = row
         if progress is not None:
-            progress(done + 1, len(new))
-    return _Table(
+            progress(done, len(new))
+    return _IndexTable(
         paths=np.array(paths),
-        stamps=stamps,
+        stamps=stats,
         digests=np.array(digests),
         vectors=np.stack([vector for vector, _ in rows]),
         reasons=np.array([reason for _, reason in rows]),
     )
 
 
-def _digest(path: str) -> str:
-    """Of the content; '' for what cannot be read, which is then never taken for known."""
+def _content_digest(path: str) -> str:
+    """SHA-256 of a file; '' if it cannot be read, which never counts as known."""
     try:
         return hashlib.sha256(Path(path).read_bytes()).hexdigest()
     except OSError:
         return ""
 
 
-def _row(path: str) -> tuple[np.ndarray, str]:
-    """The vector of one master as bytes, and ''; or zeros and the reason why there is none."""
+def _describe_master(path: str) -> tuple[np.ndarray, str]:
+    """The vector of a master as bytes and '', or zeros and the reason why there is none."""
     from rumu.pipeline import surface_of
 
     try:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rumu.errors import GalleryError
-from rumu.gallery.annotations import said_of
+from rumu.gallery.annotations import annotations_of
 from rumu.gallery.catalog import collection, work
 from rumu.gallery.derived import derived, viewer_facts
 from rumu.gallery.gallery import Gallery
@@ -93,7 +93,7 @@ def _work_facts(gallery: Gallery, work_id: str) -> dict[str, Any]:
                     "title": _both(one, "title"),
                     "text": _both(one, "text"),
                 }
-                for one in said_of(gallery, work_id)
+                for one in annotations_of(gallery, work_id)
             ],
         }
     )

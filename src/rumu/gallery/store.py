@@ -120,8 +120,8 @@ class Store:
             if facts.get("type") == "file" and _written(facts) <= before:
                 yield str(PurePosixPath(place).relative_to(self.root or "/"))
 
-    def drop(self, key: str) -> None:
-        """Delete one file that `keys` told of, half-written or whole."""
+    def delete_file(self, key: str) -> None:
+        """Delete one file that `keys` gave, complete or partly written."""
         with contextlib.suppress(FileNotFoundError):
             self.filesystem.rm_file(f"{self.root}/{key}")
 

@@ -7,14 +7,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rumu.gallery.adding import add_capture, add_picture, room_named
+from rumu.gallery.add_work import add_capture, add_picture, named_collection
 from rumu.gallery.archive import MANIFEST
+from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import collections
-from rumu.gallery.entries import NO_LICENCE, Entry, Room
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.importing import import_folder
-from rumu.gallery.labels import Told
+from rumu.gallery.labels import SharedMetadata
 from rumu.gallery.masters import LABELS
+from rumu.gallery.metadata import NO_LICENCE, CollectionMetadata, WorkMetadata
 from rumu.studio.errors import Unusable
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import unpack
@@ -28,7 +28,7 @@ WORDS = ("character", "script", "dynasty", "source", "licence", "attribution")
 _TOLD = 20  # pictures that were left out, told one by one
 
 
-def entry_of(facts: Mapping[str, str]) -> Entry:
+def entry_of(facts: Mapping[str, str]) -> WorkMetadata:
     """facts: title_zh, title_en, hand_zh, ... and WORDS; one language stands for both where the other is
     empty."""
     texts: dict[str, Any] = {name: _both(facts, name) for name in TEXTS}
@@ -37,7 +37,7 @@ def entry_of(facts: Mapping[str, str]) -> Entry:
     if not texts["title"].zh:
         name = words["character"] or "無題"
         texts["title"] = Bilingual(name, words["character"] or "Untitled")
-    return Entry(**texts, **words)
+    return WorkMetadata(**texts, **words)
 
 
 def add_work(gallery: Gallery, data: bytes, facts: Mapping[str, str], *, spacing: float | None) -> str:
@@ -48,16 +48,18 @@ def add_work(gallery: Gallery, data: bytes, facts: Mapping[str, str], *, spacing
         path = Path(folder) / f"picture.{format_of(data)}"
         path.write_bytes(data)
         room = room_of(gallery, facts.get("collection", ""))
-        return add_picture(gallery, path, entry=entry_of(facts), room=room, method=method, spacing=spacing).id
+        return add_picture(
+            gallery, path, metadata=entry_of(facts), collection=room, method=method, spacing=spacing
+        ).id
 
 
-def room_of(gallery: Gallery, name: str) -> Room:
+def room_of(gallery: Gallery, name: str) -> CollectionMetadata:
     """The collection that a person named: the one of this id or title, else a new one; that of works added
     here where nothing was named."""
     for row, _ in collections(gallery):
         if name and name in (row.id, row.title_zh, row.title_en):
-            return Room(id=row.id, title=Bilingual(row.title_zh, row.title_en))
-    return room_named(name or None)
+            return CollectionMetadata(id=row.id, title=Bilingual(row.title_zh, row.title_en))
+    return named_collection(name or None)
 
 
 def import_zip(
@@ -75,7 +77,7 @@ def import_zip(
         folder = unpack(packed, Path(place) / name)
         if (folder / LABELS).is_file() or (folder / MANIFEST).is_file():
             progress(0, 0, "收入 Putting in")
-            done = import_folder(gallery, folder, told=_told(gallery, facts), progress=progress)
+            done = import_folder(gallery, folder, shared=_told(gallery, facts), progress=progress)
             return {
                 "collections": list(done.collections),
                 "added": done.added,
@@ -87,15 +89,15 @@ def import_zip(
             raise Unusable("no_works", zh="zip 檔是空的。", en="The zip file is empty.")
         progress(0, 0, "重建表面 Reconstructing")
         room = room_of(gallery, facts.get("collection", ""))
-        added = add_capture(gallery, folder, entry=entry_of(facts), room=room)
+        added = add_capture(gallery, folder, metadata=entry_of(facts), collection=room)
         return {"work": added.id, "added": int(added.new), "there": int(not added.new)}
 
 
-def _told(gallery: Gallery, facts: Mapping[str, str]) -> Told | None:
+def _told(gallery: Gallery, facts: Mapping[str, str]) -> SharedMetadata | None:
     if not facts.get("collection"):
         return None
     room = room_of(gallery, facts["collection"])
-    return Told({"id": room.id}, {"title": room.title})
+    return SharedMetadata({"id": room.id}, {"title": room.title})
 
 
 def _both(facts: Mapping[str, str], name: str) -> Bilingual:

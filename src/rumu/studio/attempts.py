@@ -12,8 +12,8 @@ from sqlalchemy.orm import Session
 
 from rumu import __version__
 from rumu.database.tables import Attempt, Membership, Person, Task, TeacherMark, Work, new_id, now
+from rumu.gallery.assets import derived_folder, picture_assets
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.originals import derived_folder, picture_original
 from rumu.gallery.store import Store
 from rumu.studio.access import attempts_of, seen_attempt
 from rumu.studio.classes import found
@@ -193,7 +193,7 @@ def delete(gallery: Gallery, attempt_id: str, *, who: Identity) -> None:
             raise NotAllowed()
         session.delete(attempt)
     gallery.store.delete(f"attempts/{attempt_id}")
-    gallery.store.delete(derived_folder(picture_original(gallery.store, attempt.picture).digest))
+    gallery.store.delete(derived_folder(picture_assets(gallery.store, attempt.picture).digest))
 
 
 def mark_by_teacher(

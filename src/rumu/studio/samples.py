@@ -9,7 +9,7 @@ from sqlalchemy import select
 
 from rumu.database.tables import Attempt, Work
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.works import Sample, starter_samples
+from rumu.gallery.starter import Sample, starter_samples
 from rumu.studio import worker
 from rumu.studio.attempts import keep
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from rumu.assessment.calibration import Calibration
     from rumu.assessment.measurement import PreparedMaster
-    from rumu.gallery.derived import Derived
+    from rumu.gallery.derived import DerivedFile
     from rumu.gallery.gallery import Gallery
     from rumu.values import FloatArray
 
@@ -73,7 +73,7 @@ def answered(work: Callable[..., Any], place: Place, terms: dict[str, Any]) -> A
 def ready(place: Place) -> int:
     """Load everything that a mark needs, by marking a starter work against itself; the process's id."""
     from rumu import pipeline
-    from rumu.gallery.works import starter_works
+    from rumu.gallery.starter import starter_works
 
     work = starter_works(script="regular")[0]
     pipeline.assess(work.path, work.path, calibration=_calibration(place))
@@ -104,17 +104,15 @@ def mark(place: Place, *, data: bytes, work_id: str, digest: str, script: str) -
 
 def derived_file(
     place: Place, *, kind: str, exaggeration: float, work_id: str | None = None, picture: str | None = None
-) -> Derived:
+) -> DerivedFile:
     """A file derived from a work, or from a picture of the store; made when it is not there yet."""
+    from rumu.gallery.assets import assets_of, picture_assets
     from rumu.gallery.catalog import work
     from rumu.gallery.derived import derived_of
-    from rumu.gallery.originals import original_of, picture_original
 
     gallery = _gallery(place)
     store = gallery.store
-    original = (
-        original_of(store, work(gallery, work_id)) if work_id else picture_original(store, str(picture))
-    )
+    original = assets_of(store, work(gallery, work_id)) if work_id else picture_assets(store, str(picture))
     return derived_of(store, original, kind, exaggeration=exaggeration)
 
 
@@ -156,11 +154,11 @@ def _gallery(place: Place) -> Gallery:
 @lru_cache(maxsize=_MASTERS)
 def _master(place: Place, work_id: str, digest: str) -> PreparedMaster:
     from rumu import pipeline
+    from rumu.gallery.assets import assets_of
     from rumu.gallery.catalog import work
-    from rumu.gallery.originals import original_of
 
     gallery = _gallery(place)
-    return pipeline.prepare_master(original_of(gallery.store, work(gallery, work_id)).surface())
+    return pipeline.prepare_master(assets_of(gallery.store, work(gallery, work_id)).surface())
 
 
 @lru_cache(maxsize=2)

@@ -9,10 +9,10 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
+from rumu.gallery.assets import Assets, assets_of, picture_assets
 from rumu.gallery.catalog import work
-from rumu.gallery.derived import etag, kept
+from rumu.gallery.derived import etag, stored_file
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.originals import Original, original_of, picture_original
 from rumu.studio import worker
 from rumu.studio.workers import Workers
 
@@ -58,13 +58,13 @@ class DerivedFiles:
 
         Raises GalleryError as `rumu.gallery.derived.derived` does.
         """
-        original = original_of(self._gallery.store, work(self._gallery, work_id))
-        return self._content(original, kind, exaggeration, client_etags, {"work_id": work_id})
+        assets = assets_of(self._gallery.store, work(self._gallery, work_id))
+        return self._content(assets, kind, exaggeration, client_etags, {"work_id": work_id})
 
     def of_picture(self, key: str, kind: str, *, client_etags: Collection[str] = ()) -> FileContent:
         """A file of a picture in the store, such as an attempt's."""
-        original = picture_original(self._gallery.store, key)
-        return self._content(original, kind, 1.0, client_etags, {"picture": key})
+        assets = picture_assets(self._gallery.store, key)
+        return self._content(assets, kind, 1.0, client_etags, {"picture": key})
 
     def at_address(self, address: FileAddress) -> FileContent | None:
         """What was sent from this address, while it is in memory. It needs no query of the database."""
@@ -83,13 +83,13 @@ class DerivedFiles:
 
     def _content(
         self,
-        original: Original,
+        assets: Assets,
         kind: str,
         exaggeration: float,
         client_etags: Collection[str],
         source: dict[str, Any],
     ) -> FileContent:
-        tag = etag(original, kind, exaggeration=exaggeration)
+        tag = etag(assets, kind, exaggeration=exaggeration)
         if tag in client_etags:
             return FileContent(b"", None, "", tag)
         content = self._in_memory(tag)
@@ -99,7 +99,7 @@ class DerivedFiles:
             content = self._in_memory(tag)
             if content is not None:
                 return content
-            file = kept(self._gallery.store, original, kind, exaggeration=exaggeration)
+            file = stored_file(self._gallery.store, assets, kind, exaggeration=exaggeration)
             if file is None:
                 file = self._workers.ask(worker.derived_file, kind=kind, exaggeration=exaggeration, **source)
             content = FileContent(file.data, _compress(file.data, file.media_type), file.media_type, tag)

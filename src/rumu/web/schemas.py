@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AliasPath, BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from rumu.database.tables import Work
-from rumu.gallery.originals import VERSION
+from rumu.gallery.assets import VERSION
 from rumu.studio.passwords import LONGEST
 from rumu.web.dependencies import Id, LongText, ShortText
 

@@ -10,7 +10,7 @@ import zipfile
 
 import pytest
 
-from rumu.gallery.works import starter_works
+from rumu.gallery.starter import starter_works
 from rumu.studio import handlers
 
 

@@ -127,7 +127,7 @@ def _subjects(characters: str, pictures: Mapping[str, Path], settings: RunSettin
 
 
 def _starter_characters() -> set[str]:
-    from rumu.gallery.works import starter_works
+    from rumu.gallery.starter import starter_works
 
     return {work.character for work in starter_works()}
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from rumu.assessment.measurement import PreparedMaster
 from rumu.executors import in_order
-from rumu.gallery.works import starter_works
+from rumu.gallery.starter import starter_works
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor
 
 Progress = Callable[[int, int], None]

@@ -67,7 +67,7 @@ def run(settings: RunSettings) -> Findings:
 
 def measure_copies(settings: RunSettings) -> list[Made]:
     """Every work at the four degrees, for each seed."""
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
 
     works = [find_work(work) for work in settings.protocol.works]
     seeds = settings.protocol.level_seeds

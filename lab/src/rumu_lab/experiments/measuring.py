@@ -213,7 +213,7 @@ def _each(work: Callable[[GradingTask], Measured], tasks: Sequence[GradingTask])
 
 
 _PICTURES = (
-    *("rumu/capture", "rumu/surface", "rumu/gallery/starter", "rumu/gallery/works.py", "rumu/values.py"),
+    *("rumu/capture", "rumu/surface", "rumu/gallery/starter", "rumu/gallery/starter.py", "rumu/values.py"),
     *("rumu_lab/simulation", "rumu_lab/experiments/made.py", "rumu_lab/experiments/protocol.json"),
 )
 _COMPARED = (*_PICTURES, "rumu/registration/points.py", "rumu_lab/experiments/measuring.py")

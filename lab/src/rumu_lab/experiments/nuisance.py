@@ -55,7 +55,7 @@ def run(settings: RunSettings) -> Findings:
 
 def measure_shots(settings: RunSettings) -> list[Shot]:
     """Every copy as it is and under every nuisance."""
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
 
     plain = settings.protocol.plain["nuisances"]
     quick = settings.protocol.plain["quick"]

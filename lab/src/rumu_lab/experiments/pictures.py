@@ -68,7 +68,7 @@ def _figure_4(folder: Path, settings: RunSettings) -> Shown:
 
 
 def _photograph(settings: RunSettings) -> tuple[Path, str, str]:
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
 
     photos = sorted((settings.data / LANTING).glob("shenlong/*永*.jpg"))
     if photos:
@@ -82,7 +82,7 @@ def _photograph(settings: RunSettings) -> tuple[Path, str, str]:
 
 def _figure_5(folder: Path, settings: RunSettings) -> Shown:
     from rumu import pipeline
-    from rumu.gallery.works import starter_works
+    from rumu.gallery.starter import starter_works
 
     works = starter_works(character=_CHARACTER)
     tiles = [_views(pipeline.surface_of(work.path)) for work in works]
@@ -104,7 +104,7 @@ def _figure_5(folder: Path, settings: RunSettings) -> Shown:
 def _figure_6(folder: Path, settings: RunSettings) -> Shown:
     """Copies that people marked where they are there, else simulated ones, and says which."""
     from rumu import pipeline
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
 
     copies = read_copies(settings.data) if (settings.data / "e3c/scores.csv").is_file() else []
     chosen = four_levels(copies, settings.protocol.cut_offs)

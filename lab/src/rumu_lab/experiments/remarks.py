@@ -161,7 +161,7 @@ def run(
 
 def standard_masters(data: Path) -> list[Master]:
     """The thirty starter works, the E3C templates, and samples of steles."""
-    from rumu.gallery.works import starter_works
+    from rumu.gallery.starter import starter_works
 
     templates = sorted((data / "e3c" / "templates").glob("*.*"))
     steles = sorted((data / "masters" / "regular").rglob("*.png"))

@@ -54,7 +54,7 @@ def _jobs(plain: Mapping[str, Any]) -> dict[str, Callable[[], object]]:
     import cv2
 
     from rumu import pipeline
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
     from rumu_lab.baselines.cell import cell_of
     from rumu_lab.baselines.methods import METHODS
 

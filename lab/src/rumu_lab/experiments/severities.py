@@ -64,7 +64,7 @@ def run(settings: RunSettings) -> Findings:
 
 def starter_subjects(protocol: ExperimentProtocol) -> list[Subject]:
     """The starter works with the faults that each was given; quick keeps the numbers of the whole list."""
-    from rumu.gallery.works import find_work
+    from rumu.gallery.starter import find_work
 
     works = [find_work(work) for work in protocol.works]
     everyone = list(protocol.plain["works"])

@@ -9,8 +9,8 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from rumu.database.tables import Attempt
+from rumu.gallery.assets import picture_assets
 from rumu.gallery.derived import viewer_facts_of
-from rumu.gallery.originals import picture_original
 from rumu.studio import attempts
 from rumu.studio.access import seen_attempt
 from rumu.studio.errors import Missing
@@ -83,7 +83,7 @@ def get_surface(service: ServiceDep, user: CurrentUser, attempt_id: PathId) -> d
     service.files.of_picture(key, "facts")
     return viewer_facts_of(
         service.gallery.store,
-        picture_original(service.gallery.store, key),
+        picture_assets(service.gallery.store, key),
         url=lambda kind, tag: f"/api/attempts/{attempt_id}/files/{kind}?v={tag}",
     )
 

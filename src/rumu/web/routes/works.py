@@ -186,7 +186,7 @@ def delete_work(service: ServiceDep, user: OwnerUser, work_id: PathId) -> None:
 def list_annotations(service: ServiceDep, work_id: PathId) -> Sequence[Annotation]:
     """The annotations of a work, in order."""
     find_work(service, work_id)
-    return gallery_annotations.said_of(service.gallery, work_id)
+    return gallery_annotations.annotations_of(service.gallery, work_id)
 
 
 @annotations_router.post("/api/works/{work_id}/annotations", response_model=AnnotationRead, status_code=201)
@@ -229,7 +229,7 @@ def work_details(service: Service, work: Work) -> Extended:
     return Extended(
         work,
         collection_title=catalog.collection(service.gallery, work.collection_id).title,
-        annotations=gallery_annotations.said_of(service.gallery, work.id),
+        annotations=gallery_annotations.annotations_of(service.gallery, work.id),
         previous=previous,
         next=following,
     )

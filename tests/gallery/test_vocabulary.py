@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from rumu.gallery.terms import HEIGHT_SOURCES, dynasty_key, dynasty_name, period_in_words, script_name
+from rumu.gallery.vocabulary import (
+    HEIGHT_SOURCES,
+    dynasty_key,
+    dynasty_name,
+    fold,
+    period_name,
+    script_name,
+    variants,
+)
 from rumu.values import SOURCES
 
 
@@ -22,7 +30,7 @@ from rumu.values import SOURCES
 )
 def test_a_period_and_its_dynasty(told, key, zh):
     assert dynasty_key(told) == key
-    assert period_in_words(told).zh == zh
+    assert period_name(told).zh == zh
 
 
 def test_several_dynasties_have_a_name():
@@ -34,3 +42,21 @@ def test_every_source_of_a_height_is_told():
     for source in ("inflation", "density"):
         assert "not measured" in HEIGHT_SOURCES[source].en and "並非量得" in HEIGHT_SOURCES[source].zh
     assert script_name("seal").zh == "篆書"
+
+
+@pytest.mark.parametrize(
+    ("one", "other"), [("書", "书"), ("蘭亭序", "兰亭序"), ("ＴＡＮＧ", "tang"), ("顏真卿", "颜真卿")]
+)
+def test_both_forms_are_one(one, other):
+    assert fold(one) == fold(other)
+
+
+def test_different_characters_stay_different():
+    assert len({fold(character) for character in "天人水書日月永"}) == 7
+
+
+def test_the_forms_of_a_character():
+    assert variants("书") == ("书", "書")
+    assert variants("書") == ("書", "书")
+    assert variants("水") == ("水",)
+    assert set(variants("后")) == {"后", "後"}

@@ -14,15 +14,15 @@ import pytest
 from PIL import Image
 
 from rumu.errors import GalleryError
-from rumu.gallery import works
-from rumu.gallery.works import SCRIPTS, Sample, Work, find_work, starter_samples, starter_works
+from rumu.gallery import starter
+from rumu.gallery.starter import SCRIPTS, Sample, StarterWork, find_work, starter_samples, starter_works
 from rumu.values import Bilingual
 
 CHARACTERS = "天人水書日月"
 
 
 @functools.cache
-def ink(item: Work | Sample) -> np.ndarray:
+def ink(item: StarterWork | Sample) -> np.ndarray:
     return np.asarray(Image.open(item.path)) < 128
 
 
@@ -40,7 +40,7 @@ def test_thirty_works_six_in_each_of_five_scripts() -> None:
 
 
 @pytest.mark.parametrize("item", [*starter_works(), *starter_samples()], ids=lambda item: item.id)
-def test_every_entry_is_whole_and_its_picture_is_the_one_it_names(item: Work | Sample) -> None:
+def test_every_entry_is_whole_and_its_picture_is_the_one_it_names(item: StarterWork | Sample) -> None:
     for field in dataclasses.fields(item):
         value = getattr(item, field.name)
         assert value not in ("", None, ()), field.name
@@ -57,7 +57,7 @@ def test_every_entry_is_whole_and_its_picture_is_the_one_it_names(item: Work | S
 
 
 @pytest.mark.parametrize("work", starter_works(), ids=lambda work: work.id)
-def test_the_ink_s_box_is_centred_and_of_the_agreed_size(work: Work) -> None:
+def test_the_ink_s_box_is_centred_and_of_the_agreed_size(work: StarterWork) -> None:
     rows, columns = (np.flatnonzero(ink(work).any(axis=axis)) for axis in (1, 0))
     low = np.array([rows[0], columns[0]])
     high = np.array([rows[-1], columns[-1]]) + 1
@@ -142,11 +142,11 @@ def test_samples_of_an_unknown_work_are_refused() -> None:
 
 
 def test_a_package_that_is_not_whole_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(works, "_starter", lambda: tmp_path)
+    monkeypatch.setattr(starter, "_starter", lambda: tmp_path)
     with pytest.raises(GalleryError, match=r"works\.json.*expected the starter gallery"):
-        works._entries("works.json")
+        starter._entries("works.json")
     with pytest.raises(GalleryError, match="picture of x is missing"):
-        works._file({"id": "x", "file": "works/x.png"})
+        starter._file({"id": "x", "file": "works/x.png"})
 
 
 def test_the_package_stays_small() -> None:

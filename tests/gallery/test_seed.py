@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from tests.gallery.conftest import surface
 
-from rumu.gallery.annotations import said_of
+from rumu.gallery.annotations import annotations_of
 from rumu.gallery.catalog import work, works
-from rumu.gallery.starting import put_starter
+from rumu.gallery.seed import add_starter_works
 from rumu.gallery.tours import tours
 
 
 def test_it_begins_once(gallery, everything):
     before = everything(gallery)
-    assert put_starter(gallery) is False
+    assert add_starter_works(gallery) is False
     assert everything(gallery) == before
 
 
@@ -29,7 +29,7 @@ def test_the_tours_lead_through_works_and_speak_both_languages(gallery):
 
 
 def test_what_is_said_of_a_stroke_stands_on_its_ink(gallery):
-    said = [(row.id, one) for row in works(gallery).items for one in said_of(gallery, row.id)]
+    said = [(row.id, one) for row in works(gallery).items for one in annotations_of(gallery, row.id)]
     assert len(said) == 8
     for work_id, one in said:
         mask = surface(gallery, work_id).mask

@@ -20,7 +20,7 @@ from rumu.values import Bilingual, Level
 
 
 @dataclass(frozen=True, slots=True)
-class Work:
+class StarterWork:
     """One character in one script by one hand.
 
     id: ASCII, unique, e.g. 'regular-shui'. character: one character. hand: who wrote or drew it.
@@ -80,7 +80,7 @@ class Sample:
     sha256: str
 
 
-def starter_works(*, script: str | None = None, character: str | None = None) -> tuple[Work, ...]:
+def starter_works(*, script: str | None = None, character: str | None = None) -> tuple[StarterWork, ...]:
     """The works of the package, by script (seal first) and character; of one script or character if given.
 
     Raises GalleryError for an unknown script, or when the package is not whole.
@@ -92,7 +92,7 @@ def starter_works(*, script: str | None = None, character: str | None = None) ->
     )
 
 
-def find_work(work_id: str) -> Work:
+def find_work(work_id: str) -> StarterWork:
     """The work with this id. Raises GalleryError that names the closest ids when there is none."""
     for work in _works():
         if work.id == work_id:
@@ -120,7 +120,7 @@ def _hint(asked: str, known: list[str]) -> str:
 
 
 @functools.cache
-def _works() -> tuple[Work, ...]:
+def _works() -> tuple[StarterWork, ...]:
     return tuple(_work(entry) for entry in _entries("works.json"))
 
 
@@ -151,12 +151,12 @@ def _file(entry: dict[str, Any]) -> Path:
     return path
 
 
-def _work(entry: dict[str, Any]) -> Work:
+def _work(entry: dict[str, Any]) -> StarterWork:
     both: dict[str, Any] = {
         name: Bilingual(**entry[name]) for name in ("title", "hand", "period", "material")
     }
     plain = {name: entry[name] for name in ("id", "character", "script", "source", "licence", "attribution")}
-    return Work(**both, **plain, path=_file(entry), sha256=entry["sha256"])
+    return StarterWork(**both, **plain, path=_file(entry), sha256=entry["sha256"])
 
 
 def _sample(entry: dict[str, Any]) -> Sample:

@@ -10,31 +10,33 @@ from PIL import Image
 from tests.gallery.conftest import surface
 
 from rumu.errors import CaptureError, GalleryError, ImageError, RefusedImage, SurfaceError
-from rumu.gallery.adding import add_capture, add_glyphs, add_picture, room_named
+from rumu.gallery.add_work import add_capture, add_glyphs, add_picture, named_collection
 from rumu.gallery.catalog import work, works
 from rumu.gallery.derived import derived, viewer_facts
-from rumu.gallery.entries import NOTHING, Entry
-from rumu.gallery.works import find_work
+from rumu.gallery.metadata import EMPTY, WorkMetadata
+from rumu.gallery.starter import find_work
 from rumu.values import Bilingual
 
-CAT = Entry(title=Bilingual("貓", "Cat"))
+CAT = WorkMetadata(title=Bilingual("貓", "Cat"))
 
 
 def test_a_picture_is_kept_as_it_came(gallery):
     path = find_work("regular-shui").path
-    entry = Entry(title=Bilingual("水", "water"), character="水", script="regular")
-    first = add_picture(gallery, path, entry=entry, room=room_named("Mine & yours"), spacing=0.1)
+    entry = WorkMetadata(title=Bilingual("水", "water"), character="水", script="regular")
+    first = add_picture(
+        gallery, path, metadata=entry, collection=named_collection("Mine & yours"), spacing=0.1
+    )
     kept = work(gallery, first.id)
     assert first.new and kept.collection_id == "mine-yours" and kept.origin == "regular-shui.png"
     assert gallery.store.read(kept.picture) == path.read_bytes()
     assert (kept.licence, kept.spacing, surface(gallery, first.id).unit) == ("none stated", 0.1, "mm")
-    again = add_picture(gallery, path, entry=entry, room=room_named("Mine & yours"))
+    again = add_picture(gallery, path, metadata=entry, collection=named_collection("Mine & yours"))
     assert (again.id, again.new) == (first.id, False)
 
 
 def test_a_height_from_density_says_so(bare):
-    entry = Entry(title=Bilingual("水", "water"))
-    added = add_picture(bare, find_work("regular-shui").path, entry=entry, method="density")
+    entry = WorkMetadata(title=Bilingual("水", "water"))
+    added = add_picture(bare, find_work("regular-shui").path, metadata=entry, method="density")
     assert work(bare, added.id).height_source == surface(bare, added.id).source == "density"
 
 
@@ -42,11 +44,11 @@ def test_what_holds_no_writing_is_refused(bare, tmp_path):
     Image.new("L", (64, 64), 255).save(tmp_path / "blank.png")
     (tmp_path / "words.png").write_text("words")
     with pytest.raises(RefusedImage, match=r"blank\.png: "):
-        add_picture(bare, tmp_path / "blank.png", entry=CAT)
+        add_picture(bare, tmp_path / "blank.png", metadata=CAT)
     with pytest.raises(ImageError):
-        add_picture(bare, tmp_path / "words.png", entry=CAT)
+        add_picture(bare, tmp_path / "words.png", metadata=CAT)
     with pytest.raises(SurfaceError, match="method: expected one of inflation, density, got 'depth'"):
-        add_picture(bare, find_work("regular-shui").path, entry=CAT, method="depth")
+        add_picture(bare, find_work("regular-shui").path, metadata=CAT, method="depth")
     assert works(bare).total == 0 and list(bare.store.keys("pictures")) == []
 
 
@@ -81,27 +83,27 @@ THREE = {"a.png": (1.0, 0, 1), "b.png": (0, 1.0, 1), "c.png": (-1.0, 0, 1)}
 
 def test_a_capture_is_kept_with_photographs_and_surface(gallery, mound):
     from rumu.capture.folder import read_capture
-    from rumu.gallery.originals import original_of
+    from rumu.gallery.assets import assets_of
     from rumu.pipeline import reconstruct
 
     folder = mound(FIVE)
     (folder / "capture.json").write_text('{"spacing_mm": 0.05}')
-    added = add_capture(gallery, folder, entry=CAT)
+    added = add_capture(gallery, folder, metadata=CAT)
     kept, wanted = work(gallery, added.id), reconstruct(folder)
     assert (kept.kind, kept.height_source, kept.spacing) == ("capture", "photometric", 0.05)
     assert np.allclose(surface(gallery, added.id).height, wanted.height, atol=1e-5)
-    again = original_of(gallery.store, work(gallery, added.id)).capture()
+    again = assets_of(gallery.store, work(gallery, added.id)).capture()
     assert np.array_equal(again.images, read_capture(folder).images) and again.spacing == 0.05
     photographs = [key for key in gallery.store.keys(kept.capture) if key.endswith("0.png") or "00" in key]
     assert {gallery.store.read(key) for key in photographs} == {(folder / name).read_bytes() for name in FIVE}
-    assert add_capture(gallery, folder, entry=CAT) == type(added)(added.id, False)
+    assert add_capture(gallery, folder, metadata=CAT) == type(added)(added.id, False)
     assert viewer_facts(gallery, added.id)["three_lamps"] is None
     with pytest.raises(GalleryError, match="three lamps"):
         derived(gallery, added.id, "lamp-a")
 
 
 def test_three_lamps_of_the_papers_kind_keep_their_photographs_for_mixing(bare, mound):
-    added = add_capture(bare, mound(THREE), entry=CAT)
+    added = add_capture(bare, mound(THREE), metadata=CAT)
     lamps = viewer_facts(bare, added.id)["three_lamps"]
     assert set(lamps) == {"a", "b", "c", "slant"} and lamps["slant"] == pytest.approx(45, abs=0.01)
     shown = [derived(bare, added.id, f"lamp-{name}").data for name in "abc"]
@@ -110,10 +112,10 @@ def test_three_lamps_of_the_papers_kind_keep_their_photographs_for_mixing(bare, 
 
 def test_a_capture_comes_back_from_an_export(gallery, bare, mound, tmp_path, everything):
     from rumu.gallery.archive import export_gallery
+    from rumu.gallery.bulk_import import import_folder
     from rumu.gallery.catalog import delete_work
-    from rumu.gallery.importing import import_folder
 
-    added = add_capture(gallery, mound(FIVE), entry=CAT)
+    added = add_capture(gallery, mound(FIVE), metadata=CAT)
     export_gallery(gallery, tmp_path / "out")
     import_folder(bare, tmp_path / "out")
     assert everything(bare) == everything(gallery)
@@ -127,13 +129,13 @@ def test_photographs_that_do_not_belong_together_are_refused(bare, mound):
     folder = mound(FIVE)
     (folder / "lights.lp").unlink()
     with pytest.raises(CaptureError):
-        add_capture(bare, folder, entry=CAT)
+        add_capture(bare, folder, metadata=CAT)
     assert works(bare).total == 0
 
 
 def test_characters_of_a_font_become_works(bare, data):
     font = data / "fonts" / "LXGWSeal-Regular.ttf"
-    added = add_glyphs(bare, font, "天 水天", entry=Entry(title=NOTHING, script="seal"))
+    added = add_glyphs(bare, font, "天 水天", metadata=WorkMetadata(title=EMPTY, script="seal"))
     assert [work(bare, one.id).character for one in added] == ["天", "水"]
     kept = work(bare, added[0].id)
     assert "OFL" in kept.licence or "Open Font License" in kept.licence
@@ -148,7 +150,9 @@ def test_characters_of_a_font_become_works(bare, data):
 @pytest.mark.parametrize("characters", ["永", "天永", "", " "])
 def test_a_character_that_the_font_lacks_adds_nothing(bare, data, characters):
     with pytest.raises(GalleryError, match=r"has no 永|expected characters"):
-        add_glyphs(bare, data / "fonts" / "LXGWSeal-Regular.ttf", characters, entry=Entry(title=NOTHING))
+        add_glyphs(
+            bare, data / "fonts" / "LXGWSeal-Regular.ttf", characters, metadata=WorkMetadata(title=EMPTY)
+        )
     assert works(bare).total == 0
 
 
@@ -159,4 +163,4 @@ def test_what_is_no_font_is_refused(bare, tmp_path):
         (tmp_path / "y.ttf", "expected a font there"),
     ):
         with pytest.raises(GalleryError, match=words):
-            add_glyphs(bare, path, "天", entry=Entry(title=NOTHING))
+            add_glyphs(bare, path, "天", metadata=WorkMetadata(title=EMPTY))

@@ -1,8 +1,15 @@
-"""Words of the catalogue in both languages: scripts, dynasties, and where a height comes from."""
+"""The vocabulary of the catalogue in both languages, and text as searches compare it.
+
+variants.txt holds pairs of characters, the traditional one before the simplified one. It was made from
+TSCharacters.txt of OpenCC (Apache-2.0), with the first simplified form of each character.
+"""
 
 from __future__ import annotations
 
+import functools
 import re
+import unicodedata
+from importlib import resources
 
 from rumu.values import Bilingual
 
@@ -62,35 +69,59 @@ _BY_LOWER = {name.lower(): name for name in DYNASTIES}
 _BY_CHINESE = {chinese: name for name, chinese in DYNASTIES.items()}
 
 
-def dynasty_key(told: str) -> str:
-    """What a work is browsed by: 'Tang' of 'Tang (attributed)' or 唐, 'Tang/Song' of 'Tang/Song copy'.
+def dynasty_key(text: str) -> str:
+    """The key that works are browsed by.
 
-    Words that name no dynasty of the table stay as they are.
+    It is 'Tang' for 'Tang (attributed)' or 唐, and 'Tang/Song' for 'Tang/Song copy'. A text that names no
+    dynasty of the table stays as it is.
     """
-    if told.strip() in _BY_CHINESE:
-        return _BY_CHINESE[told.strip()]
-    named = dict.fromkeys(_BY_LOWER[name.lower()] for name in _NAMED.findall(told))
-    return "/".join(named) if named else told.strip()
+    if text.strip() in _BY_CHINESE:
+        return _BY_CHINESE[text.strip()]
+    names = dict.fromkeys(_BY_LOWER[name.lower()] for name in _NAMED.findall(text))
+    return "/".join(names) if names else text.strip()
 
 
 def dynasty_name(key: str) -> Bilingual:
-    """A key of `dynasty_key` in both languages."""
+    """The name of a dynasty, or of several, by the key."""
     if not key:
         return UNKNOWN
     return Bilingual(zh="／".join(DYNASTIES.get(name, name) for name in key.split("/")), en=key)
 
 
-def period_in_words(told: str) -> Bilingual:
-    """What a table says of a period, in both languages as far as its words are known."""
-    if told.strip() in _BY_CHINESE:
-        return Bilingual(zh=told.strip(), en=_BY_CHINESE[told.strip()])
-    chinese = _NAMED.sub(lambda found: DYNASTIES[_BY_LOWER[found[0].lower()]], told)
+def period_name(text: str) -> Bilingual:
+    """A period from a table in both languages, as far as its words are in the vocabulary."""
+    if text.strip() in _BY_CHINESE:
+        return Bilingual(zh=text.strip(), en=_BY_CHINESE[text.strip()])
+    chinese = _NAMED.sub(lambda match: DYNASTIES[_BY_LOWER[match[0].lower()]], text)
     for english, word in _WORDS.items():
         chinese = re.sub(rf"\b{english}\b", word, chinese, flags=re.IGNORECASE)
     tidy = re.sub(r"(?<=[^\x00-\x7f]) (?=[^\x00-\x7f])", "", chinese)
-    return Bilingual(zh=tidy.replace(" (", "（").replace(")", "）").replace("/", "／"), en=told)
+    return Bilingual(zh=tidy.replace(" (", "（").replace(")", "）").replace("/", "／"), en=text)
 
 
 def script_name(script: str) -> Bilingual:
-    """A script in both languages; an unknown word stays as it is."""
+    """The name of a script; an unknown one stays as it is."""
     return SCRIPT_NAMES.get(script, UNKNOWN if not script else Bilingual(zh=script, en=script))
+
+
+# --- text as searches compare it -------------------------------------------------------------------
+
+
+def fold(text: str) -> str:
+    """Text in the form that searches compare: NFKC, lower case, simplified characters."""
+    return unicodedata.normalize("NFKC", text).lower().translate(_simplified_forms())
+
+
+def variants(character: str) -> tuple[str, ...]:
+    """A character in all forms that searches treat as equal, itself first."""
+    simplified = character.translate(_simplified_forms())
+    others = (chr(code) for code, form in _simplified_forms().items() if form == simplified)
+    return tuple(dict.fromkeys((character, simplified, *others)))
+
+
+@functools.cache
+def _simplified_forms() -> dict[int, str]:
+    """The simplified form of each traditional character, as str.translate takes it."""
+    text = resources.files("rumu.gallery").joinpath("variants.txt").read_text(encoding="utf-8")
+    packed = text.replace("\n", "")
+    return {ord(traditional): form for traditional, form in zip(packed[::2], packed[1::2], strict=True)}

@@ -15,17 +15,17 @@ from tests.gallery.conftest import surface
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError
-from rumu.gallery import importing
+from rumu.gallery import bulk_import
+from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import collection, open_gallery, works
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.importing import import_folder
-from rumu.gallery.labels import Told
+from rumu.gallery.labels import SharedMetadata
 
 
 def test_every_row_becomes_a_work(gallery, labelled):
     folder = labelled(7)
-    told = Told({"source": "from a test", "licence": "CC0-1.0"})
-    done = import_folder(gallery, folder, told=told)
+    told = SharedMetadata({"source": "from a test", "licence": "CC0-1.0"})
+    done = import_folder(gallery, folder, shared=told)
     assert (done.added, done.existing, done.left_out, done.collections) == (7, 0, (), ("set",))
     found = works(gallery, collection="set")
     assert [row.origin for row in found.items] == [f"img/{n:05d}.png" for n in range(7)]
@@ -85,7 +85,7 @@ def test_a_folder_without_one_readable_picture_is_refused(bare, labelled):
 
 
 def test_progress_counts_what_is_safe(bare, labelled, monkeypatch):
-    monkeypatch.setattr(importing, "BATCH", 4)
+    monkeypatch.setattr(bulk_import, "BATCH", 4)
     told = []
 
     def progress(done: int, total: int) -> None:
@@ -96,32 +96,32 @@ def test_progress_counts_what_is_safe(bare, labelled, monkeypatch):
 
 
 def test_a_batch_that_fails_leaves_the_batches_before_it(bare, labelled, monkeypatch):
-    monkeypatch.setattr(importing, "BATCH", 4)
-    folder, put = labelled(10), importing.put_works
+    monkeypatch.setattr(bulk_import, "BATCH", 4)
+    folder, put = labelled(10), bulk_import.insert_works
     calls = []
 
-    def fails(session, rows):
+    def fails(session, collection, rows):
         calls.append(1)
-        added = put(session, rows)
+        added = put(session, collection, rows)
         if len(calls) == 2:
             raise RuntimeError("the machine fails")
         return added
 
-    monkeypatch.setattr(importing, "put_works", fails)
+    monkeypatch.setattr(bulk_import, "insert_works", fails)
     with pytest.raises(RuntimeError):
         import_folder(bare, folder)
     assert works(bare).total == 4
-    monkeypatch.setattr(importing, "put_works", put)
+    monkeypatch.setattr(bulk_import, "insert_works", put)
     assert import_folder(bare, folder).added == 6
 
 
 _RUN = """
 import sys
-from rumu.gallery import importing
+from rumu.gallery import bulk_import
 from rumu.gallery.catalog import open_gallery
-importing.BATCH = 20
+bulk_import.BATCH = 20
 gallery = open_gallery(database=sys.argv[2], files=sys.argv[3], starter=False)
-importing.import_folder(gallery, sys.argv[1], progress=lambda done, total: print(done, flush=True))
+bulk_import.import_folder(gallery, sys.argv[1], progress=lambda done, total: print(done, flush=True))
 """
 
 
@@ -157,9 +157,9 @@ def test_kill_9_loses_nothing_confirmed_and_leaves_no_half_work(labelled, databa
     whole = Gallery(there.database, there.store)
     with whole.database.reading() as session:
         assert session.scalar(select(func.count(func.distinct(Work.origin)))) == 400
-    from rumu.gallery.sweeping import sweep
+    from rumu.gallery.assets import delete_orphans
 
-    sweep(whole, older_than=-1)
+    delete_orphans(whole, older_than=-1)
     assert {row["picture"] for row in everything(whole)["works"]} == set(whole.store.keys("pictures"))
     there.database.close()
 

@@ -1,0 +1,225 @@
+"""The files of a work that everything else is computed from: its picture, photographs and surface.
+
+They lie in the store under pictures/, captures/ and surfaces/, each under the digest of its content, so that
+equal content is stored once. What is computed from them lies under derived/ and can be computed again.
+Decoded pictures and surfaces stay in memory, in one cache for the whole process.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import tempfile
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cachetools import LRUCache, cached
+from sqlalchemy import or_, select
+
+from rumu.database.tables import Work
+from rumu.errors import GalleryError, RefusedImage
+from rumu.gallery.gallery import Gallery
+from rumu.gallery.store import Store
+
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
+
+    from rumu.values import Capture, Surface
+
+VERSION = 1
+"""Increase it when the derived files of the same assets would come out differently."""
+
+MAX_SIDE = 2400  # pixels: a larger picture is reduced before its relief is computed
+DAY = 86_400.0  # seconds
+_FOLDERS = ("pictures", "captures", "surfaces")
+_MAX_MEMORY = 512 * 2**20  # bytes of the cache
+_SURFACE_BYTES = 25  # of one pixel: height, normals, albedo and confidence of 32 bits, and a mask
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assets:
+    """Functions that read what derived files are computed from.
+
+    digest: of all that they depend on. picture: the bytes as they were uploaded. surface: of a capture the
+    reconstructed one, else the relief of the picture. capture: the photographs; None where there are none.
+    The functions raise GalleryError when a file is missing, ImageError or RefusedImage when the picture
+    cannot be used.
+    """
+
+    digest: str
+    picture: Callable[[], bytes]
+    surface: Callable[[], Surface]
+    capture: Callable[[], Capture] | None = None
+
+
+def assets_of(store: Store, work: Work) -> Assets:
+    """The assets of a work."""
+    if work.surface is None or work.capture is None:
+        return picture_assets(store, work.picture, method=work.height_source, spacing=work.spacing)
+    return Assets(
+        digest=_digest(work.picture, work.surface, work.capture),
+        picture=partial(store.read, work.picture),
+        surface=partial(_read_surface, store, work.surface),
+        capture=partial(_read_capture, store, work.capture),
+    )
+
+
+def picture_assets(
+    store: Store, key: str, *, method: str = "inflation", spacing: float | None = None
+) -> Assets:
+    """The assets of a single picture in the store, such as a learner's copy.
+
+    method: how its height is computed, 'inflation' or 'density'. spacing: mm per pixel, None if unknown.
+    """
+    return Assets(
+        digest=_digest(key, method, spacing),
+        picture=partial(store.read, key),
+        surface=partial(_relief, store, key, method, spacing),
+    )
+
+
+def _digest(*parts: Any) -> str:
+    return hashlib.sha256("\0".join(map(str, parts)).encode()).hexdigest()[:40]
+
+
+def picture_key(data: bytes, *, suffix: str) -> str:
+    """The key of a picture with this content. suffix: such as '.png', lower case."""
+    digest = hashlib.sha256(data).hexdigest()
+    return f"pictures/{digest[:2]}/{digest}{suffix}"
+
+
+def derived_folder(digest: str) -> str:
+    """The key of the folder with the derived files of assets."""
+    return f"derived/{digest[:2]}/{digest}"
+
+
+# --- deletion --------------------------------------------------------------------------------------
+
+
+def delete_files(gallery: Gallery, deleted: Work) -> None:
+    """Delete the files of a work whose row is deleted, except those that another work shares."""
+    keys = [key for key in (deleted.picture, deleted.surface, deleted.capture) if key]
+    shares_one = or_(Work.picture.in_(keys), Work.surface.in_(keys), Work.capture.in_(keys))
+    with gallery.database.reading() as session:
+        rows = session.execute(select(Work.picture, Work.surface, Work.capture).where(shares_one))
+        used = {key for row in rows for key in row}
+    if deleted.picture not in used:
+        gallery.store.delete(derived_folder(assets_of(gallery.store, deleted).digest))
+    for key in keys:
+        if key not in used:
+            gallery.store.delete(key)
+
+
+def delete_orphans(gallery: Gallery, *, older_than: float = DAY) -> int:
+    """Delete files that belong to no work and files that were only partly written; their number.
+
+    Such files remain when an import is interrupted. older_than: seconds; younger files may belong to a work
+    that another process is adding, because files are written before rows.
+    """
+    with gallery.database.reading() as session:
+        rows = session.execute(select(Work.picture, Work.surface, Work.capture)).all()
+    used = {key for row in rows for key in row if key}
+    count = 0
+    for folder in (*_FOLDERS, "derived"):
+        for key in list(gallery.store.keys(folder, older_than=older_than)):
+            # a row names a picture by its own key, and files of a capture or surface by their folder
+            is_orphan = folder in _FOLDERS and key not in used and key.rpartition("/")[0] not in used
+            if is_orphan or key.endswith(".part"):
+                gallery.store.delete_file(key)
+                count += 1
+    return count
+
+
+# --- reading, and the cache ------------------------------------------------------------------------
+
+
+def _bytes_in_memory(value: Surface | Picture) -> int:
+    from rumu.values import Surface
+
+    if isinstance(value, Surface):
+        return int(value.height.size) * _SURFACE_BYTES
+    return int(value.width * value.height * len(value.getbands()))
+
+
+_cache: LRUCache[tuple[Any, ...], Any] = LRUCache(_MAX_MEMORY, getsizeof=_bytes_in_memory)
+_cache_changed = threading.Condition()
+
+
+def _cache_key(store: Store, *content: Any) -> tuple[Any, ...]:
+    return (store.root, *content)
+
+
+@cached(_cache, key=_cache_key, condition=_cache_changed)
+def _relief(store: Store, key: str, method: str, spacing: float | None) -> Surface:
+    import cv2
+    import numpy as np
+
+    from rumu.capture.image import read_image
+    from rumu.surface.relief import relief
+
+    with store.local(key) as path:
+        if not path.is_file():
+            raise GalleryError(f"{key}: expected a picture in the store, there is none")
+        image = read_image(path)
+    shrink = min(1.0, MAX_SIDE / max(image.shape[:2]))
+    if shrink < 1.0:
+        size = (max(8, round(image.shape[1] * shrink)), max(8, round(image.shape[0] * shrink)))
+        image = np.clip(cv2.resize(image, size, interpolation=cv2.INTER_AREA), 0.0, 1.0)
+    try:
+        surface = relief(image, method=method)  # type: ignore[arg-type]
+    except RefusedImage as error:
+        raise RefusedImage(f"{Path(key).name}: {error}", reason=error.reason) from None
+    if spacing is None:
+        return surface
+    spacing /= shrink
+    height = surface.height * np.float32(spacing)
+    return dataclasses.replace(surface, height=height, spacing=spacing, unit="mm")
+
+
+@cached(_cache, key=_cache_key, condition=_cache_changed)
+def _read_surface(store: Store, key: str) -> Surface:
+    from rumu.surface.folder import read_surface
+
+    with store.local(key) as folder:
+        return read_surface(folder)
+
+
+def _read_capture(store: Store, key: str) -> Capture:
+    from rumu.capture.folder import read_capture
+
+    with store.local(key) as folder:
+        return read_capture(folder)
+
+
+@cached(_cache, key=_cache_key, condition=_cache_changed)
+def read_picture(store: Store, key: str) -> Picture:
+    """A picture of the store, see `decode_picture`; several parts of one are often requested in a row."""
+    return decode_picture(store.read(key))
+
+
+def decode_picture(data: bytes) -> Picture:
+    """A picture upright, with 8 bits, gray ('L') or RGB, transparent pixels white.
+
+    Raises ImageError when the data are no picture.
+    """
+    import numpy as np
+    from PIL import Image
+
+    from rumu.capture.formats import decode
+
+    with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
+        path = Path(folder) / "picture"
+        path.write_bytes(data)
+        stored = decode(path)
+    values = stored.values
+    if values.dtype != np.uint8:
+        full = 65535.0 if values.dtype == np.uint16 else 1.0
+        values = np.round(np.clip(values.astype(np.float32) / full, 0, 1) * 255).astype(np.uint8)
+    if stored.alpha is not None:
+        cover = stored.alpha if values.ndim == 2 else stored.alpha[..., None]
+        values = np.round(values * cover + 255 * (1 - cover)).astype(np.uint8)
+    return Image.fromarray(values)

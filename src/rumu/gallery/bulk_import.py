@@ -1,0 +1,131 @@
+"""Import of many works: of a folder with pictures and labels.csv, or of an exported archive.
+
+Works are added in batches: first their files, then their rows in one transaction. If an import is interrupted
+between two batches, the works that were confirmed stay, and none is incomplete. A second run continues,
+because a picture with its label is stored once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import select
+
+from rumu.database.tables import Work
+from rumu.errors import GalleryError, ImageError
+from rumu.gallery.add_work import store_suffix
+from rumu.gallery.archive import BATCH, MANIFEST, ImportResult, Progress, import_archive, split
+from rumu.gallery.assets import picture_key
+from rumu.gallery.gallery import Gallery
+from rumu.gallery.labels import LabelledPicture, SharedMetadata, collection_of, read_description, read_labels
+from rumu.gallery.masters import LABELS
+from rumu.gallery.metadata import CollectionMetadata, StoredFiles, insert_works, work_row
+
+_BATCH_BYTES = 64_000_000  # or fewer works, when their pictures are large
+_THREADS = 4  # read and decode; both release the interpreter's lock
+_READ_AHEAD = 32  # pictures that threads read at a time
+
+
+def import_folder(
+    gallery: Gallery,
+    folder: str | Path,
+    *,
+    shared: SharedMetadata | None = None,
+    progress: Progress | None = None,
+) -> ImportResult:
+    """Add all works of a folder; those that exist are counted and left as they are.
+
+    folder: with a labels.csv (see rumu.gallery.labels), or written by `export_gallery`. shared: metadata for
+        all works, which take effect where the labels say nothing and before those of collection.json; for an
+        archive only the id counts: the collection that works go to, in place of their own. progress: called
+        with (done, total) when a batch is stored.
+    A picture that is missing or broken is left out with the reason, and the import goes on.
+    Raises GalleryError when there is nothing to import, or none of the pictures can be read.
+    """
+    folder = Path(folder)
+    if (folder / MANIFEST).is_file():
+        collection = collection_of(folder, shared) if shared is not None and shared.text("id") else None
+        return import_archive(gallery, folder, collection=collection, progress=progress)
+    if not (folder / LABELS).is_file():
+        raise GalleryError(
+            f"{folder}: expected a folder with {LABELS}, or one that `rumu gallery export` wrote; "
+            "one picture or one capture folder is for `rumu gallery add`"
+        )
+    shared = (shared or SharedMetadata()).with_defaults(read_description(folder))
+    labels, collection = read_labels(folder, shared), collection_of(folder, shared)
+    result = ImportResult((collection.id,))
+    for batch in _read_batches(folder, labels):
+        result = result.and_then(_import_batch(gallery, batch, collection))
+        if progress is not None:
+            progress(result.total, len(labels))
+    if labels and len(result.left_out) == len(labels):
+        first = result.left_out[0][1]
+        raise GalleryError(f"{folder}: none of {len(labels)} pictures can be read; the first: {first}")
+    return result
+
+
+@dataclass(frozen=True, slots=True)
+class _Picture:
+    """A labelled picture with its data, or with the reason why it cannot be read."""
+
+    label: LabelledPicture
+    data: bytes = field(default=b"", repr=False)
+    size: tuple[int, int] = (0, 0)
+    reason: str = ""
+
+    @property
+    def key(self) -> str:
+        return picture_key(self.data, suffix=store_suffix(Path(self.label.file)))
+
+
+def _read_batches(folder: Path, labels: Sequence[LabelledPicture]) -> Iterator[list[_Picture]]:
+    batch: list[_Picture] = []
+    with ThreadPoolExecutor(_THREADS) as threads:
+        for some in split(labels, _READ_AHEAD):
+            for picture in threads.map(lambda label: _read_picture(folder, label), some):
+                batch.append(picture)
+                if len(batch) == BATCH or sum(len(one.data) for one in batch) > _BATCH_BYTES:
+                    yield batch
+                    batch = []
+    if batch:
+        yield batch
+
+
+def _read_picture(folder: Path, label: LabelledPicture) -> _Picture:
+    from rumu.capture.formats import decode
+
+    path = folder / label.file
+    try:
+        if not path.resolve().is_relative_to(folder.resolve()):
+            raise ImageError(f"{label.file}: expected a picture within the folder")
+        height, width = decode(path).values.shape[:2]
+        return _Picture(label, path.read_bytes(), (width, height))
+    except (ImageError, OSError, ValueError) as error:
+        return _Picture(label, reason=" ".join(str(error).split()))
+
+
+def _import_batch(
+    gallery: Gallery, batch: Sequence[_Picture], collection: CollectionMetadata
+) -> ImportResult:
+    by_digest = {one.label.metadata.digest(one.data): one for one in batch if not one.reason}
+    left_out = tuple((one.label.file, one.reason) for one in batch if one.reason)
+    with gallery.database.reading() as session:
+        existing = set(session.scalars(select(Work.digest).where(Work.digest.in_(list(by_digest)))))
+    new = {digest: by_digest[digest] for digest in set(by_digest) - existing}
+    with ThreadPoolExecutor(_THREADS) as threads:
+        list(threads.map(lambda picture: gallery.store.write(picture.key, picture.data), new.values()))
+    rows = [_work_row(picture, digest, collection) for digest, picture in new.items()]
+    with gallery.database.writing() as session:
+        added = len(insert_works(session, collection, rows))
+    return ImportResult((collection.id,), added, len(batch) - len(left_out) - added, left_out)
+
+
+def _work_row(picture: _Picture, digest: str, collection: CollectionMetadata) -> dict[str, Any]:
+    label, (width, height) = picture.label, picture.size
+    files = StoredFiles(picture=picture.key, digest=digest, width=width, height=height)
+    work_id = f"{collection.id}-{digest[:12]}"
+    return work_row(label.metadata, files, work_id=work_id, collection=collection, position=label.number)
