@@ -25,7 +25,7 @@ GROUND = ("rumu.errors", "rumu.values")
 NOT_TO_A_MARK = (
     "rumu.pipeline.reconstruct",
     "rumu.surface.folder.read_surface",
-    "rumu.assessment.remarks.remarks",
+    "rumu.assessment.remarks.write_remarks",
 )
 """Where other ways part from a copy's to its mark: photographs under lamps, a written surface, remarks."""
 

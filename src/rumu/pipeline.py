@@ -13,7 +13,7 @@ from rumu.assessment.calibration import Calibration
 from rumu.assessment.marking import checked_terms, mark_fields
 from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.assessment.refusal import Refusal, reason
-from rumu.assessment.remarks import remarks as remarks_on
+from rumu.assessment.remarks import write_remarks
 from rumu.assessment.similarity import sim_paper, similarity
 from rumu.capture.folder import read_capture
 from rumu.errors import RefusedImage
@@ -105,7 +105,7 @@ def assess(
         **mark_fields(measurement.features, terms=terms, highest=measurement.highest),
         sim_paper=sim_paper(registration),
         similarity=similarity(registration),
-        remarks=remarks_on(measurement) if remarks else (),
+        remarks=write_remarks(measurement) if remarks else (),
         registration=registration,
         source=(measurement.copy.source, master.surface.source),
     )

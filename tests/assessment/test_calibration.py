@@ -23,8 +23,8 @@ from rumu.assessment.calibration import (
 )
 from rumu.assessment.edges import NUMBERS
 from rumu.assessment.features import FREE, RESIDUALS, Features, Residuals
-from rumu.assessment.regions import Region
 from rumu.errors import CalibrationError, OutputError, RumuError
+from rumu.strokes.omissions import Region
 
 PERFECT = Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0)
 COMMON = Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3)

@@ -7,7 +7,8 @@ import re
 import numpy as np
 import pytest
 
-from rumu.assessment.remarks import Noticeable, remarks
+from rumu.assessment.remarks import write_remarks
+from rumu.assessment.thresholds import RemarkThresholds
 from rumu_lab.simulation.faults import FAULTS
 from rumu_lab.simulation.glyph import Glyph, region_of
 
@@ -18,7 +19,7 @@ WORK = "regular-shui"
 def said(measured):
     """The remarks on one ink mask as a copy of another."""
 
-    return lambda copy, master, **options: remarks(measured(copy, master), **options)
+    return lambda copy, master, **options: write_remarks(measured(copy, master), **options)
 
 
 def the(kind, found):
@@ -61,7 +62,7 @@ def test_no_more_is_said_than_asked(said, fault, mask):
     bad = fault(WORK, "squeeze", 5).mask
     everything = said(bad, mask(WORK))
     assert len(everything) >= 3
-    assert said(bad, mask(WORK), noticeable=Noticeable(at_most=2)) == everything[:2]
+    assert said(bad, mask(WORK), thresholds=RemarkThresholds(at_most=2)) == everything[:2]
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ import pytest
 from rumu.assessment import teacher
 from rumu.assessment.calibration import Charges, panel
 from rumu.assessment.features import RESIDUALS, Features, Residuals
-from rumu.assessment.regions import Region
 from rumu.assessment.teacher import TeacherSettings, fit_teacher, held_out_interval, line, moved
 from rumu.errors import CalibrationError
+from rumu.strokes.omissions import Region
 
 BASE = panel()
 

@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import FRONTEND
 from PIL import Image
 from tests.gallery.conftest import surface
 
+from conftest import FRONTEND
 from rumu.errors import GalleryError, RefusedImage
 from rumu.gallery import renderers
 from rumu.gallery.derived import KINDS, derived, viewer_facts

@@ -8,9 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.assessment.edges import AMOUNTS, NUMBERS, SENSES, amount, sense
-from rumu.assessment.omissions import MasterLines
-from rumu.assessment.regions import Region, find_regions
-from rumu.assessment.similarity import posed
+from rumu.strokes.omissions import MasterInk, Region, find_regions
 from rumu.values import FloatArray, Registration
 
 RESIDUALS = (
@@ -102,10 +100,10 @@ class Features:
         return np.concatenate([self.residuals.logarithms(), amount(edges), sense(edges), [full]])
 
 
-def measure_features(registration: Registration, *, edges: FloatArray, lines: MasterLines) -> Features:
+def measure_features(registration: Registration, *, edges: FloatArray, ink: MasterInk) -> Features:
     """Features of one registration.
 
-    edges: (NUMBERS,) description of the copy's edge less the master's. lines: of the registration's master.
+    edges: (NUMBERS,) description of the copy's edge less the master's. ink: of the registration's master.
     """
     heights = registration.probe.xyz[:, 2].mean(), registration.reference.xyz[:, 2].mean()
     return Features(
@@ -114,14 +112,14 @@ def measure_features(registration: Registration, *, edges: FloatArray, lines: Ma
         offset=float(np.hypot(*registration.shift)),
         size=float(np.log(registration.scale)),
         weight=float(np.log(max(heights[0], 1e-6) / max(heights[1], 1e-6))),
-        regions=find_regions(registration, lines),
+        regions=find_regions(registration, ink),
         edges=tuple(edges.tolist()),
     )
 
 
 def residuals(registration: Registration) -> Residuals:
     """The residuals of one registration."""
-    p, x = posed(registration)
+    p, x = registration.posed, registration.reference.xyz
     a = 2 * np.deg2rad(registration.angle)
     d = registration.probe.direction @ np.array([[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]])
     e = registration.reference.direction

@@ -10,12 +10,12 @@ import numpy as np
 from rumu.assessment.edges import describe
 from rumu.assessment.evidence import MasterOutline, RefusalFigures
 from rumu.assessment.features import Features, measure_features
-from rumu.assessment.omissions import MasterLines
 from rumu.assessment.refusal import Refusal, RefusalLimits, check_copy
-from rumu.assessment.strokes import MasterStrokes
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.registration.icp import register_points
 from rumu.registration.points import canvas_ink, sample_points
+from rumu.strokes.correspondence import MasterStrokes
+from rumu.strokes.omissions import MasterInk
 from rumu.values import FloatArray, PointSet, Registration, Surface
 
 
@@ -50,9 +50,9 @@ class PreparedMaster:
         return MasterOutline(self.points, self.surface.quality.get("noise", np.inf))
 
     @cached_property
-    def lines(self) -> MasterLines:
-        """Its centre lines at the resolution of its points, to look for missing strokes."""
-        return MasterLines(self.points)
+    def ink(self) -> MasterInk:
+        """Its ink points and their centre lines, to look for missing strokes."""
+        return MasterInk(self.points)
 
     @cached_property
     def strokes(self) -> MasterStrokes:
@@ -92,7 +92,7 @@ def measure(copy: Surface, master: PreparedMaster, *, limits: RefusalLimits | No
         raise RefusedImage(f"{error}; mark the ink of one image instead", reason="flat") from error
     registration = register_points(probe, reference)
     edges = describe(canvas_ink(copy), lean=registration.angle) - edges
-    features = measure_features(registration, edges=edges, lines=master.lines)
+    features = measure_features(registration, edges=edges, ink=master.ink)
     figures = RefusalFigures(copy, master.outline, registration)
     refusal, highest = check_copy(figures, limits=limits)
     return Measurement(copy, master, registration, features, figures, refusal, highest)

@@ -12,34 +12,36 @@ from dataclasses import replace
 
 import numpy as np
 
-from rumu.assessment.inkwork import Ink, measure_ink
+from rumu.assessment.ink_measures import InkMeasures, measure_ink
 from rumu.assessment.measurement import Measurement
-from rumu.assessment.places import as_lines, box, towards
-from rumu.assessment.stroke_names import place_of
-from rumu.assessment.stroke_remarks import of_strokes
-from rumu.assessment.strokes import Strokes, find_strokes
-from rumu.assessment.thresholds import Noticeable, severity
+from rumu.assessment.stroke_remarks import remarks_on_strokes
+from rumu.assessment.thresholds import RemarkThresholds, as_lines, box, ink_severity, severity
+from rumu.strokes.correspondence import StrokeMatch, match_strokes
+from rumu.strokes.naming import direction_of, place_of
 from rumu.values import FloatArray, Registration, Remark
 
-__all__ = ["Noticeable", "remarks"]
+COARSE_TREMOR = 1.5
+"""Power of a picture's enlargement with which the threshold of tremor grows: enlarged edges are rough."""
 
 
-def remarks(measurement: Measurement, *, noticeable: Noticeable | None = None) -> tuple[Remark, ...]:
+def write_remarks(
+    measurement: Measurement, *, thresholds: RemarkThresholds | None = None
+) -> tuple[Remark, ...]:
     """At most five remarks on a measured copy, the worst first."""
-    limits = noticeable or Noticeable()
+    limits = thresholds or RemarkThresholds()
     copy, master, registration = measurement.copy, measurement.master.strokes, measurement.registration
-    strokes = find_strokes(copy, registration, master)
+    strokes = match_strokes(copy, registration, master)
     ink = measure_ink(strokes, copy, master)
     found = [
-        *_of_the_whole(strokes, registration, limits),
-        *_of_parts(strokes, limits),
-        *of_strokes(strokes, registration, limits),
-        *_of_ink(ink, replace(limits, tremor=limits.tremor * strokes.enlarged**1.5)),
+        *_remarks_on_whole(strokes, registration, limits),
+        *_remark_on_parts(strokes, limits),
+        *remarks_on_strokes(strokes, registration, limits),
+        *_remarks_on_ink(ink, replace(limits, tremor=limits.tremor * strokes.enlargement**COARSE_TREMOR)),
     ]
-    return _worst(found, limits)
+    return _choose_worst(found, limits)
 
 
-def _worst(found: Iterable[Remark], limits: Noticeable) -> tuple[Remark, ...]:
+def _choose_worst(found: Iterable[Remark], limits: RemarkThresholds) -> tuple[Remark, ...]:
     """The worst first; of one kind no more than a few, so that the list does not repeat itself."""
     kinds: Counter[str] = Counter()
     chosen: list[Remark] = []
@@ -50,12 +52,14 @@ def _worst(found: Iterable[Remark], limits: Noticeable) -> tuple[Remark, ...]:
     return tuple(chosen)
 
 
-def _of_the_whole(strokes: Strokes, registration: Registration, limits: Noticeable) -> Iterator[Remark]:
+def _remarks_on_whole(
+    strokes: StrokeMatch, registration: Registration, limits: RemarkThresholds
+) -> Iterator[Remark]:
     lean, size, weight = strokes.pose.angle, strokes.pose.scale - 1.0, strokes.width - 1.0
     if abs(lean) >= limits.lean:
         zh, en = ("右", "clockwise") if lean > 0 else ("左", "anticlockwise")
         yield Remark(
-            "lean", lean, "degrees", severity(lean, limits.lean, rate=6.0), None,
+            "lean", lean, "degrees", severity("lean", lean, limits.lean), None,
             f"整字向{zh}傾斜 {abs(lean):.0f}°。先看範本的中軸，落筆時把重心扶正。",
             f"The whole character leans {abs(lean):.0f}° {en}. Find the master's axis and set yours upright.",
         )  # fmt: skip
@@ -66,20 +70,20 @@ def _of_the_whole(strokes: Strokes, registration: Registration, limits: Noticeab
             else ("小", "smaller", "把間架撐開。", "Open the frame out.")
         )
         yield Remark(
-            "size", size, "of the master", severity(size, limits.size, rate=6.0), None,
+            "size", size, "of the master", severity("size", size, limits.size), None,
             f"整字比範本{zh} {abs(size):.0%}。{do_zh}",
             f"The whole character is {abs(size):.0%} {en} than the master. {do_en}",
         )  # fmt: skip
     away = _offset(strokes) * registration.reference.radius
     offset = float(np.hypot(*away))
     if offset >= limits.offset:
-        zh, en = towards(away)
+        zh, en = direction_of(away)
         yield Remark(
-            "offset", offset, "of the cell", severity(offset, limits.offset, rate=5.0), None,
+            "offset", offset, "of the cell", severity("offset", offset, limits.offset), None,
             f"整字在格中偏{zh}，離範本位置 {offset:.0%} 格。下筆前先定中心。",
             f"The whole stands {offset:.0%} of the cell too far to the {en}. Find the centre first.",
         )  # fmt: skip
-    if abs(np.log1p(weight)) >= limits.weight + strokes.grain:
+    if abs(np.log1p(weight)) >= limits.weight + strokes.width_error(strokes.master.points):
         zh, en, do_zh, do_en = (
             ("粗", "heavier", "行筆稍提，蘸墨少些。", "Lift the brush a little and take less ink.")
             if weight > 0
@@ -87,13 +91,13 @@ def _of_the_whole(strokes: Strokes, registration: Registration, limits: Noticeab
         )
         yield Remark(
             "heavy" if weight > 0 else "thin", weight, "of the master",
-            severity(float(np.log1p(weight)), limits.weight, rate=5.0), None,
+            severity("weight", float(np.log1p(weight)), limits.weight), None,
             f"筆畫比範本{zh}約 {abs(weight):.0%}。{do_zh}",
             f"Strokes are about {abs(weight):.0%} {en} than the master's. {do_en}",
         )  # fmt: skip
 
 
-def _offset(strokes: Strokes) -> FloatArray:
+def _offset(strokes: StrokeMatch) -> FloatArray:
     """(x right, y DOWN), rms radii: how far the middle of the writing stands from the master's."""
     master = strokes.places[strokes.covered]
     if len(master) == 0:
@@ -107,7 +111,7 @@ def _offset(strokes: Strokes) -> FloatArray:
     return np.asarray((copy.min(axis=0) + copy.max(axis=0)) / 2 - middle)
 
 
-def _of_parts(strokes: Strokes, limits: Noticeable) -> Iterator[Remark]:
+def _remark_on_parts(strokes: StrokeMatch, limits: RemarkThresholds) -> Iterator[Remark]:
     q = strokes.squeeze
     if q is None or max(q.first / q.second, q.second / q.first) - 1.0 < limits.squeeze:
         return
@@ -118,7 +122,7 @@ def _of_parts(strokes: Strokes, limits: Noticeable) -> Iterator[Remark]:
     much = ("寬", "窄", "wide", "narrow") if q.axis == "across" else ("高", "扁", "tall", "flat")
     (zh, en), (zh_other, en_other) = parts[wide], parts[narrow]
     yield Remark(
-        "squeeze", size, "of the master", severity(size, limits.squeeze, rate=7.0), None,
+        "squeeze", size, "of the master", severity("squeeze", size, limits.squeeze), None,
         f"{zh}部太{much[0]}（為範本的 {ratio[wide]:.0%}），{zh_other}部太{much[1]}（{ratio[narrow]:.0%}）。"
         f"先定兩部的交界，{zh}部收緊，讓出位置給{zh_other}部。",
         f"The {en} part is too {much[2]} ({ratio[wide]:.0%} of the master's) and the {en_other} part too "
@@ -126,7 +130,7 @@ def _of_parts(strokes: Strokes, limits: Noticeable) -> Iterator[Remark]:
     )  # fmt: skip
 
 
-def _of_ink(ink: Ink, limits: Noticeable) -> Iterator[Remark]:
+def _remarks_on_ink(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[Remark]:
     dry = ink.bare >= limits.bare
     for patch in ink.patches if not dry else ():
         region = box(patch.outline)
@@ -135,7 +139,7 @@ def _of_ink(ink: Ink, limits: Noticeable) -> Iterator[Remark]:
         outline = as_lines(patch.outline)
         if blot and patch.share >= limits.blot:
             yield Remark(
-                "blot", patch.share, "of the ink", 4.0 + 60.0 * patch.share, region,
+                "blot", patch.share, "of the ink", ink_severity("blot", patch.share), region,
                 f"{zh}有一團墨漬，約佔全字墨跡的 {patch.share:.0%}。蘸墨後先在硯邊舔筆。",
                 f"There is a blot at the {en}, about {patch.share:.0%} of the ink. Wipe the brush on the "
                 "stone before you write.",
@@ -143,7 +147,7 @@ def _of_ink(ink: Ink, limits: Noticeable) -> Iterator[Remark]:
             )  # fmt: skip
         elif not blot and patch.share >= limits.extra:
             yield Remark(
-                "extra", patch.share, "of the ink", 5.0 + 60.0 * patch.share, region,
+                "extra", patch.share, "of the ink", ink_severity("extra", patch.share), region,
                 f"{zh}多出一筆，約佔全字墨跡的 {patch.share:.0%}。範本此處留白，不要添筆。",
                 f"There is a stroke too many at the {en}, about {patch.share:.0%} of the ink. The master is "
                 "blank there.",
@@ -151,20 +155,21 @@ def _of_ink(ink: Ink, limits: Noticeable) -> Iterator[Remark]:
             )  # fmt: skip
     if dry:
         yield Remark(
-            "dry", ink.bare, "of the ink", severity(ink.bare, limits.bare, rate=5.0), None,
+            "dry", ink.bare, "of the ink", severity("dry", ink.bare, limits.bare), None,
             f"枯筆露白，筆畫裡約有 {ink.bare:.0%} 沒有墨。蘸足墨，行筆慢些。",
             f"The brush ran dry: about {ink.bare:.0%} of the strokes is bare. Take more ink and go slower.",
         )  # fmt: skip
     elif ink.tremor >= limits.tremor:
         yield Remark(
-            "rough", ink.rough - 1.0, "of the master", severity(ink.tremor, limits.tremor, rate=3.5), None,
+            "rough", ink.rough - 1.0, "of the master", severity("rough", ink.tremor, limits.tremor), None,
             f"筆畫邊緣抖動，比範本多 {ink.rough - 1.0:.0%}。懸腕勻速，一筆寫到底。",
             f"The edges tremble, {ink.rough - 1.0:.0%} more than the master's. Keep an even pace and finish "
             "each stroke in one go.",
         )  # fmt: skip
-    if 1.0 - ink.pale >= limits.pale:
+    paleness = 1.0 - ink.darkness
+    if paleness >= limits.pale:
         yield Remark(
-            "pale", ink.pale - 1.0, "of the master", severity(1.0 - ink.pale, limits.pale, rate=4.5), None,
-            f"墨色比範本淡 {1.0 - ink.pale:.0%}。墨磨濃些，水少些。",
-            f"The ink is {1.0 - ink.pale:.0%} paler than the master's. Grind it thicker and use less water.",
+            "pale", -paleness, "of the master", severity("pale", paleness, limits.pale), None,
+            f"墨色比範本淡 {paleness:.0%}。墨磨濃些，水少些。",
+            f"The ink is {paleness:.0%} paler than the master's. Grind it thicker and use less water.",
         )  # fmt: skip

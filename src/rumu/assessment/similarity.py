@@ -23,15 +23,9 @@ def similarity(registration: Registration) -> float:
     E_f, E_b: rms distance in (x, y, z) from copy to master and from master to copy after registration;
     r_X: rms distance of the master's points from their mean. Free of unit, origin and number of points.
     """
-    p, x = posed(registration)
+    p, x = registration.posed, registration.reference.xyz
     forward = p - x[registration.forward_index]
     backward = x - p[registration.backward_index]
     error = max(float(np.mean(np.sum(d * d, axis=1))) for d in (forward, backward))
     spread = float(np.var(x, axis=0).sum())
     return 1.0 - float(np.sqrt(error / spread))
-
-
-def posed(registration: Registration) -> tuple[np.ndarray, np.ndarray]:
-    """The probe's points laid on the reference, (N, 3), and the reference's, (M, 3)."""
-    T = registration.T_reference_probe
-    return registration.probe.xyz @ T[:3, :3].T + T[:3, 3], registration.reference.xyz

@@ -1,26 +1,39 @@
-"""From which size a fault is worth a remark."""
+"""From which size a fault is worth a remark, how severe it is, and how it is drawn on the copy's picture."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from rumu.values import FloatArray
+
+Box = tuple[float, float, float, float]
+Lines = tuple[tuple[tuple[float, float], ...], ...]
+
 
 @dataclass(frozen=True, slots=True)
-class Noticeable:
+class RemarkThresholds:
     """The smallest fault that is worth a remark.
 
     lean: degrees. offset: fraction of the cell. size: relative. weight: natural logarithm of the width.
     squeeze: how much wider one part is than the other, relative to the master.
-    missing: share of a stroke, in one run, that must be wanting; inked: of a corner that was not found, share
-        on ink from which it may be there. extra, blot: share of the copy's ink.
-    displaced: rms radii. turn: degrees, of a stroke `slender` widths long or longer; more of a shorter one.
-    length: relative. stroke: logarithm of one stroke's width over that of the whole; entry, exit: how much
-        wider an end is than in the master, as a share of its stroke; faint: how much thinner an entry is;
-        tips: share of the taper that most tips have lost.
-    gap: relative.
-    bare: share of the strokes' inside. tremor: rms radii. pale: relative. round: how slender a blot may be.
+    missing: share of a stroke, in one run, that must be wanting; missing_run: stroke widths that the run must
+        be long. inked, corner: a stroke that was not found and joins another is taken for a corner, of which
+        thinning drew no line, where such a share of it is on ink and it is shorter than so many widths.
+    extra, blot: share of the copy's ink; round: how slender a blot may be.
+    displaced: rms radii; stretched: share of a stroke's change of length by which its middle may have moved
+        along it. turn: degrees, of a stroke `slender` widths long or longer; of a shorter one more, up to
+        turn_short times.
+    length: relative; length_unsure: so many times more for a stroke that joins others at both ends, and for
+        one up to `short` widths long.
+    stroke: logarithm of one stroke's width over that of the whole; entry, exit: how much wider an end is than
+        in the master, as a share of its stroke; faint: how much thinner an entry is.
+    tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some.
+    gap: relative change of the white between strokes; uneven: spread of the changes, over that.
+    bare: share of the strokes' inside. tremor: rms radii. pale: relative.
+    margin: stroke widths around a stroke, of the box of a remark.
     of_a_kind: remarks of one kind; at_most: remarks in all.
     """
 
@@ -30,31 +43,71 @@ class Noticeable:
     weight: float = 0.14
     squeeze: float = 0.15
     missing: float = 0.35
+    missing_run: float = 2.0
     inked: float = 0.5
+    corner: float = 2.0
     extra: float = 0.012
     blot: float = 0.009
+    round: float = 2.6
     displaced: float = 0.03
+    stretched: float = 0.55
     turn: float = 3.0
     slender: float = 4.3
+    turn_short: float = 2.0
     length: float = 0.08
+    length_unsure: float = 1.6
+    short: float = 4.0
     stroke: float = 0.2
     entry: float = 0.1
     faint: float = 0.22
     exit: float = 0.19
     tips: float = 0.16
+    most_tips: float = 0.6
     gap: float = 0.25
+    uneven: float = 0.6
     bare: float = 0.022
     tremor: float = 0.0014
     pale: float = 0.15
-    round: float = 2.6
+    margin: float = 0.4
     of_a_kind: int = 3
     at_most: int = 5
 
 
-def severity(size: float, least: float, *, rate: float, weight: float = 1.0) -> float:
+SEVERITIES: Mapping[str, float] = {
+    "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 5.0, "squeeze": 7.0,
+    "missing": 8.0, "part missing": 4.0, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 3.5, "pale": 4.5,
+    "displaced": 3.0, "angle": 3.0, "length": 2.6, "width": 3.0, "end": 2.2, "tips": 3.2, "spacing": 3.0,
+}  # fmt: skip
+"""Points of the mark, about, that the smallest fault worth a remark stands for."""
+GROWTH = 0.6
+"""Power of its size with which a fault grows more severe: twice as large is not twice as bad."""
+STROKE_BOUNDS = (0.5, 1.3)
+"""Least and greatest factor by which a stroke's weight changes the severity of its fault."""
+INK_POINTS = 60.0
+"""Points for all of the ink, where a share of it is missing or too much."""
+
+
+def severity(fault: str, size: float, least: float, *, weight: float = 1.0) -> float:
     """Points of the mark, about, that a fault stands for; it orders the remarks and does nothing else.
 
-    size, least: of the fault and of the smallest worth a remark. rate: points of that smallest one. weight:
-    of its stroke against a common one. A fault twice as large is not twice as grave.
+    size, least: of the fault and of the smallest worth a remark. weight: of its stroke against a common one.
     """
-    return float(rate * (abs(size) / least) ** 0.6 * np.clip(np.sqrt(weight), 0.5, 1.3))
+    factor = np.clip(np.sqrt(weight), *STROKE_BOUNDS)
+    return float(SEVERITIES[fault] * (abs(size) / least) ** GROWTH * factor)
+
+
+def ink_severity(fault: str, share: float) -> float:
+    """The same for a share of the ink that is missing or too much."""
+    return SEVERITIES[fault] + INK_POINTS * share
+
+
+def box(points: FloatArray, *, margin: float = 0.0) -> Box:
+    """The box of (n, 2) points in fractions of a picture, widened by `margin`, cut at its edges."""
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    (x0, y0), (x1, y1) = np.clip(low, 0.0, 0.998), np.clip(high, 0.002, 1.0)
+    return float(x0), float(y0), float(max(x1, x0 + 0.002)), float(max(y1, y0 + 0.002))
+
+
+def as_lines(*lines: FloatArray) -> Lines:
+    """Lines of (n, 2) points as plain numbers, a ten-thousandth of the picture fine."""
+    return tuple(tuple((round(float(x), 4), round(float(y), 4)) for x, y in line) for line in lines)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rumu.assessment.inkwork import measure_ink
-from rumu.assessment.pose import robust_pose
-from rumu.assessment.strokes import find_strokes
+from rumu.assessment.ink_measures import measure_ink
+from rumu.strokes.correspondence import match_strokes
+from rumu.strokes.pose import find_pose
 from rumu_lab.simulation.glyph import Glyph
 
 WORK = "regular-shui"
@@ -19,7 +19,7 @@ def found(measured):
 
     def find(copy, master):
         m = measured(copy, master)
-        return find_strokes(m.copy, m.registration, m.master.strokes)
+        return match_strokes(m.copy, m.registration, m.master.strokes)
 
     return find
 
@@ -76,7 +76,7 @@ def ren():
 def test_one_of_two_strokes_that_was_pushed_is_no_pose(ren):
     points, owner = ren
     pushed = points + np.where(owner[:, None] == 0, [0.09, 0.03], 0.0)
-    pose = robust_pose(points, pushed, owner=owner)
+    pose = find_pose(points, pushed, owner=owner)
     np.testing.assert_array_equal(pose.linear, np.eye(2))
     np.testing.assert_array_equal(pose.shift, 0.0)
 
@@ -84,7 +84,7 @@ def test_one_of_two_strokes_that_was_pushed_is_no_pose(ren):
 def test_two_strokes_that_lean_together_are_a_pose(ren):
     points, owner = ren
     c, s = np.cos(np.radians(6.0)), np.sin(np.radians(6.0))
-    pose = robust_pose(points, points @ np.array([[c, s], [-s, c]]), owner=owner)
+    pose = find_pose(points, points @ np.array([[c, s], [-s, c]]), owner=owner)
     assert pose.angle == pytest.approx(6.0, abs=0.3)
 
 
@@ -175,7 +175,7 @@ def test_ink_that_belongs_to_no_stroke_is_a_patch(measured, mask):
     copy = mask(WORK).copy()
     copy[60:100, 60:90] = True
     m = measured(copy, mask(WORK))
-    strokes = find_strokes(m.copy, m.registration, m.master.strokes)
+    strokes = match_strokes(m.copy, m.registration, m.master.strokes)
     ink = measure_ink(strokes, m.copy, m.master.strokes)
     assert len(ink.patches) == 1
     assert ink.patches[0].share == pytest.approx(1200 / copy.sum(), rel=0.25)

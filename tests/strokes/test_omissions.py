@@ -6,8 +6,8 @@ import pytest
 
 from rumu import pipeline
 from rumu.assessment.measurement import measure
-from rumu.assessment.omissions import left_over
 from rumu.gallery.starter import find_work
+from rumu.strokes.omissions import find_regions
 from rumu_lab.simulation.copies import copy_at
 from rumu_lab.simulation.faults import apply
 from rumu_lab.simulation.glyph import Glyph
@@ -29,9 +29,11 @@ def marked(ink, glyph):
     return pipeline.assess(picture(ink), picture(glyph.mask), remarks=False)
 
 
-def left(ink, glyph):
+def regions(ink, glyph):
+    """{kind: region} of ink as a copy of a glyph."""
     master = pipeline.prepare_master(picture(glyph.mask))
-    return left_over(measure(pipeline.surface_of(picture(ink)), master).registration, master.lines)
+    registration = measure(pipeline.surface_of(picture(ink)), master).registration
+    return {region.kind: region for region in find_regions(registration, master.ink)}
 
 
 def hidden(glyph, k):
@@ -63,19 +65,19 @@ def test_of_an_imperfect_copy_too(glyph, fault, severity):
 def test_strokes_too_many_lower_the_mark(glyph):
     more = apply(glyph.mask, "extra", severity=2.0, seed=1)
     assert marked(more.ink, glyph).score < 80
-    assert left(more.ink, glyph).extra > 0.02
+    assert regions(more.ink, glyph)["extra"].share > 0.02
 
 
 @pytest.mark.parametrize(
     ("fault", "severity"), [("shift", 3.0), ("angle", 3.0), ("thin", 2.0), ("lean", 2.0)]
 )
 def test_what_is_displaced_or_thin_is_not_missing(glyph, fault, severity):
-    found = left(apply(glyph.mask, fault, severity=severity, seed=2).ink, glyph)
-    assert found is None or found.missing / found.usual < 0.1
+    found = regions(apply(glyph.mask, fault, severity=severity, seed=2).ink, glyph)
+    assert "missing" not in found or found["missing"].strokes < 0.1
 
 
 def test_a_copy_that_plainly_lacks_nothing_is_not_asked_further(glyph):
-    assert left(glyph.mask, glyph) is None
+    assert regions(glyph.mask, glyph) == {}
 
 
 def test_a_blur_does_not_decide_whether_a_stroke_is_missing():
@@ -89,13 +91,13 @@ def test_a_blur_does_not_decide_whether_a_stroke_is_missing():
 
 def test_where_a_missing_stroke_should_stand_is_told(glyph):
     k = int(np.argmax([hidden(glyph, k) for k in range(len(glyph.strokes))]))
-    found = left(glyph.without(k), glyph)
-    assert found.missing > 0.3 * hidden(glyph, k)
+    found = regions(glyph.without(k), glyph)["missing"]
+    assert found.share > 0.3 * hidden(glyph, k)
     rows, columns = np.nonzero(glyph.strokes[k].ink)
     # the frame's unit is the rms radius of the master's ink about its centroid, y up
     y, x = (v.astype(float) for v in np.nonzero(glyph.mask))
     radius = np.sqrt(np.var(x) + np.var(y))
-    at = found.missing_at * [radius, -radius] + [x.mean(), y.mean()]
+    at = found.points * [radius, -radius] + [x.mean(), y.mean()]
     apart = np.hypot(at[:, :1] - columns, at[:, 1:] - rows).min(axis=1)
     assert (apart < 0.15 * radius).mean() > 0.6
 

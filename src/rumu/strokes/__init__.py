@@ -1,0 +1,1 @@
+"""What is known of strokes, and the master's strokes laid on the copy."""

@@ -1,0 +1,320 @@
+"""Which stroke of the copy is which of the master's, and how it differs.
+
+The master's strokes are laid on the copy's ink (see `matching`); what the whole character does - lean, size,
+place, a squeezed part - is taken out first (see `pose`), so that a stroke is blamed for its own fault alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rumu.registration.points import ink_mask
+from rumu.strokes.centre_lines import (
+    SCALE,
+    SIDE,
+    CentreLine,
+    CentreLines,
+    FramedInk,
+    LinePoints,
+    find_segments,
+    find_strokes,
+    frame_copy,
+    frame_ink,
+)
+from rumu.strokes.matching import find_covered, match_lines
+from rumu.strokes.measures import SETTINGS as MEASURES
+from rumu.strokes.measures import MatchedLines, MatchedStroke, edge_tremor
+from rumu.strokes.pose import NO_POSE, CharacterPose, Squeeze, find_pose, find_squeeze, share_in_place
+from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
+
+_RATIOS = ("length", "width")
+"""What is measured of a stroke as a ratio to the master's."""
+_ENDS = ("entry", "exit")
+"""What is measured of a stroke as a difference from the master's."""
+
+
+@dataclass(frozen=True, slots=True)
+class StrokeMatchSettings:
+    """How strokes are told from the master's, and what is no fault.
+
+    perturbations: (scale, resolution) of the pictures of a master that are measured against itself, to see
+        how much differs where nothing is at fault; resolution in pixels for each of its own. nudge: pixels
+        (x, y) by which they are moved.
+    turn_share: share of a stroke's uncertainty of turn that is taken out.
+    taper: share of a stroke's width by which a tip must be finer than its stroke to be called tapering.
+    in_place: share of the strokes in their place from which no other squeeze is looked for.
+    pixel_share: of a pixel of the coarser picture, by which a width may be wrong.
+    """
+
+    perturbations: tuple[tuple[float, float], ...] = ((0.96, 1.0), (1.03, 0.6), (1.0, 0.8))
+    nudge: tuple[float, float] = (0.5, 0.37)
+    turn_share: float = 0.4
+    taper: float = 0.05
+    in_place: float = 0.9
+    pixel_share: float = 0.3
+
+
+SETTINGS = StrokeMatchSettings()
+
+
+@dataclass(frozen=True, slots=True)
+class BluntTips:
+    """What became of the tips that taper in the master, all together.
+
+    lost: share of their taper that most of them have lost; below 0 when they are finer. blunted: share of the
+        tips that lost any. ends: (stroke, 0 for its entry or 1 for its exit) of those.
+    """
+
+    lost: float
+    blunted: float
+    ends: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StrokeMatch:
+    """The whole correspondence.
+
+    strokes: one for each of the master's, longest first. pose: of the copy against the master's place in its
+        cell. width: median width of the copy's strokes over the master's. squeeze: a part too wide, if one
+        is. master, copy: their lines; framed, framed_master: their ink in the common frame.
+    moved: (n, 2) the master's points in the copy; covered: (n,) which of them the copy has; radius:
+        (n,) the copy's half-width there, or what it should be; places: (n, 2) where the same measurement has
+        them in the master itself; in_cell: (n, 2) where the copy has them in a cell like the master's.
+    tips: None where fewer than two of the master's taper.
+    """
+
+    strokes: tuple[MatchedStroke, ...]
+    pose: CharacterPose
+    width: float
+    squeeze: Squeeze | None
+    master: CentreLines
+    copy: CentreLines
+    framed: FramedInk
+    framed_master: FramedInk
+    moved: FloatArray
+    covered: BoolArray
+    radius: FloatArray
+    places: FloatArray
+    in_cell: FloatArray
+    tips: BluntTips | None = None
+
+    @property
+    def enlargement(self) -> float:
+        """How many times the coarser picture was enlarged for the common frame; 1 when it was not."""
+        return max(1.0, self.framed.enlargement, self.framed_master.enlargement)
+
+    def width_error(self, line: CentreLine | LinePoints) -> float:
+        """How far the logarithm of a width may be wrong, of a line or of all, since pictures are coarse."""
+        return SETTINGS.pixel_share / (float(np.median(line.radius)) * SCALE) * self.enlargement
+
+
+@dataclass(frozen=True, eq=False)
+class MasterStrokes:
+    """A master's strokes with what copies are compared with, to be made once for all copies.
+
+    surface, reference: the master and its ink points.
+    """
+
+    surface: Surface
+    reference: PointSet
+
+    @cached_property
+    def framed(self) -> FramedInk:
+        """Its ink in the common frame."""
+        return frame_ink(ink_mask(self.surface), self.reference)
+
+    @cached_property
+    def lines(self) -> CentreLines:
+        """Its strokes' centre lines."""
+        return find_strokes(self.framed)
+
+    @cached_property
+    def itself(self) -> StrokeMatch:
+        """Its strokes as the measurement of copies finds them in the master itself."""
+        return _match_framed(self.framed, self, places=None)
+
+    @cached_property
+    def uncertainties(self) -> tuple[StrokeUncertainty, ...]:
+        """The uncertainty of each stroke, from small changes of the master's size."""
+        changed = [_match_perturbed(self, *change).strokes for change in SETTINGS.perturbations]
+        strokes = zip(self.itself.strokes, *changed, strict=True)
+        return tuple(_uncertainty([_relative_to(own, s) for s in others]) for own, *others in strokes)
+
+    @cached_property
+    def tremor(self) -> float:
+        """How much its edges swing, see `measures.edge_tremor`."""
+        return edge_tremor(self.framed)
+
+
+@dataclass(frozen=True, slots=True)
+class StrokeUncertainty:
+    """How much a stroke of a master differs from itself where nothing was changed.
+
+    shift: rms radii; turn: degrees; ratios: logarithm by name of the field, NaN where it was not always
+    seen; ends: by name of the field.
+    """
+
+    shift: float
+    turn: float
+    ratios: dict[str, float]
+    ends: dict[str, float]
+
+
+def match_strokes(copy: Surface, registration: Registration, master: MasterStrokes) -> StrokeMatch:
+    """Find the master's strokes in the copy; `registration` is that of the two surfaces.
+
+    What the same measurement makes of the master itself is taken out, so that of a perfect copy nothing is
+    left: a fork that thinning draws aside is drawn aside in both.
+    """
+    itself = master.itself
+    found = _match_framed(frame_copy(copy, registration), master, places=itself.moved)
+    known = zip(found.strokes, itself.strokes, master.uncertainties, strict=True)
+    return replace(
+        found,
+        strokes=tuple(_shrink(_relative_to(own, stroke), doubt) for stroke, own, doubt in known),
+        tips=_blunt_tips(found.strokes, itself.strokes),
+    )
+
+
+def _blunt_tips(found: tuple[MatchedStroke, ...], itself: tuple[MatchedStroke, ...]) -> BluntTips | None:
+    """Uncertainty is not taken out: over many tips it cancels, and what all lost is seen the sooner."""
+    tips = [
+        (k, end, getattr(a, name) - getattr(b, name), -getattr(b, name))
+        for k, (a, b) in enumerate(zip(found, itself, strict=True))
+        for end, name in enumerate(_ENDS)
+        if a.present and getattr(b, name) < -SETTINGS.taper  # not so where it is NaN
+    ]
+    if len(tips) < 2:
+        return None
+    lost, taper = np.array([tip[2] / tip[3] for tip in tips]), np.array([tip[3] for tip in tips])
+    order = np.argsort(lost)
+    half = int(np.argmax(np.cumsum(taper[order]) >= 0.5 * taper.sum()))
+    ends = tuple((k, end) for k, end, gain, _ in tips if gain > 0)
+    return BluntTips(float(lost[order][half]), len(ends) / len(tips), ends)
+
+
+def _uncertainty(changed: list[MatchedStroke]) -> StrokeUncertainty:
+    """Of a stroke, from what small changes made of it: the worst two together."""
+
+    def worst(values: list[float]) -> float:
+        return float(np.sort(np.abs(values))[-2:].sum())  # NaN where any is
+
+    return StrokeUncertainty(
+        shift=worst([float(np.hypot(*s.shift)) for s in changed]),
+        turn=worst([s.turn for s in changed]),
+        ratios={name: worst([_log(getattr(s, name)) for s in changed]) for name in _RATIOS},
+        ends={name: max(abs(getattr(s, name)) for s in changed) for name in _ENDS},
+    )
+
+
+def _log(ratio: float) -> float:
+    return float(np.log(max(ratio, 1e-6)))
+
+
+def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> StrokeMatch:
+    """A master's strokes in the master itself, moved by half a pixel and made a little smaller or larger.
+
+    What differs then is no fault: thinning takes another way through rough ink.
+    """
+    import cv2
+
+    half, (right, down) = (SIDE - 1) / 2, SETTINGS.nudge
+    M = np.array([[scale, 0.0, (1 - scale) * half + right], [0.0, scale, (1 - scale) * half + down]])
+    ink = 255 * master.framed.ink.view(np.uint8)
+    if resolution < 1.0:
+        coarse = cv2.resize(ink, None, fx=resolution, fy=resolution, interpolation=cv2.INTER_AREA)
+        ink = cv2.resize(coarse, (SIDE, SIDE), interpolation=cv2.INTER_LINEAR)
+    moved = cv2.warpAffine(ink, M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
+    changed = replace(master.framed, ink=np.asarray(moved > 127))
+    return _match_framed(changed, master, places=master.itself.moved)
+
+
+def _shrink(found: MatchedStroke, doubt: StrokeUncertainty) -> MatchedStroke:
+    """What was found, drawn toward no fault by as much as the master differs from itself."""
+
+    def shrink(value: float, by: float) -> float:
+        return float(np.sign(value) * np.maximum(abs(value) - by, 0.0))  # NaN stays NaN
+
+    away = float(np.hypot(*found.shift))
+    share = max(away - doubt.shift, 0.0) / max(away, 1e-9)
+    ratios: dict[str, Any] = {
+        name: float(np.exp(shrink(_log(getattr(found, name)), by))) for name, by in doubt.ratios.items()
+    }
+    ends: dict[str, Any] = {name: shrink(getattr(found, name), by) for name, by in doubt.ends.items()}
+    turn = shrink(found.turn, SETTINGS.turn_share * doubt.turn)
+    return replace(found, shift=found.shift * share, turn=turn, **ratios, **ends)
+
+
+def _relative_to(itself: MatchedStroke, found: MatchedStroke) -> MatchedStroke:
+    """Ratios to what was found, in the same way, in the master itself, and differences from it."""
+    ratios = {
+        name: getattr(found, name) / getattr(itself, name) for name in _RATIOS if getattr(itself, name) > 1e-6
+    }
+    ends: dict[str, Any] = {name: getattr(found, name) - getattr(itself, name) for name in _ENDS}
+    return replace(found, **ratios, **ends)
+
+
+def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None) -> StrokeMatch:
+    """Strokes of some ink in the common frame against a master's.
+
+    places: (n, 2) where the same measurement has the master's own points; None when this is the master.
+    """
+    copy, model = find_segments(framed), master.lines
+    found = match_lines(model.points, copy.points)
+    near = MEASURES.near * max(model.width, copy.width)
+    covered, owner = find_covered(found, copy.points, model.points, near=near)
+    in_cell = upright = _to_master_cell(found.moved, framed, master.framed)
+    pose, squeeze = NO_POSE, None
+    if places is None:
+        places = upright
+    elif covered.any():
+        pose, squeeze = _find_stance(places[covered], upright[covered], model.points, covered)
+        upright = pose.undo(upright)
+    expected = places if squeeze is None else squeeze.apply(places)
+    lines = MatchedLines(framed, copy, model, found, covered, owner, expected, upright, squeeze)
+    return StrokeMatch(
+        strokes=tuple(lines.stroke(k) for k in range(len(model.lines))),
+        pose=pose,
+        width=lines.whole_width,
+        squeeze=squeeze,
+        master=model,
+        copy=copy,
+        framed=framed,
+        framed_master=master.framed,
+        moved=found.moved,
+        covered=covered,
+        radius=lines.radii(),
+        places=places,
+        in_cell=in_cell,
+    )
+
+
+def _find_stance(
+    places: FloatArray, copy: FloatArray, points: LinePoints, covered: BoolArray
+) -> tuple[CharacterPose, Squeeze | None]:
+    """Pose and squeeze of the whole; places, copy: (n, 2), those of the master's points that are covered.
+
+    A squeeze keeps the outer edges and draws the middle along, so that a pose may take most of it for its
+    own: it is looked for in the copy as it stands too.
+    """
+    owner, double = points.owner[covered], points.double[covered]
+    pose = find_pose(places, copy, owner=owner)
+    upright = pose.undo(copy)
+    squeeze = find_squeeze(places, upright, owner=owner, double=double)
+    if squeeze is None and pose.shift.any():
+        well = share_in_place(upright - places, owner)
+        other = find_squeeze(places, copy, owner=owner, double=double) if well < SETTINGS.in_place else None
+        if other is not None and share_in_place(copy - other.apply(places), owner) > well:
+            return NO_POSE, other
+    return pose, squeeze
+
+
+def _to_master_cell(points: FloatArray, copy: FramedInk, master: FramedInk) -> FloatArray:
+    """Points of the common frame, moved to where a cell of the master's size would have them."""
+    back = np.linalg.inv(master.to_picture[:, :2])
+    # pictures of unlike shape: the longer sides are taken for one another
+    return np.asarray((copy.on_picture(points) - master.to_picture[:, 2]) @ back.T)

@@ -1,0 +1,242 @@
+"""Lines of the master laid on lines of the copy: first by one smooth warp, then each stroke by itself.
+
+Expectation-maximisation after coherent point drift (Myronenko and Song 2010): each point of the copy is
+shared out among the points of the master that may explain it, or none; then the master moves to what it was
+given. Because ink that one stroke explains is taken, a stroke that the copy lacks finds nothing and stays
+where its neighbours suggest. Positions in rms radii, see `centre_lines`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rumu.strokes.centre_lines import LinePoints
+from rumu.values import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class MatchSettings:
+    """How lines are laid on lines. Lengths in rms radii unless said.
+
+    smooth, single: standard deviations of the expected distance: while all strokes move by one warp, and
+        while each moves by itself.
+    grid: knots of the warp along each axis; knot_reach: standard deviation of the bump at a knot.
+    partings: shares of the ink's points, along each axis, at which the warp may bend sharply: a part that is
+        too wide bends it there and nowhere else.
+    shift_cost, affine_cost, bend_cost: resistance of the warp to shifts, to affine moves and to bending, in
+        points; even the first two are held a little, since the registration has settled the place already.
+    follow: resistance of a stroke, in points, to taking on the warp when it first moves by itself: to turning
+        or stretching, and to shifting.
+    travel: how far a stroke is expected to leave the warp; warp: how far it is expected to turn or stretch.
+    hold: how much that expectation is trusted, in points.
+    crossing: what a perpendicular direction costs, in the exponent. beyond: standard deviations from which
+        a point counts as explained by nothing. line_width: standard deviations over which a line gathers
+        points; it gives a point beside it more than one of its own points does.
+    fork: weight of a point near a fork when lines settle on their ink, since thinning pulls lines together
+        there; settle, settle_turn: points' worth of ink that hold a line where it was, and as it was turned.
+        outlier: distance from its line beyond which ink hardly counts then.
+    """
+
+    smooth: tuple[float, ...] = (0.22, 0.18, 0.15, 0.12)
+    single: tuple[float, ...] = (0.14, 0.12, 0.1, 0.085, 0.07, 0.06, 0.05)
+    grid: int = 4
+    knot_reach: float = 1.0
+    partings: tuple[float, ...] = (0.35, 0.5, 0.65)
+    shift_cost: float = 5.0
+    affine_cost: float = 20.0
+    bend_cost: float = 30.0
+    follow: tuple[float, float] = (1.0, 1e-3)
+    travel: float = 0.2
+    warp: float = 0.25
+    hold: float = 6.0
+    crossing: float = 2.5
+    beyond: float = 2.6
+    line_width: float = 2.5
+    fork: float = 0.05
+    settle: float = 1.0
+    settle_turn: float = 0.05
+    outlier: float = 0.03
+
+
+@dataclass(frozen=True, slots=True)
+class CoverSettings:
+    """When a point of the copy belongs to a stroke, and when a point of the master is found.
+
+    explained: responsibility of all strokes together from which a point of the copy belongs to the strongest.
+    found: points' worth of ink, from which a point of the master has some of its own.
+    spacings: reach of a stroke at least, in distances between neighbouring points; beside: reach, over the
+        reach of a stroke, within which a point of the copy may belong to it.
+    """
+
+    explained: float = 0.4
+    found: float = 0.15
+    spacings: float = 1.6
+    beside: float = 1.5
+
+
+COVER = CoverSettings()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LineMatch:
+    """Where each point of the master's lines lies in the copy.
+
+    moved: (n, 2) the master's points in the copy, stroke by stroke affine. responsibility: (n, m) how much
+        each point of the copy belongs to each of the master's; columns sum to at most 1.
+    """
+
+    moved: FloatArray
+    responsibility: FloatArray
+
+
+def match_lines(master: LinePoints, copy: LinePoints, *, settings: MatchSettings | None = None) -> LineMatch:
+    """Find the master's points in the copy."""
+    s = settings or MatchSettings()
+    y, double = master.xy, master.double
+    basis, cost = _warp_basis(y, s)
+    for sigma in s.smooth:
+        P = _responsibilities(y, double, copy, sigma, s)
+        y = master.xy + _fit_warp(master.xy, P, copy.xy, basis, cost * sigma**2)
+    local, owner = _local_coordinates(master, master.xy), master.owner
+    turn, shift = s.follow
+    followed = _ridge(local, owner, np.ones(len(y)), y - master.xy, hold=np.diag([turn, turn, shift]))
+    moves = followed
+    for sigma in s.single:
+        P = _responsibilities(y, double, copy, sigma, s)
+        hold = s.hold * sigma**2 * np.array([s.warp**-2, s.warp**-2, s.travel**-2])
+        weight = P.sum(axis=1)
+        target = _weighted_mean(P, copy.xy, weight) - master.xy
+        base = np.einsum("nj,njd->nd", local, followed[owner])
+        moves = followed + _ridge(local, owner, weight, target - base, hold=np.diag(hold))
+        y = master.xy + np.einsum("nj,njd->nd", local, moves[owner])
+        double = _turn_directions(master, moves[owner, :2])
+    P = _responsibilities(y, double, copy, s.single[-1], s)
+    return LineMatch(_settle(y, double, master, copy, responsibility=P, settings=s), P)
+
+
+def find_covered(
+    found: LineMatch, copy: LinePoints, master: LinePoints, *, near: float
+) -> tuple[BoolArray, IntArray]:
+    """Which of the master's points the copy has, and which stroke each of the copy's belongs to, or -1.
+
+    near: rms radii within which ink is a stroke's own.
+    """
+    P, squared = found.responsibility, squared_distances(found.moved, copy.xy)
+    owner = np.where(P.sum(axis=0) > COVER.explained, master.owner[P.argmax(axis=0)], -1)
+    reach = max(near, COVER.spacings * master.spacing)
+    mine = owner[None, :] == master.owner[:, None]
+    nearest = np.where(mine, squared, np.inf).min(axis=1)
+    covered = (nearest < reach**2) & (P.sum(axis=1) > COVER.found)
+    owner = np.where(squared.min(axis=0) < (COVER.beside * reach) ** 2, owner, -1)
+    return np.asarray(covered), owner
+
+
+def _settle(
+    y: FloatArray,
+    double: FloatArray,
+    master: LinePoints,
+    copy: LinePoints,
+    *,
+    responsibility: FloatArray,
+    settings: MatchSettings,
+) -> FloatArray:
+    """(n, 2): each line pushed aside and turned, as it is, to where the ink that was given to it lies.
+
+    The expectation that a line keeps to its warp has led it to its ink, but leaves it short of it: a
+    turned line comes out turned by three quarters.
+    """
+    given = responsibility * np.where(copy.clear, np.float32(1.0), np.float32(settings.fork))
+    weight = given.sum(axis=1)
+    off = _weighted_mean(given, copy.xy, weight) - y
+    # a line that found next to nothing stays where its neighbours suggest
+    weight = weight * np.minimum(weight, 1.0) * np.where(master.clear, 1.0, settings.fork)
+    c, s = double.T
+    half = np.arctan2(s, c) / 2
+    aside = np.column_stack([-np.sin(half), np.cos(half)]) * np.hypot(c, s)[:, None]
+    local, owner = _local_coordinates(master, y), master.owner
+    swing = np.column_stack([-local[:, 1], local[:, 0]])
+    basis = np.column_stack([aside, (swing * aside).sum(axis=1)])  # right, down, radians
+    away = (off * aside).sum(axis=1)
+    hold = settings.settle * np.diag([1.0, 1.0, settings.settle_turn])
+    move = _ridge(basis, owner, weight, away[:, None], hold=hold)[:, :, 0]
+    left = away - (basis * move[owner]).sum(axis=1)
+    weight = weight / (1.0 + (left / settings.outlier) ** 2)
+    move = _ridge(basis, owner, weight, away[:, None], hold=hold)[owner, :, 0]
+    return np.asarray(y + move[:, :2] + move[:, 2:] * swing)
+
+
+def _responsibilities(
+    y: FloatArray, double: FloatArray, copy: LinePoints, sigma: float, s: MatchSettings
+) -> FloatArray:
+    """(n, m): how much each point of the copy belongs to each of the master's points."""
+    squared = squared_distances(y, copy.xy)
+    along = double.astype(np.float32) @ copy.double.T.astype(np.float32)
+    G = np.exp(squared * np.float32(-0.5 / sigma**2) + np.float32(s.crossing / 2) * (along - 1))
+    line = max(s.line_width * sigma / copy.spacing, 1.0)
+    nothing = np.float32(np.exp(-0.5 * s.beyond**2) * line)
+    return np.asarray(G / (G.sum(axis=0) + nothing))
+
+
+def squared_distances(a: FloatArray, b: FloatArray) -> FloatArray:
+    """(n, m) float32, from each of (n, 2) points to each of (m, 2)."""
+    a, b = a.astype(np.float32), b.astype(np.float32)
+    away = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None] - 2.0 * (a @ b.T)
+    return np.asarray(np.maximum(away, np.float32(0.0)))
+
+
+def _weighted_mean(P: FloatArray, values: FloatArray, weight: FloatArray) -> FloatArray:
+    """(n, 2): of (m, 2) values with weights (n, m); weight: (n,) the sums of P's rows."""
+    return np.asarray((P @ values.astype(np.float32)) / np.maximum(weight, 1e-6)[:, None], dtype=float)
+
+
+def _warp_basis(xy: FloatArray, s: MatchSettings) -> tuple[FloatArray, FloatArray]:
+    """(n, b) values of the warp's functions, affine ones first, and (b,) what each costs."""
+    axes = [np.linspace(xy[:, k].min(), xy[:, k].max(), s.grid) for k in (0, 1)]
+    knots = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    bumps = np.exp(-0.5 * ((xy[:, None] - knots) ** 2).sum(axis=2) / s.knot_reach**2)
+    partings = [np.quantile(axis, s.partings) for axis in axes]
+    bent = np.concatenate([np.maximum(xy[:, k, None] - partings[k], 0.0) for k in (0, 1)], axis=1)
+    basis = np.column_stack([np.ones(len(xy)), xy, bent, bumps])
+    bends = bent.shape[1] + len(knots)
+    return basis, np.array([s.shift_cost, *[s.affine_cost] * 2, *[s.bend_cost] * bends])
+
+
+def _fit_warp(
+    xy: FloatArray, P: FloatArray, data: FloatArray, basis: FloatArray, cost: FloatArray
+) -> FloatArray:
+    """(n, 2): how the warp that best takes (n, 2) points to the data given to them moves them."""
+    weight = P.sum(axis=1).astype(float)
+    target = _weighted_mean(P, data, weight) - xy
+    weighted = basis * weight[:, None]
+    return np.asarray(basis @ np.linalg.solve(basis.T @ weighted + np.diag(cost), weighted.T @ target))
+
+
+def _local_coordinates(points: LinePoints, xy: FloatArray) -> FloatArray:
+    """(n, 3): x and y from the middle of the own line, and 1."""
+    count = np.bincount(points.owner).astype(float)
+    middle = np.column_stack([np.bincount(points.owner, xy[:, k]) / count for k in (0, 1)])
+    return np.column_stack([xy - middle[points.owner], np.ones(len(xy))])
+
+
+def _ridge(
+    basis: FloatArray, owner: IntArray, weight: FloatArray, target: FloatArray, *, hold: FloatArray
+) -> FloatArray:
+    """(k, 3, d): ridge regression of (n, d) targets on a basis (n, 3), for each line by itself."""
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(owner)) + 1])  # a line's points stand together
+    weighted = (basis * weight[:, None])[:, :, None]
+    left = np.add.reduceat(weighted * basis[:, None, :], starts)
+    aim = np.add.reduceat(weighted * target[:, None, :], starts)
+    return np.asarray(np.linalg.solve(left + hold, aim))
+
+
+def _turn_directions(points: LinePoints, linear: FloatArray) -> FloatArray:
+    """(n, 2): doubled directions after (n, 2, 2) linear moves beyond the identity."""
+    c, s = points.double.T
+    half = np.arctan2(s, c) / 2
+    along = np.column_stack([np.cos(half), np.sin(half)])
+    along = along + np.einsum("nj,njd->nd", along, linear)
+    angle = 2 * np.arctan2(along[:, 1], along[:, 0])
+    length = np.hypot(c, s)
+    return np.column_stack([length * np.cos(angle), length * np.sin(angle)])

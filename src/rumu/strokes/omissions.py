@@ -1,0 +1,343 @@
+"""Strokes that a copy lacks, and ink that it has too much: what is left when strokes are laid on strokes.
+
+Copies that people wrote stand a little aside everywhere, so that distances alone take every displaced stroke
+for a missing one. The master's strokes are therefore matched with the copy's (see `matching`): ink that one
+stroke explains is taken, and where a stroke was left out nothing is left for it. First quickly, with the
+ridges of the copy's ink; what seems to lack then is asked again, with its centre lines.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from rumu.strokes.centre_lines import (
+    SCALE,
+    SIDE,
+    CentreLine,
+    CentreLines,
+    FramedInk,
+    LinePoints,
+    find_segments,
+    find_strokes,
+    pixels_at,
+    sample_lines,
+)
+from rumu.strokes.centre_lines import SETTINGS as LINES
+from rumu.strokes.matching import MatchSettings, find_covered, match_lines
+from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration
+
+RegionKind = Literal["missing", "extra"]
+
+
+@dataclass(frozen=True, slots=True)
+class MissingSettings:
+    """What counts as missing when strokes were laid on strokes. Lengths in rms radii unless said.
+
+    moved, still: how far a point that found no ink of its own must lie off the copy's ink, where matching
+        has put it, or where the master has it. found: points' worth of ink below which it found none.
+    run: stroke widths that such a run must be long; dot: share of a stroke that joins no other which does
+        as well. bridge: widths that a run may be broken; whole: share of a run that must be missing.
+    lost: shares of a stroke that found no ink, at which none of it is taken for missing, and all of it.
+    spare: how much of the copy's unexplained ink is taken for what seems to be missing.
+    """
+
+    moved: float = 0.05
+    still: float = 0.04
+    found: float = 0.15
+    run: float = 1.5
+    dot: float = np.inf
+    bridge: float = 0.6
+    whole: float = 0.6
+    lost: tuple[float, float] = (0.25, 0.5)
+    spare: float = 1.0
+
+
+_QUICK = MissingSettings(still=0.0, found=0.35, dot=0.8, spare=0.5)
+_QUICK_MATCH = MatchSettings(smooth=(0.22, 0.16, 0.12), single=(0.13, 0.1, 0.075, 0.055))
+_FULL = MissingSettings()
+
+
+@dataclass(frozen=True, slots=True)
+class OmissionSettings:
+    """How missing and extra ink is looked for. Lengths in rms radii unless said.
+
+    near: stroke widths within which ink is a stroke's own.
+    plain: distance within which all ink of either has ink of the other when a copy plainly lacks nothing, but
+        for plain_share of it.
+    quick_points, quick_match, quick: points on the master's lines, matching, and what counts, for the first
+        look, which is to miss nothing. second: share of the ink missing at that look from which a second is
+        taken. full: what counts at the second.
+    far: distance off the master's ink from which unexplained ink is too much. unfound: distance off the
+        copy's ink from which a point counts as not found where that is weighed.
+    doubtful, missing, extra: displacement that strokes commonly have, from which matching may err; and how
+        much of the ink is then not believed to be missing at the first look, missing at both, or too much,
+        for each rms radius beyond.
+    usual: share of the ink that a usual stroke has at least: of very many strokes one is not seen so surely.
+    flat, deep: pixels by which a ridge may lie below its neighbours, and that it must be deep. square: side
+        of a square that holds one point of a ridge. crowd: points on ridges at most, over quick_points.
+    agreement: length of the mean doubled direction in a square from which it is one.
+    """
+
+    near: float = 0.75
+    plain: float = 0.1
+    plain_share: float = 0.005
+    quick_points: int = 120
+    quick_match: MatchSettings = _QUICK_MATCH
+    quick: MissingSettings = _QUICK
+    full: MissingSettings = _FULL
+    second: float = 0.015
+    far: float = 0.12
+    unfound: float = 0.05
+    doubtful: tuple[float, float] = (0.08, 1.2)
+    missing: tuple[float, float] = (0.08, 0.5)
+    extra: tuple[float, float] = (0.1, 1.0)
+    usual: float = 0.05
+    flat: float = 0.5
+    deep: float = 1.5
+    square: float = 3.0 / 32.0
+    crowd: float = 1.3
+    agreement: float = 0.3
+
+
+SETTINGS = OmissionSettings()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Region:
+    """Ink that one has and the other lacks.
+
+    kind: 'missing' from the copy, or 'extra' in it. points: (n, 2) where, on centre lines, rms radii of the
+    master, y up. share: of the ink, of the copy for 'extra', of the master for 'missing'. strokes: how many
+    usual strokes of the master that is.
+    """
+
+    kind: RegionKind
+    points: FloatArray
+    share: float
+    strokes: float
+
+
+def find_regions(registration: Registration, master: MasterInk) -> tuple[Region, ...]:
+    """What the copy lacks and has too much, as far as it is believed.
+
+    Nothing for a copy that plainly lacks nothing and has no more, and for one whose strokes are hairs without
+    a ridge.
+    """
+    if _is_plainly_whole(registration):
+        return ()
+    copy = _ink_points(registration.posed[:, :2], _posed_directions(registration))
+    ridges = copy.ridges()
+    if not len(ridges.xy):
+        return ()
+    quick = _lay(copy, ridges, master, points=master.few, settings=SETTINGS.quick_match)
+    extra, extra_at = quick.extra - _doubt(quick, SETTINGS.extra), quick.copy.xy[quick.unexplained]
+    missing, missing_at = _confirm_missing(copy, master, quick)
+    up = np.array([1.0, -1.0])
+    found = (
+        Region("missing", missing_at * up, missing, missing / master.usual),
+        Region("extra", extra_at * up, extra, extra / master.usual),
+    )
+    return tuple(region for region in found if region.share > 0.0)
+
+
+def _confirm_missing(copy: InkPoints, master: MasterInk, quick: LaidLines) -> tuple[float, FloatArray]:
+    """The share of the master's ink that is missing at both looks, and where, (n, 2), y down."""
+    first, _ = quick.missing(SETTINGS.quick, master.lines.lines)
+    if first - _doubt(quick, SETTINGS.doubtful) <= SETTINGS.second:
+        return 0.0, np.zeros((0, 2))
+    segments = find_segments(copy.framed).points
+    full = _lay(copy, segments, master, points=master.lines.points, settings=None)
+    second, gone = full.missing(SETTINGS.full, master.lines.lines)
+    return min(first, second) - _doubt(full, SETTINGS.missing), full.master.xy[gone]
+
+
+def _doubt(laid: LaidLines, common_and_rate: tuple[float, float]) -> float:
+    """Share of the ink that is not believed, since strokes moved far."""
+    common, rate = common_and_rate
+    return rate * max(laid.displacement - common, 0.0)
+
+
+def _is_plainly_whole(registration: Registration) -> bool:
+    p, x = registration.posed[:, :2], registration.reference.xyz[:, :2]
+    apart = (x - p[registration.backward_index], p - x[registration.forward_index])
+    far = (float((np.einsum("ij,ij->i", a, a) > SETTINGS.plain**2).mean()) for a in apart)
+    return all(share < SETTINGS.plain_share for share in far)
+
+
+def _posed_directions(registration: Registration) -> FloatArray:
+    """(n, 2) doubled stroke directions of the copy, turned as it is laid on the master."""
+    a = 2 * np.deg2rad(registration.angle)
+    turn = np.array([[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]])
+    return np.asarray(registration.probe.direction @ turn)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InkPoints:
+    """Ink points in the common frame.
+
+    at: (n, 2) rms radii, y down; double: (n, 2) their doubled direction, y down; ink: (SIDE, SIDE) bool;
+    off: (SIDE, SIDE) distance to the ink, rms radii.
+    """
+
+    at: FloatArray
+    double: FloatArray
+    ink: BoolArray
+    off: FloatArray
+
+    @property
+    def framed(self) -> FramedInk:
+        """Its ink, without the picture that it came from."""
+        return FramedInk(self.ink, np.eye(2, 3), 1.0)
+
+    def ridges(self) -> LinePoints:
+        """Points where its ink is deepest, one in each small square: rougher than centre lines, but quick."""
+        import cv2
+
+        depth = cv2.distanceTransform(np.pad(self.ink.view(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
+        highest = cv2.dilate(depth, np.ones((3, 3), np.uint8))
+        ridge = (depth >= highest - SETTINGS.flat) & (depth >= SETTINGS.deep)
+        on = ridge[pixels_at(self.at)]
+        square = np.floor(self.at[on] / SETTINGS.square).astype(np.intp) @ np.array([1000, 1])
+        _, which, count = np.unique(square, return_inverse=True, return_counts=True)
+        xy, double = (
+            np.column_stack([np.bincount(which, part[on, k]) / count for k in (0, 1)])
+            for part in (self.at, self.double)
+        )
+        length = np.hypot(*double.T)[:, None]
+        double = np.where(length > SETTINGS.agreement, double / np.maximum(length, 1e-9), 0.0)
+        crowd = max(len(xy) / (SETTINGS.crowd * SETTINGS.quick_points), 1.0)
+        chosen = np.round(np.linspace(0, len(xy) - 1, round(len(xy) / crowd))).astype(np.intp)
+        xy, double = xy[chosen], double[chosen]
+        owner, clear = np.zeros(len(xy), np.intp), np.ones(len(xy), bool)
+        return LinePoints(xy, double, depth[pixels_at(xy)] / SCALE, owner, clear, LINES.spacing * crowd)
+
+
+def _ink_points(xy: FloatArray, direction: FloatArray) -> InkPoints:
+    """Of (n, 2) points and doubled directions, y up."""
+    import cv2
+
+    down = np.array([1.0, -1.0])
+    page = np.zeros((SIDE, SIDE), np.uint8)
+    page[pixels_at(xy * down)] = 1
+    # points lie a pixel and a half apart
+    ink = cv2.morphologyEx(page, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+    off = cv2.distanceTransform(1 - ink, cv2.DIST_L2, 5) / np.float32(SCALE)
+    return InkPoints(xy * down, direction * down, ink > 0, off)
+
+
+@dataclass(frozen=True, eq=False)
+class MasterInk:
+    """A master's ink points (`reference`) and centre lines: what copies are searched for."""
+
+    reference: PointSet
+
+    @cached_property
+    def points(self) -> InkPoints:
+        """Its ink points in the common frame."""
+        return _ink_points(self.reference.xyz[:, :2], self.reference.direction)
+
+    @cached_property
+    def lines(self) -> CentreLines:
+        """Its strokes' centre lines."""
+        return find_strokes(self.points.framed)
+
+    @cached_property
+    def few(self) -> LinePoints:
+        """Fewer points along the lines, for the first look."""
+        return sample_lines(self.lines.lines, most=SETTINGS.quick_points)
+
+    @cached_property
+    def usual(self) -> float:
+        """Share of the ink in a usual stroke."""
+        points = self.lines.points
+        shares = np.bincount(points.owner, _ink_shares(points), minlength=len(self.lines.lines))
+        return max(float(np.median(shares)), SETTINGS.usual)
+
+
+def _ink_shares(points: LinePoints) -> FloatArray:
+    """(n,) share of the ink at each point."""
+    return np.asarray(points.radius / points.radius.sum())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LaidLines:
+    """The master's points laid on the copy's. Lengths in rms radii.
+
+    width: of the master's strokes. covered: (n,) which points found ink of their own; found: (n,) how many
+    points' worth; moved, still: (n,) how far off the copy's ink they lie, where matching put them and where
+    the master has them. spare: (m,) which of the copy's points belong to no stroke; beyond: (m,) how far off
+    the master's ink they lie. displacement: by how much covered points commonly moved.
+    """
+
+    master: LinePoints
+    copy: LinePoints
+    width: float
+    covered: BoolArray
+    found: FloatArray
+    moved: FloatArray
+    still: FloatArray
+    spare: BoolArray
+    beyond: FloatArray
+    displacement: float
+
+    def missing(self, s: MissingSettings, lines: tuple[CentreLine, ...]) -> tuple[float, BoolArray]:
+        """Share of the master's ink that the copy lacks and does not have elsewhere; (n,) which points."""
+        unfound = ~self.covered | (self.found < s.found)
+        bare = unfound & ((self.moved > s.moved) | (self.still > s.still))
+        weight, counted = _ink_shares(self.master), np.zeros(len(bare))
+        wide = self.width / self.master.spacing
+        for k, line in enumerate(lines):
+            own = np.flatnonzero(self.master.owner == k)
+            least = min(s.run * wide, s.dot * len(own) if all(line.free) else np.inf)
+            runs = [run for run in _runs(bare[own], s.bridge * wide, s.whole) if np.ptp(run) + 1 >= least]
+            if runs:
+                lost = float(np.average(~self.covered[own], weights=weight[own]))
+                counted[own[np.concatenate(runs)]] = np.interp(lost, s.lost, (0.0, 1.0))
+        share = float(weight @ counted) - s.spare * float(self.spare.mean())
+        return max(share, 0.0), counted > 0
+
+    @property
+    def unexplained(self) -> BoolArray:
+        """(m,) which of the copy's points no stroke of the master explains."""
+        return np.asarray(self.spare & (self.beyond > SETTINGS.far))
+
+    @property
+    def extra(self) -> float:
+        """Share of the copy's ink that is unexplained and not what some stroke did not find."""
+        unfound = ~self.covered & (self.moved > SETTINGS.unfound)
+        return float(self.unexplained.mean()) - float(_ink_shares(self.master)[unfound].sum())
+
+
+def _lay(
+    ink: InkPoints, copy: LinePoints, master: MasterInk, *, points: LinePoints, settings: MatchSettings | None
+) -> LaidLines:
+    """Lay points of the master on lines of the copy, whose ink is given too."""
+    found, width = match_lines(points, copy, settings=settings), master.lines.width
+    covered, owner = find_covered(found, copy, points, near=SETTINGS.near * width)
+    moved, still = (ink.off[pixels_at(at)] for at in (found.moved, points.xy))
+    away = np.hypot(*(found.moved - points.xy)[covered].T)
+    return LaidLines(
+        master=points,
+        copy=copy,
+        width=width,
+        covered=covered,
+        found=found.responsibility.sum(axis=1),
+        moved=moved,
+        still=still,
+        spare=owner < 0,
+        beyond=master.points.off[pixels_at(copy.xy)],
+        displacement=float(np.median(away)) if len(away) else np.inf,
+    )
+
+
+def _runs(flags: BoolArray, bridge: float, whole: float) -> list[IntArray]:
+    """Indices of the runs of True; those nearer than `bridge` are one, if the share `whole` of it is True."""
+    at = np.flatnonzero(flags)
+    if len(at) == 0:
+        return []
+    runs = np.split(at, np.flatnonzero(np.diff(at) > 1 + bridge) + 1)
+    return [run for run in runs if len(run) >= whole * (run[-1] - run[0] + 1)]
