@@ -325,12 +325,6 @@ class Registration:
         det = float(np.linalg.det(T[:3, :3]))
         require(abs(det - 1.0) < 1e-6, "a rigid pose of determinant +1", det)
 
-    @property
-    def posed(self) -> FloatArray:
-        """(N, 3) float64, the probe's points laid on the reference."""
-        T = self.T_reference_probe
-        return np.asarray(self.probe.xyz @ T[:3, :3].T + T[:3, 3])
-
 
 @dataclass(frozen=True, slots=True)
 class Remark:

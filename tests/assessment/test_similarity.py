@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from rumu.assessment.similarity import sim_paper, similarity
+from rumu.registration.icp import pose_probe
 from rumu_lab.simulation.glyph import Glyph
 
 WORK = "regular-shui"
@@ -22,7 +23,7 @@ def test_a_copy_of_itself_is_the_same(laid, mask):
 
 def test_sim_is_the_equation_as_printed(laid, mask):
     r = laid(mask("regular-ren"), mask(WORK))
-    p, x = r.posed, r.reference.xyz
+    p, x = pose_probe(r), r.reference.xyz
     d_ms = np.mean(((p[:, None] - x[None]) ** 2).sum(axis=2)[np.arange(len(p)), r.forward_index])
     frobenius = np.sqrt(np.trace(x.T @ x))
     assert sim_paper(r) == pytest.approx((1 - d_ms / frobenius) * 100, rel=1e-12)
@@ -53,7 +54,7 @@ def test_a_half_of_the_writing_fools_the_papers_sim_and_not_the_other(laid, mask
         forward_index=whole.forward_index[left],
         d_ms=mean_squared(whole, left),
     )
-    p, x = half.posed, half.reference.xyz
+    p, x = pose_probe(half), half.reference.xyz
     back = cKDTree(p).query(x)
     half = replace(half, backward=back[0], backward_index=back[1])
     assert sim_paper(half) == pytest.approx(sim_paper(whole), abs=0.01)
@@ -61,7 +62,7 @@ def test_a_half_of_the_writing_fools_the_papers_sim_and_not_the_other(laid, mask
 
 
 def mean_squared(r, chosen) -> float:
-    p, x = r.posed, r.reference.xyz
+    p, x = pose_probe(r), r.reference.xyz
     return float(np.mean(np.sum((p - x[r.forward_index])[chosen] ** 2, axis=1)))
 
 

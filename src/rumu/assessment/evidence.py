@@ -22,6 +22,7 @@ from rumu.registration.descriptor import (
     mirrored,
     turned,
 )
+from rumu.registration.icp import pose_probe
 from rumu.registration.nearest import Nearest
 from rumu.registration.points import INFLATION_TOP, full_ink, ink_mask
 from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
@@ -68,7 +69,7 @@ class RefusalFigures:
     @cached_property
     def position(self) -> float:
         """Rms distance in the plane, both ways, in rms radii."""
-        p, x = self.registration.posed[:, :2], self.registration.reference.xyz[:, :2]
+        p, x = pose_probe(self.registration)[:, :2], self.registration.reference.xyz[:, :2]
         i, j = self.registration.forward_index, self.registration.backward_index
         space = np.vstack([p - x[i], p[j] - x])
         return float(np.sqrt(np.mean(np.sum(space * space, axis=1))))
@@ -123,7 +124,7 @@ class RefusalFigures:
     @cached_property
     def hollowness(self) -> float:
         """How much better the copy covers the edges of the master's strokes than their middle, -1 to 1."""
-        p, x = self.registration.posed, self.registration.reference.xyz
+        p, x = pose_probe(self.registration), self.registration.reference.xyz
         low, high = np.percentile(x[:, 2], (30, 70))
         edge, middle = x[x[:, 2] <= low], x[x[:, 2] >= high]
         reach = 0.5 * INFLATION_TOP * float(np.median(middle[:, 2]))  # half of a stroke's half-width

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.assessment.edges import AMOUNTS, NUMBERS, SENSES, amount, sense
+from rumu.registration.icp import pose_probe
 from rumu.strokes.omissions import MasterInk, Region, find_regions
 from rumu.values import FloatArray, Registration
 
@@ -119,7 +120,7 @@ def measure_features(registration: Registration, *, edges: FloatArray, ink: Mast
 
 def residuals(registration: Registration) -> Residuals:
     """The residuals of one registration."""
-    p, x = registration.posed, registration.reference.xyz
+    p, x = pose_probe(registration), registration.reference.xyz
     a = 2 * np.deg2rad(registration.angle)
     d = registration.probe.direction @ np.array([[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]])
     e = registration.reference.direction

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rumu.registration.icp import pose_probe
 from rumu.values import Registration
 
 
@@ -23,7 +24,7 @@ def similarity(registration: Registration) -> float:
     E_f, E_b: rms distance in (x, y, z) from copy to master and from master to copy after registration;
     r_X: rms distance of the master's points from their mean. Free of unit, origin and number of points.
     """
-    p, x = registration.posed, registration.reference.xyz
+    p, x = pose_probe(registration), registration.reference.xyz
     forward = p - x[registration.forward_index]
     backward = x - p[registration.backward_index]
     error = max(float(np.mean(np.sum(d * d, axis=1))) for d in (forward, backward))

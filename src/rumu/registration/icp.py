@@ -291,3 +291,9 @@ def _registration(
         converged=found.converged,
         iterations=found.iterations,
     )
+
+
+def pose_probe(registration: Registration) -> FloatArray:
+    """(N, 3) float64, the probe's points laid on the reference."""
+    T = registration.T_reference_probe
+    return np.asarray(registration.probe.xyz @ T[:3, :3].T + T[:3, 3])

@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from rumu.registration.icp import pose_probe
 from rumu.strokes.centre_lines import (
     SCALE,
     SIDE,
@@ -129,7 +130,7 @@ def find_regions(registration: Registration, master: MasterInk) -> tuple[Region,
     """
     if _is_plainly_whole(registration):
         return ()
-    copy = _ink_points(registration.posed[:, :2], _posed_directions(registration))
+    copy = _ink_points(pose_probe(registration)[:, :2], _posed_directions(registration))
     ridges = copy.ridges()
     if not len(ridges.xy):
         return ()
@@ -162,7 +163,7 @@ def _doubt(laid: LaidLines, common_and_rate: tuple[float, float]) -> float:
 
 
 def _is_plainly_whole(registration: Registration) -> bool:
-    p, x = registration.posed[:, :2], registration.reference.xyz[:, :2]
+    p, x = pose_probe(registration)[:, :2], registration.reference.xyz[:, :2]
     apart = (x - p[registration.backward_index], p - x[registration.forward_index])
     far = (float((np.einsum("ij,ij->i", a, a) > SETTINGS.plain**2).mean()) for a in apart)
     return all(share < SETTINGS.plain_share for share in far)
