@@ -1,26 +1,15 @@
-"""experiments: the doors only; what is printed is tested in its own room."""
+"""The commands of `rumu experiments`; what they print is tested with each experiment."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from rumu.errors import CalibrationError
 from rumu_lab.experiments import runner
-
-
-@dataclass(frozen=True)
-class _Result:
-    pairs: int
-
-    def summary(self):
-        return {"pairs": self.pairs}
-
-    def text(self):
-        return f"{self.pairs} pairs"
+from rumu_lab.experiments.findings import Findings
 
 
 @pytest.fixture
@@ -40,12 +29,12 @@ def asked(monkeypatch):
     def module(path):
         name = path.rsplit(".", 1)[1]
 
-        def run(data, *, out, progress):
-            calls.append((name, data, out))
-            progress(1, 2)
+        def run(settings, **more):
+            calls.append((name, settings.data, settings.out))
+            settings.progress(1, 2)
             if name == "nuisance":
                 raise CalibrationError("nuisance went\nwrong")
-            return _Result(652)
+            return Findings(name, {"pairs": 652}, words="652 pairs")
 
         return type("Module", (), {"run": staticmethod(run)})
 
@@ -59,9 +48,9 @@ def test_the_experiment_gets_its_data_and_its_place(rumu, asked, data, tmp_path,
     monkeypatch.setenv("RUMU_DATA", str(data))
     rumu("experiments", "run", "e3c")
     assert asked == [
-        ("people", data, None),
-        ("people", data, tmp_path / "o" / "tables"),
-        ("people", data, None),
+        ("e3c", data, None),
+        ("e3c", data, tmp_path / "o"),
+        ("e3c", data, None),
     ]
     kept = json.loads((tmp_path / "o" / "results" / "e3c.json").read_text())
     assert kept["facts"] == {"pairs": 652} and kept["words"] == "652 pairs"

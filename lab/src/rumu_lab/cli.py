@@ -12,7 +12,7 @@ from rumu.cli.outcome import Outcome, ends_well
 from rumu.cli.progress import bar
 
 if TYPE_CHECKING:
-    from rumu_lab.experiments.findings import RunSettings
+    from rumu_lab.experiments.run_settings import RunSettings
 
 Name = Literal[
     "all",
@@ -34,12 +34,12 @@ Name = Literal[
 
 
 def register(app: typer.Typer) -> None:
-    rooms = typer.Typer(
+    commands = typer.Typer(
         help="What the marks are worth, measured.", no_args_is_help=True, rich_markup_mode=None
     )
-    rooms.command("run")(run)
-    rooms.command("report")(report)
-    app.add_typer(rooms, name="experiments")
+    commands.command("run")(run)
+    commands.command("report")(report)
+    app.add_typer(commands, name="experiments")
 
 
 @ends_well
@@ -64,7 +64,7 @@ def run(
     as_json: AsJson = False,
 ) -> Outcome:
     """Run one experiment, or all that the report is made of, and print the figures."""
-    from rumu_lab.experiments.findings import RunSettings
+    from rumu_lab.experiments.run_settings import RunSettings
 
     if name == "all" and out is None:
         raise typer.BadParameter("'all' needs a folder for its results: -o OUT")

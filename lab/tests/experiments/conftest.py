@@ -1,4 +1,4 @@
-"""Measured copies that nobody measured, so that what is made of them can be tested alone."""
+"""Grades copies that nobody measured, so that what is made of them can be tested alone."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rumu_lab.baselines.methods import METHODS
-from rumu_lab.experiments.findings import RunSettings
-from rumu_lab.experiments.measuring import OURS, OWN, GradingTask, Measured
+from rumu_lab.experiments.grading import OURS, OWN, Grades, GradingTask
+from rumu_lab.experiments.run_settings import RunSettings
 
 
 @pytest.fixture
@@ -19,11 +19,11 @@ def quick(tmp_path) -> RunSettings:
     return RunSettings(tmp_path / "data", tmp_path / "out", quick=True)
 
 
-def _graded(task: GradingTask, quality: float, *, noise: float = 0.02) -> Measured:
+def _graded(task: GradingTask, quality: float, *, noise: float = 0.02) -> Grades:
     """Ours says `quality` (0 to 1); the others say it with noise of their own."""
     rng = np.random.default_rng(zlib.crc32(task.key.encode()))
     raw = {name: float(np.clip(quality + noise * rng.normal(), 0, 1)) for name in (*OWN, *METHODS)}
-    return Measured(task.key, task.cluster, raw | {OURS: quality})
+    return Grades(task.key, task.cluster, raw | {OURS: quality})
 
 
 @pytest.fixture

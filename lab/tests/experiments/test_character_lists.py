@@ -56,11 +56,11 @@ def test_every_opening_is_logged_before_it_is_measured(protocol, masters, quick,
     monkeypatch.setattr(type(quick), "protocol", property(lambda self: protocol))
     seen = []
 
-    def found_on(subjects, settings, *, name, where):
+    def findings_on(subjects, settings, *, name, where):
         seen.append((len(subjects), {s.fold for s in subjects}, len(character_lists.read_log(log))))
         return Findings(name, {"verdict": {"rank": 1}, "worst_fold": {}})
 
-    monkeypatch.setattr(character_lists, "found_on", found_on)
+    monkeypatch.setattr(character_lists, "findings_on", findings_on)
     first = character_lists.run(quick, name="locked", seed=SEED, log=log)
     second = character_lists.run(quick, name="locked", seed=SEED, log=log)
     assert seen == [
@@ -94,7 +94,7 @@ def test_a_log_that_was_touched_is_seen(tmp_path, harm):
 def test_other_lists_need_no_seed(masters, quick, monkeypatch):
     monkeypatch.setattr(
         character_lists,
-        "found_on",
+        "findings_on",
         lambda subjects, settings, *, name, where: Findings(name, {"n": len(subjects)}),
     )
     assert character_lists.run(quick, name="validation").facts == {"n": 100}

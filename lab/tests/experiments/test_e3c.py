@@ -15,6 +15,8 @@ from rumu.assessment.calibration import panel
 from rumu.assessment.features import RESIDUALS, Features, Residuals
 from rumu.errors import CalibrationError
 from rumu_lab.experiments import e3c
+from rumu_lab.experiments.measuring import measure_each
+from rumu_lab.experiments.run_settings import RunSettings
 
 
 @pytest.fixture(scope="session")
@@ -28,20 +30,21 @@ def others(copies):
 
 
 @pytest.fixture(scope="session")
-def measured(copies):
+def measured(data, copies):
     """All copies against their masters: the one long measurement of the suite."""
     done = []
-    found = e3c.measure_all(copies, progress=lambda k, n: done.append((k, n)))
+    settings = RunSettings(data, progress=lambda k, n: done.append((k, n)))
+    found = measure_each(e3c.measure_copy, copies, settings)
     assert done == [(k, len(copies)) for k in range(1, len(copies) + 1)]
     return found
 
 
 @pytest.fixture(scope="session")
 def result(measured, others):
-    return e3c.held_out([m for m in measured if m.features], [m for m in measured if not m.features], others)
+    return e3c.hold_out_characters(measured, others)
 
 
-def made_up(n_characters: int = 6, each: int = 60, *, seed: int = 0) -> list[e3c.Measured]:
+def made_up(n_characters: int = 6, each: int = 60, *, seed: int = 0) -> list[e3c.MeasuredCopy]:
     """Copies whose marks follow their residuals, so that what is tested needs no images."""
     rng = np.random.default_rng(seed)
     found = []
@@ -57,7 +60,7 @@ def made_up(n_characters: int = 6, each: int = 60, *, seed: int = 0) -> list[e3c
         )
         features = Features(residuals, lean=0.0, offset=0.0, size=0.05 * float(rng.normal()), weight=0.0)
         found.append(
-            e3c.Measured(copy, features, sim_paper=99.0 + 0.1 * quality, similarity=0.8 + 0.03 * quality)
+            e3c.MeasuredCopy(copy, features, sim_paper=99.0 + 0.1 * quality, similarity=0.8 + 0.03 * quality)
         )
     return found
 
@@ -84,7 +87,7 @@ def test_the_rows_are_read(copies):
 
 def test_absent_data_is_named(tmp_path):
     with pytest.raises(CalibrationError, match=r"scores\.csv: expected the E3C marks here \(set RUMU_DATA"):
-        e3c.run(tmp_path)
+        e3c.run(RunSettings(tmp_path))
 
 
 # the bars
@@ -152,7 +155,7 @@ def test_a_characters_own_marks_do_not_touch_its_scores(character):
         replace(m, copy=replace(m.copy, mark=100 - m.copy.mark)) if mine else m
         for m, mine in zip(measured, own, strict=True)
     ]
-    before, after = (e3c.held_out(list(copies), [], WRONG) for copies in (measured, spoilt))
+    before, after = (e3c.hold_out_characters(list(copies), WRONG) for copies in (measured, spoilt))
     np.testing.assert_array_equal(after.scores[own], before.scores[own])
     assert (after.scores[~own] != before.scores[~own]).all()  # the others did learn from it
     # nor its interval, as far as its own errors go: those come from the other characters' marks
@@ -168,7 +171,7 @@ def test_the_calibration_that_ships_uses_all(result):
 
 
 def test_marks_that_follow_the_residuals_are_predicted():
-    result = e3c.held_out(made_up(), [], WRONG)
+    result = e3c.hold_out_characters(made_up(), WRONG)
     assert result.figures["score"]["within"] > 0.9
     assert result.figures["score"]["mae"] < 4
 
@@ -203,7 +206,7 @@ def test_a_line_through_the_other_characters_puts_a_number_on_the_scale():
     measured = made_up()
     marks = np.array([m.copy.mark for m in measured])
     characters = np.array([m.copy.character for m in measured])
-    figures = e3c.held_out(measured, [], WRONG).figures
+    figures = e3c.hold_out_characters(measured, WRONG).figures
     own = characters == "character 2"
     values = np.array([m.sim_paper for m in measured])
     line = np.polyfit(values[~own], marks[~own], 1)
@@ -218,8 +221,7 @@ def test_a_line_through_the_other_characters_puts_a_number_on_the_scale():
 def test_the_table_has_one_row_a_copy(tmp_path):
     measured = made_up()
     gone = replace(measured[3], features=None, refused="blank: expected writing")
-    kept = measured[:3] + measured[4:]
-    result = e3c.held_out(kept, [gone], WRONG)
+    result = e3c.hold_out_characters([*measured[:3], gone, *measured[4:]], WRONG)
     e3c.write_table(result, tmp_path / "e3c.csv")
     rows = list(csv.DictReader((tmp_path / "e3c.csv").open(encoding="utf-8")))
     assert len(rows) == len(measured)
@@ -243,4 +245,15 @@ def test_the_text_says_the_figures(result):
         "80 % interval",
     ):
         assert words in text
-    assert json.dumps(result.summary())  # plain enough for --json
+    assert json.dumps(result.figures)  # plain enough for --json
+
+
+def test_the_experiment_finds_and_writes_what_was_measured(monkeypatch, quick):
+    measured = made_up()
+    monkeypatch.setattr(e3c, "read_copies", lambda data: [m.copy for m in measured])
+    monkeypatch.setattr(e3c, "measure_each", lambda work, copies, settings: measured)
+    monkeypatch.setattr(e3c, "other_characters", lambda copies: WRONG)
+    found = e3c.run(quick)
+    assert found.name == "e3c" and found.facts["copies"] == len(measured)
+    assert f"{len(measured)} copies of 6 characters" in found.text()
+    assert (quick.out / "tables" / "e3c.csv").is_file()

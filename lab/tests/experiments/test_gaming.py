@@ -1,4 +1,4 @@
-"""The anti-gaming set: trials are what they say, verdicts are counted, and nothing in a sample passes."""
+"""The anti-gaming set: trials are what they say, marks are counted, and nothing in a sample passes."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ import csv
 import json
 from pathlib import Path
 
-import pytest
-
 from rumu.gallery.starter import find_work
 from rumu_lab.experiments import gaming
-from rumu_lab.experiments.gaming import OTHER, SCRIPT, Result, Trial, Verdict
+from rumu_lab.experiments.gaming import OTHER, SCRIPT, ImpostorMark, Trial
+from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.simulation.impostors import IMPOSTORS
 
 
@@ -35,46 +34,43 @@ def test_the_templates_are_masters_too(data):
     assert sum(t.kind == OTHER and t.name.startswith("template") for t in every) == 17 * 4
 
 
-def test_a_verdict_is_a_score_or_a_reason():
-    blank = gaming.judge(trial("blank"))
+def test_a_mark_is_a_score_or_a_reason():
+    blank = gaming.mark_trial(trial("blank"))
     assert (blank.score, blank.refused) == (None, "blank")
-    stroke = gaming.judge(trial("one_stroke"))
+    stroke = gaming.mark_trial(trial("one_stroke"))
     assert stroke.refused is None and 0 <= stroke.score < 40
-    other = gaming.judge(trial(OTHER, other=find_work("regular-ri").path))
+    other = gaming.mark_trial(trial(OTHER, other=find_work("regular-ri").path))
     assert other.refused == "another character" and not other.right
 
 
 def test_a_character_that_is_its_own_mirror_image_is_right_when_mirrored():
-    assert gaming.judge(trial("mirrored", "clerical-tian")).right is True
-    assert gaming.judge(trial("mirrored", "seal-yue")).right is False
+    assert gaming.mark_trial(trial("mirrored", "clerical-tian")).right is True
+    assert gaming.mark_trial(trial("mirrored", "seal-yue")).right is False
 
 
 def test_a_sample_does_not_pass(tmp_path):
     done = []
-    result = gaming.run(tmp_path, out=tmp_path, progress=lambda k, n: done.append((k, n)), most=25)
-    assert done == [(k, len(result.verdicts)) for k in range(1, len(result.verdicts) + 1)]
-    assert result.above == []
-    rows = list(csv.DictReader((tmp_path / "gaming.csv").open(encoding="utf-8")))
-    assert len(rows) == len(result.verdicts)
+    settings = RunSettings(tmp_path, tmp_path, progress=lambda k, n: done.append((k, n)))
+    some = list(gaming.trials(tmp_path))[::40]
+    found = gaming.findings_on(some, settings)
+    assert done == [(k, len(some)) for k in range(1, len(some) + 1)]
+    assert found.facts["above"] == []
+    rows = list(csv.DictReader((tmp_path / "tables" / "gaming.csv").open(encoding="utf-8")))
+    assert len(rows) == len(some)
     assert all(bool(row["refused"]) != bool(row["score"]) for row in rows)
 
 
-@pytest.fixture
-def made_up() -> Result:
-    return Result(
-        (
-            Verdict(trial("blank"), None, "blank"),
-            Verdict(trial("outline"), 47.0, None),
-            Verdict(trial("outline"), None, "outline only"),
-            Verdict(trial(SCRIPT, other=Path("x.png")), 71.0, None),
-            Verdict(trial("mirrored"), 80.0, None, right=True),
-            Verdict(trial("mirrored"), None, "mirrored"),
-        )
+def test_what_is_above_is_named_and_what_is_right_is_apart():
+    facts = gaming.figures(
+        [
+            ImpostorMark(trial("blank"), None, "blank"),
+            ImpostorMark(trial("outline"), 47.0, None),
+            ImpostorMark(trial("outline"), None, "outline only"),
+            ImpostorMark(trial(SCRIPT, other=Path("x.png")), 71.0, None),
+            ImpostorMark(trial("mirrored"), 80.0, None, right=True),
+            ImpostorMark(trial("mirrored"), None, "mirrored"),
+        ]
     )
-
-
-def test_what_is_above_is_named_and_what_is_right_is_apart(made_up):
-    facts = made_up.summary()
     assert json.loads(json.dumps(facts)) == facts
     assert facts["above"] == [{"kind": "outline", "master": "regular-shu", "score": 47.0}]
     assert facts["blank_refused"] is True
@@ -87,6 +83,6 @@ def test_what_is_above_is_named_and_what_is_right_is_apart(made_up):
     }
     assert facts["kinds"][SCRIPT]["highest"] == 71.0
     assert facts["right_after_all"]["mirrored"]["highest"] == 80.0
-    text = made_up.text()
+    text = gaming.text(facts, masters=1)
     assert "outline of regular-shu 47" in text and "same character other script" in text
     assert "6 impostors of 1 masters" in text

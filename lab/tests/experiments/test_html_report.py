@@ -9,7 +9,8 @@ from PIL import Image
 
 from rumu.errors import OutputError
 from rumu_lab.experiments import html_report, human_marks, nuisance, severities
-from rumu_lab.experiments.findings import Findings, keep
+from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.results import origin_of, write_result
 from rumu_lab.experiments.runner import EXPERIMENTS
 
 
@@ -17,23 +18,27 @@ from rumu_lab.experiments.runner import EXPERIMENTS
 def results(quick, e3c_data, graded, monkeypatch):
     """Human marks, severities, nuisances and runtime, of copies that nobody measured."""
 
-    def measure(tasks, *, store, progress):
+    def measure(tasks, settings):
         return [graded(t, 0.9 - 0.1 * int(t.key[-1]) if t.key[-1].isdigit() else 0.5) for t in tasks]
 
     for module in (human_marks, severities, nuisance):
-        monkeypatch.setattr(module, "measure_all", measure)
-        keep(module.run(quick), settings=quick, seconds=1)
+        monkeypatch.setattr(module, "grade_all", measure)
+        write_result(module.run(quick), origin_of(quick, seconds=1), quick)
     rows = [
         {"method": name, "median": t, "least": t, "most": t, "ratio": 1.0} for name, t in (("rumu", 9.0),)
     ]
-    keep(Findings("runtime", {"methods": rows, "repeats": 2, "side": 512}), settings=quick, seconds=1)
-    keep(Findings("gaming", {"above": []}, words="none <above> 40"), settings=quick, seconds=1)
+    write_result(
+        Findings("runtime", {"methods": rows, "repeats": 2, "side": 512}), origin_of(quick, seconds=1), quick
+    )
+    write_result(
+        Findings("gaming", {"above": []}, words="none <above> 40"), origin_of(quick, seconds=1), quick
+    )
     return quick
 
 
 def test_the_page_needs_nothing_and_hides_nothing(results):
     made = html_report.write_report(results.out)
-    text = made.html_report.read_text("utf-8")
+    text = made.page.read_text("utf-8")
     assert not re.findall(r"""(?:src|href)=["'](?!data:|#)""", text)
     assert "<script" not in text and "@import" not in text
     assert text.count(results.protocol.sha256) > len(made.figures) / 2  # on the page and under every table
@@ -46,7 +51,7 @@ def test_the_page_needs_nothing_and_hides_nothing(results):
 
 
 def test_the_paper_s_numbers_stand_apart(results):
-    text = html_report.write_report(results.out).html_report.read_text("utf-8")
+    text = html_report.write_report(results.out).page.read_text("utf-8")
     tables = "".join(re.findall(r"<table.*?</table>", text, flags=re.DOTALL))
     assert "1.78" in text and "1.78" not in tables
     assert "Not comparable" in text and "不可比" in text

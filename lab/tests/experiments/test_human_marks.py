@@ -6,20 +6,21 @@ import pytest
 
 from rumu.errors import CalibrationError
 from rumu_lab.experiments import human_marks
+from rumu_lab.experiments.e3c import chosen_copies
+from rumu_lab.experiments.grading import Grades
 from rumu_lab.experiments.human_marks import OWN_SCALE, SHARED
-from rumu_lab.experiments.measuring import Measured
 
 
 @pytest.fixture
 def measured(monkeypatch, graded, quick, e3c_data):
     """Ours knows the panel's mark; the others nearly."""
-    marks = {f"human/{c.image.name}": c.mark / 100 for c in human_marks.chosen_copies(quick)}
+    marks = {f"human/{c.image.name}": c.mark / 100 for c in chosen_copies(quick)}
 
     def use(measure):
         monkeypatch.setattr(
             human_marks,
-            "measure_all",
-            lambda tasks, *, store, progress: [measure(t, marks[t.key]) for t in tasks],
+            "grade_all",
+            lambda tasks, settings: [measure(t, marks[t.key]) for t in tasks],
         )
 
     use(lambda task, mark: graded(task, mark, noise=0.3))
@@ -39,7 +40,7 @@ def test_every_method_is_there_and_ours_is_right(measured, quick):
 def test_a_refused_copy_is_named_and_counts_for_nobody(measured, graded, quick):
     def one_refused(task, mark):
         if task.key == "human/十0.png":
-            return Measured(task.key, task.cluster, refused="blank")
+            return Grades(task.key, task.cluster, refused="blank")
         return graded(task, mark)
 
     measured(one_refused)
@@ -61,6 +62,6 @@ def test_data_that_is_not_there(quick):
 
 
 def test_one_rater(e3c_data, quick):
-    copies = human_marks.chosen_copies(quick)
+    copies = chosen_copies(quick)
     assert human_marks.one_rater(copies)["n"] == 18 * 4
     assert 2 < human_marks.one_rater(copies)["mae"] < 20

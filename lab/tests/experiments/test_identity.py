@@ -10,6 +10,7 @@ import pytest
 
 from rumu_lab.experiments import identity
 from rumu_lab.experiments.identity import MEASURES, area, interval
+from rumu_lab.experiments.run_settings import RunSettings
 
 
 def test_the_area_is_the_share_of_pairs_in_order():
@@ -52,15 +53,16 @@ def test_pairs_of_one_character_come_from_two_works(data):
 
 
 def test_a_sample_is_parted(data, tmp_path):
-    result = identity.run(data, out=tmp_path, most=12)
-    facts = result.summary()
+    pairs = list(identity.pairs(data, most=12))
+    found = identity.findings_on(pairs, RunSettings(data, tmp_path))
+    facts = found.facts
     assert json.loads(json.dumps(facts)) == facts
     for where in ("regular, six works", "E3C copies and templates"):
         for name in ("likeness", "familiarity"):
             figures = facts[where][name]
             assert figures["low"] <= figures["auc"] <= figures["high"]
             assert figures["auc"] > 0.95
-    rows = list(csv.DictReader((tmp_path / "identity.csv").open(encoding="utf-8")))
-    assert len(rows) == len(result.measured) and set(MEASURES) < set(rows[0])
+    rows = list(csv.DictReader((tmp_path / "tables" / "identity.csv").open(encoding="utf-8")))
+    assert len(rows) == len(pairs) and set(MEASURES) < set(rows[0])
     for meaning in MEASURES.values():
-        assert meaning in result.text()
+        assert meaning in found.text()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rumu_lab.experiments import human_marks, levels
+from rumu_lab.experiments.e3c import chosen_copies
 from rumu_lab.experiments.levels import DEGREES
 
 MIDDLES = dict(zip(DEGREES, (0.2, 0.48, 0.62, 0.85), strict=True))
@@ -14,7 +15,7 @@ MIDDLES = dict(zip(DEGREES, (0.2, 0.48, 0.62, 0.85), strict=True))
 def measured(monkeypatch, graded):
     """Every copy gets the middle of its level, but seal script is marked one level too low."""
 
-    def measure(tasks, *, store, progress):
+    def measure(tasks, settings):
         marks = []
         for task in tasks:
             degree = task.key.split("/")[2]
@@ -23,7 +24,7 @@ def measured(monkeypatch, graded):
             marks.append(graded(task, MIDDLES[degree]))
         return marks
 
-    monkeypatch.setattr(levels, "measure_all", measure)
+    monkeypatch.setattr(levels, "grade_all", measure)
 
 
 def test_levels_by_script(measured, quick):
@@ -43,11 +44,11 @@ def test_without_people_it_says_so(measured, quick):
 
 
 def test_with_people(measured, quick, e3c_data, graded, monkeypatch):
-    copies = {f"human/{c.image.name}": c.mark / 100 for c in human_marks.chosen_copies(quick)}
+    copies = {f"human/{c.image.name}": c.mark / 100 for c in chosen_copies(quick)}
     monkeypatch.setattr(
         human_marks,
-        "measure_all",
-        lambda tasks, *, store, progress: [graded(t, copies[t.key]) for t in tasks],
+        "grade_all",
+        lambda tasks, settings: [graded(t, copies[t.key]) for t in tasks],
     )
     found = levels.run(quick)
     ours, rater, common = found.facts["human"]

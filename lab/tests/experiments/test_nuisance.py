@@ -5,19 +5,19 @@ from __future__ import annotations
 import pytest
 
 from rumu_lab.experiments import nuisance, severities
-from rumu_lab.experiments.measuring import OURS, Measured
+from rumu_lab.experiments.grading import OURS, Grades
 from rumu_lab.experiments.nuisance import PLAIN, Shot
 
 
 def shot(copy, name, mark, **others):
-    return Shot(copy, name, Measured(f"{copy}{name}", "w", {OURS: mark / 100, **others}))
+    return Shot(copy, name, Grades(f"{copy}{name}", "w", {OURS: mark / 100, **others}))
 
 
 def test_rows_of_nuisances_are_moves_from_the_same_copy_as_it_is():
     shots = [
         *(shot("a", PLAIN, 80), shot("a", "blur", 78), shot("a", "grid", 50)),
         *(shot("b", PLAIN, 40), shot("b", "blur", 42)),
-        Shot("b", "grid", Measured("k", "w", refused="lines")),
+        Shot("b", "grid", Grades("k", "w", refused="lines")),
     ]
     grid, blur = nuisance.nuisance_rows(shots)
     assert (grid["nuisance"], grid["n"], grid["refused"]) == ("grid", 2, 1)
@@ -38,7 +38,7 @@ def test_drift_is_measured_in_steps():
 
 
 def test_the_losers_are_named(quick, graded, monkeypatch):
-    def measure(tasks, *, store, progress):
+    def measure(tasks, settings):
         found = []
         for task in tasks:
             severity = int(task.key.rsplit("/", 1)[1]) if task.key.startswith("severities") else 0
@@ -46,8 +46,8 @@ def test_the_losers_are_named(quick, graded, monkeypatch):
             found.append(graded(task, 0.9 - 0.06 * severity - moved, noise=0.0))
         return found
 
-    monkeypatch.setattr(severities, "measure_all", measure)
-    monkeypatch.setattr(nuisance, "measure_all", measure)
+    monkeypatch.setattr(severities, "grade_all", measure)
+    monkeypatch.setattr(nuisance, "grade_all", measure)
     found = nuisance.run(quick)
     assert found.facts["losers"] == ["JPEG 50"]
     assert found.facts["step_of_severity"] == pytest.approx(6.0)

@@ -1,4 +1,4 @@
-"""Known faults told back: what counts as told, what the shares are shares of, and one real master."""
+"""Faults that the remarks name: what counts as named, what the shares are shares of, and one real master."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import pytest
 from rumu.errors import CalibrationError
 from rumu.values import Remark
 from rumu_lab.experiments import remarks
-from rumu_lab.experiments.remarks import ANSWERS, Master, Result, Told
+from rumu_lab.experiments.remarks import ANSWERS, FaultTrial, RemarkMaster
 from rumu_lab.simulation.faults import FAULTS, apply
 from rumu_lab.simulation.glyph import Glyph
 
 
-def told(fault: str, place: int | None, *, seen=False, severity=3.0, kinds=(), master="m") -> Told:
-    return Told(master, seen, fault, severity, place, tuple(kinds))
+def named(fault: str, position: int | None, *, seen=False, severity=3.0, kinds=(), master="m") -> FaultTrial:
+    return FaultTrial(master, seen, fault, severity, position, tuple(kinds))
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +91,7 @@ def test_what_strikes_many_strokes_may_be_told_of_all_at_once():
 
 
 def test_shares_are_of_held_out_and_of_seen_masters_apart():
-    some = [told("shift", 0), told("shift", 1), told("shift", None), told("shift", None, seen=True)]
+    some = [named("shift", 0), named("shift", 1), named("shift", None), named("shift", None, seen=True)]
     shift = remarks.figures(some)["faults"]["shift"]
     assert shift["held_out"] == pytest.approx({"copies": 3, "told": 2 / 3, "first": 1 / 3})
     assert shift["seen"] == {"copies": 1, "told": 0.0, "first": 0.0}
@@ -99,24 +99,24 @@ def test_shares_are_of_held_out_and_of_seen_masters_apart():
 
 
 def test_a_severity_that_was_asked_for_besides_counts_in_its_own_row():
-    faults = remarks.figures([told("lean", 0, severity=1.5), told("lean", None, severity=3.0)])["faults"]
+    faults = remarks.figures([named("lean", 0, severity=1.5), named("lean", None, severity=3.0)])["faults"]
     assert faults["lean"]["held_out"]["copies"] == 1 and faults["lean"]["held_out"]["told"] == 0.0
     assert faults["lean 1.5"]["held_out"]["told"] == 1.0
 
 
 def test_false_alarms_tell_a_stroke_from_the_whole():
-    clean = [told("clean half", None, kinds=["size"]), told("clean half", None, kinds=["stroke_long"]),
-             told("clean half", None)]  # fmt: skip
+    clean = [named("clean half", None, kinds=["size"]), named("clean half", None, kinds=["stroke_long"]),
+             named("clean half", None)]  # fmt: skip
     assert remarks.figures(clean)["clean"] == {"copies": 3, "any": 2, "stroke": 1, "refused": 0}
 
 
 def test_the_text_and_the_table_say_what_was_found(tmp_path):
-    some = (told("shift", 1, kinds=["lean", "displaced"]), told("clean half", None, kinds=["missing"]))
-    result = Result(some, remarks.figures(some))
-    line = next(line for line in result.text().splitlines() if line.startswith("shift"))
+    some = (named("shift", 1, kinds=["lean", "displaced"]), named("clean half", None, kinds=["missing"]))
+    text = remarks.text(remarks.figures(some))
+    line = next(line for line in text.splitlines() if line.startswith("shift"))
     assert line.split() == ["shift", "1", "100%", "0%", "0%", "of", "0"]
-    assert "1, of which 1 got a remark on a stroke" in result.text()
-    remarks.write_table(result, tmp_path / "remarks.csv")
+    assert "1, of which 1 got a remark on a stroke" in text
+    remarks.write_table(some, tmp_path / "remarks.csv")
     with (tmp_path / "remarks.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert [(row["fault"], row["told"], row["kinds"]) for row in rows] == [
@@ -135,9 +135,9 @@ def test_a_real_master_is_asked_for_every_fault_and_for_clean_copies(monkeypatch
     monkeypatch.setattr(remarks, "ANSWERS", {name: ANSWERS[name] for name in ("missing", "thick", "lean")})
     monkeypatch.setattr(remarks, "ASKED", (("lean", 1.5),))
     work = next(w for w in starter_works() if w.id == "regular-shui")
-    found = remarks._told_of_master(Master(work.id, work.path, True), (3.0,))
+    found = remarks.try_master(RemarkMaster(work.id, work.path, True), (3.0,))
     assert [t.fault for t in found] == [
         "missing", "thick", "lean", "lean", "clean half", "clean larger", "clean aside",
     ]  # fmt: skip
-    assert [t.told is not None for t in found[:4]] == [True] * 4
+    assert [t.position is not None for t in found[:4]] == [True] * 4
     assert all(t.refused is None for t in found)

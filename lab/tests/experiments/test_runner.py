@@ -17,8 +17,7 @@ from rumu_lab.experiments.runner import EXPERIMENTS
 def test_every_experiment_takes_what_it_is_given(experiment):
     parameters = inspect.signature(import_module(f"rumu_lab.experiments.{experiment.module}").run).parameters
     required = {name for name, p in parameters.items() if p.default is inspect.Parameter.empty}
-    given = {"settings", "name"} if "settings" in parameters else {"data", "out", "quick", "progress"}
-    assert required <= given
+    assert required == ({"settings", "name"} if experiment.alone else {"settings"})
 
 
 def test_what_an_experiment_needs(quick, tmp_path):

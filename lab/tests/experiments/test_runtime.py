@@ -6,7 +6,7 @@ import pytest
 
 from rumu_lab.baselines.methods import METHODS
 from rumu_lab.experiments import runtime
-from rumu_lab.experiments.measuring import OURS
+from rumu_lab.experiments.grading import OURS
 
 
 def test_ratios_are_of_the_same_turn():

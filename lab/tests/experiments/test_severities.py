@@ -8,7 +8,7 @@ import pytest
 
 from rumu.errors import CalibrationError
 from rumu_lab.experiments import severities
-from rumu_lab.experiments.measuring import OURS, Measured
+from rumu_lab.experiments.grading import OURS, Grades
 from rumu_lab.experiments.severities import SHARED, SHIPPED, Subject
 
 SUBJECTS = [
@@ -34,22 +34,20 @@ def measured(monkeypatch, falling):
     """Puts a way of measuring in the place of the real one."""
 
     def use(measure):
-        monkeypatch.setattr(
-            severities, "measure_all", lambda tasks, *, store, progress: [measure(t) for t in tasks]
-        )
+        monkeypatch.setattr(severities, "grade_all", lambda tasks, settings: [measure(t) for t in tasks])
 
     use(falling)
     return use
 
 
 def found(quick):
-    return severities.found_on(SUBJECTS, quick, name="severities", where="made-up works")
+    return severities.findings_on(SUBJECTS, quick, name="severities", where="made-up works")
 
 
 def test_each_work_is_measured_once_at_severity_0(measured, quick):
     steps = severities.steps_of(SUBJECTS, quick)
     assert len(steps) == 6 * 2 * 6
-    assert len({s.measured.key for s in steps}) == 6 * (2 * 5 + 1)
+    assert len({s.grades.key for s in steps}) == 6 * (2 * 5 + 1)
     assert found(quick).facts["copies"] == 66
 
 
@@ -80,7 +78,7 @@ def test_an_order_that_depends_on_the_table_is_flagged(measured, quick):
 def test_a_series_with_a_refused_copy_is_left_out(measured, falling, quick):
     def refuses(task):
         if task.key == "severities/seal-0/lean/3":
-            return Measured(task.key, task.cluster, refused="too pale")
+            return Grades(task.key, task.cluster, refused="too pale")
         return falling(task)
 
     measured(refuses)
@@ -89,6 +87,6 @@ def test_a_series_with_a_refused_copy_is_left_out(measured, falling, quick):
 
 
 def test_nothing_but_refusals(measured, quick):
-    measured(lambda task: Measured(task.key, task.cluster, refused="blank"))
+    measured(lambda task: Grades(task.key, task.cluster, refused="blank"))
     with pytest.raises(CalibrationError, match="refused"):
         found(quick)

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest
+from scipy.stats import beta
 
-from rumu.errors import CalibrationError
 from rumu_lab.experiments import statistics as s
 
 
 @pytest.mark.parametrize(("right", "total"), [(6, 6), (5, 6), (29, 30), (0, 9), (17, 40)])
-def test_exact_intervals_are_those_of_the_binomial_test(right, total):
-    exact = binomtest(right, total).proportion_ci(0.95, method="exact")
-    assert s.clopper_pearson(right, total) == pytest.approx((exact.low, exact.high))
-
-
-def test_an_interval_needs_trials():
-    with pytest.raises(CalibrationError, match="0 of 0"):
-        s.clopper_pearson(0, 0)
+def test_exact_intervals_are_quantiles_of_the_beta_distribution(right, total):
+    low, high = s.exact_interval(right, total)
+    assert low == pytest.approx(beta.ppf(0.025, right, total - right + 1) if right else 0.0)
+    assert high == pytest.approx(beta.ppf(0.975, right + 1, total - right) if right < total else 1.0)
 
 
 def test_kappa():
@@ -55,7 +50,7 @@ def test_ranks():
     assert s.order_accuracy(-marks, marks) == 0.0
     assert s.order_accuracy(np.zeros(4), marks) == 0.5
     assert s.spearman(np.zeros(4), marks) == 0.0 == s.kendall(np.zeros(4), marks)
-    assert s.violations(np.array([5.0, 4.0, 4.5, 3.0, 3.0])) == 0.25
+    assert s.rising_steps(np.array([5.0, 4.0, 4.5, 3.0, 3.0])) == 0.25
 
 
 def test_within_leaves_small_clusters_out():

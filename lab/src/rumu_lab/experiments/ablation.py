@@ -1,35 +1,45 @@
-"""What each part of the comparison is worth on human marks: height, direction, both ways, density, features.
+"""What each part of the comparison is worth: height, direction, both ways, groups of features, density.
 
-One number a variant, the 5-D residual with the weights of that variant, goes through the shared calibrator;
-no weight is fitted, so that variants differ in nothing else. Gains have intervals from a bootstrap over
-characters.
+On human marks, one number a variant, the 5-D residual with the weights of that variant, goes through the
+shared calibrator; no weight is fitted, so that variants differ in nothing else. The groups of features that
+the mark weighs are left out of it one at a time, its weights fitted anew on the other characters. Gains have
+intervals from a bootstrap over characters. Copies with human marks are binarised, so the darkness of ink as
+its height is compared on simulated faults of the ink.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from rumu.values import Bilingual, FloatArray
-from rumu_lab.experiments.agreement import Graded, held_out, side_by_side
-from rumu_lab.experiments.density import density_table
-from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
-from rumu_lab.experiments.human_marks import chosen_copies
-from rumu_lab.experiments.measuring import GradingTask, Measured, measure_by
+from rumu_lab.experiments.agreement import Graded, held_out, raw_of, side_by_side
+from rumu_lab.experiments.e3c import HeldOutMarks, chosen_copies, held_out_marks
+from rumu_lab.experiments.findings import Cell, Column, Findings, Table
+from rumu_lab.experiments.grading import Grades, GradingTask
+from rumu_lab.experiments.measuring import measure_each
+from rumu_lab.experiments.run_settings import RunSettings
+from rumu_lab.experiments.severities import Subject, key_of, starter_subjects, task_of
 from rumu_lab.experiments.simulated_copies import Written
 from rumu_lab.experiments.statistics import cluster_interval, spearman, within
 from rumu_lab.experiments.variants import (
     BACKWARD,
     DENSITY,
     FORWARD,
+    HEIGHT_METHODS,
     base_variant,
     base_weights,
-    measure_variants,
+    grade_by_heights,
+    grade_by_variants,
     variant,
     weights,
 )
+
+WHOLE = "all groups"
+INK_FAULTS = ("pale", "dry", "blot")
 
 
 def run(settings: RunSettings) -> Findings:
@@ -38,52 +48,50 @@ def run(settings: RunSettings) -> Findings:
     tasks = [
         GradingTask(f"ablation/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies
     ]
-    measured = measure_by(measure_variants, tasks, store=settings.store, progress=settings.progress)
-    kept = [(c, m) for c, m in zip(copies, measured, strict=True) if m.refused is None]
+    grades = measure_each(grade_by_variants, tasks, settings)
+    kept = [(c, g) for c, g in zip(copies, grades, strict=True) if g.refused is None]
     marks = np.array([c.mark for c, _ in kept])
     characters = [c.character for c, _ in kept]
-    raw = {name: _column([m for _, m in kept], name) for name in kept[0][1].raw}
+    raw = raw_of([g for _, g in kept])
     density = raw.pop(DENSITY)
-    rows = variant_rows(raw, marks, characters, settings)
     gains = gain_rows(raw, marks, characters, settings)
-    groups, group_gains = ([], []) if settings.quick else _groups(settings)
+    groups: list[dict[str, Cell]] = []
+    group_gains: list[dict[str, Cell]] = []
+    if not settings.quick:  # a quick run has too few copies to fit weights
+        groups, group_gains = group_rows(held_out_marks(settings), settings)
+    heights = height_table(settings)
     facts: dict[str, Any] = {
         "copies": len(copies),
         "characters": len(set(characters)),
         "base": base_variant(),
-        "variants": rows,
+        "variants": _rows_beside(
+            [Graded(name, v, held_out(v, marks, characters)) for name, v in raw.items()],
+            marks,
+            characters,
+            ours=base_variant(),
+            settings=settings,
+        ),
         "gains": [*gains, *group_gains],
         "groups": groups,
         "density_measurable": int(np.isfinite(density).sum()),
         "third_dimension": next(g for g in gains if g["what"] == _height_gain(*base_weights())),
+        "density": list(heights.rows),
     }
-    ink = density_table(settings)
-    facts["density"] = list(ink.rows)
-    return Findings("ablation", facts, (*_tables(facts), ink), _sentences(facts))
+    return Findings("ablation", facts, (*_tables(facts), heights), _sentences(facts))
 
 
-def _groups(settings: RunSettings) -> tuple[list[dict[str, Cell]], list[dict[str, Cell]]]:
-    """Groups of evidence left out of the fitted mark; a quick run has too few copies to fit it."""
-    from rumu_lab.experiments.groups import group_rows, predictions
-    from rumu_lab.experiments.people import marked_copies
-
-    marked = marked_copies(settings)
-    return group_rows(predictions(marked), marked, settings)
-
-
-def _column(measured: Sequence[Measured], name: str) -> FloatArray:
-    return np.array([m.raw[name] for m in measured], dtype=float)
-
-
-def variant_rows(
-    raw: Mapping[str, FloatArray], marks: FloatArray, characters: Sequence[str], settings: RunSettings
+def _rows_beside(
+    graded: Sequence[Graded],
+    marks: FloatArray,
+    characters: Sequence[str],
+    *,
+    ours: str,
+    settings: RunSettings,
 ) -> list[dict[str, Cell]]:
     """One row a variant, as in Table 2, beside the variant that the mark uses."""
-    graded = [Graded(name, values, held_out(values, marks, characters)) for name, values in raw.items()]
-    fewest = int(settings.protocol.plain["human"]["fewest_within"])
-    return side_by_side(
-        graded, marks, characters, ours=base_variant(), protocol=settings.protocol, fewest=fewest
-    )
+    protocol = settings.protocol
+    fewest = int(protocol.plain["human"]["fewest_within"])
+    return side_by_side(graded, marks, characters, ours=ours, protocol=protocol, fewest=fewest)
 
 
 def gain_rows(
@@ -98,7 +106,7 @@ def gain_rows(
     questions += [("both ways, against copy to master", base, FORWARD)]
     questions += [("both ways, against master to copy", base, BACKWARD)]
     return [
-        _gain(what, (raw[more], raw[less]), marks, characters, settings=settings)
+        {"what": what, **_gain((raw[more], raw[less]), marks, characters, settings=settings)}
         for what, more, less in questions
         if more in raw and less in raw
     ]
@@ -109,29 +117,137 @@ def _height_gain(height: float, direction: float) -> str:
 
 
 def _gain(
-    what: str,
     pair: tuple[FloatArray, FloatArray],
     marks: FloatArray,
     characters: Sequence[str],
     *,
     settings: RunSettings,
 ) -> dict[str, Cell]:
+    """How much better the first of two gradings ranks the copies of a character."""
     protocol = settings.protocol
     fewest = int(protocol.plain["human"]["fewest_within"])
-    with_it, without = (within(spearman, r, marks, characters, fewest=fewest) for r in pair)
-    gain = np.array([with_it[c] - without[c] for c in with_it])
-    low, high = cluster_interval(
-        gain, list(with_it), resamples=protocol.resamples, seed=protocol.resampling_seed
-    )
+    with_it, without_it = (within(spearman, r, marks, characters, fewest=fewest) for r in pair)
+    gain = np.array([with_it[c] - without_it[c] for c in with_it])
+    draw = {"resamples": protocol.resamples, "seed": protocol.resampling_seed}
+    low, high = cluster_interval(gain, list(with_it), **draw)
     clear = "helps" if low > 0 else "harms" if high < 0 else "not shown"
+    return {"n": len(gain), "gain": float(gain.mean()), "low": low, "high": high, "clear": clear}
+
+
+# Groups of features left out of the mark, and alone.
+
+
+def group_variants() -> dict[str, tuple[str, ...]]:
+    """Name -> features weighed: all that the mark weighs, those without each group, each group alone.
+
+    Groups and names are read from the code, so a new group takes part by itself.
+    """
+    from rumu.assessment.features import GROUPS
+    from rumu.assessment.fitting import WEIGHED
+
+    found = {WHOLE: tuple(WEIGHED)}
+    used = {g: [n for n in names if n in WEIGHED] for g, names in GROUPS.items()}
+    for group, names in used.items():
+        rest = tuple(n for n in WEIGHED if n not in names)
+        if names and rest:
+            found[f"without {group}"] = rest
+    found |= {f"{group} alone": tuple(names) for group, names in used.items() if names}
+    return found
+
+
+def group_marks(
+    held_out: HeldOutMarks, *, chosen: Mapping[str, tuple[str, ...]] | None = None
+) -> dict[str, FloatArray]:
+    """Variant -> (N,) marks of copies whose character took no part in the fit; not anchored, no charges.
+
+    chosen: some variants only.
+    """
+    from rumu.assessment.fitting import fit_scale
+
+    evidence = np.array([m.features.evidence() for m in held_out.measured if m.features])
+    marks, characters = held_out.panel, held_out.characters
+    found: dict[str, FloatArray] = {}
+    for name, weighed in (chosen or group_variants()).items():
+        given = np.empty(len(marks))
+        for character in np.unique(characters):
+            own = characters == character
+            scale = fit_scale(evidence[~own], marks[~own], characters[~own].tolist(), names=weighed)
+            given[own] = [scale.sum_of(row) for row in evidence[own]]
+        found[name] = np.clip(given, 0.0, 100.0)
+    return found
+
+
+def group_rows(
+    held_out: HeldOutMarks, settings: RunSettings
+) -> tuple[list[dict[str, Cell]], list[dict[str, Cell]]]:
+    """Rows of all variants as in Table 2, and what each group adds to the Spearman within a character."""
+    marks, characters = held_out.panel, held_out.characters.tolist()
+    given = group_marks(held_out)
+    graded = [Graded(name, values, values) for name, values in given.items()]
+    rows = _rows_beside(graded, marks, characters, ours=WHOLE, settings=settings)
+    gains: list[dict[str, Cell]] = [
+        {
+            "what": f"group {name.removeprefix('without ')}",
+            **_gain((given[WHOLE], values), marks, characters, settings=settings),
+        }
+        for name, values in given.items()
+        if name.startswith("without ")
+    ]
+    return rows, gains
+
+
+# The darkness of ink as its height.
+
+
+def height_table(settings: RunSettings) -> Table:
+    """Mean Spearman with falling severity, fault by fault, for both kinds of height."""
+    subjects = [
+        replace(s, faults=tuple(f for f in s.faults if f in INK_FAULTS))
+        for s in starter_subjects(settings.protocol)
+    ]
+    columns = (
+        Column("fault", Bilingual("毛病", "fault")),
+        Column("n", Bilingual("系列", "series")),
+        Column("whole", Bilingual("可量的", "measured")),
+        Column("inflation", Bilingual("充氣為高度", "height by inflation")),
+        Column("density", Bilingual("墨色為高度", "height by density")),
+    )
+    note = Bilingual(
+        "真人評分的臨作已二值化，墨色只有一種，故此項只能在模擬的墨病上比。數為與程度的等級相關，一為最好。",
+        "Copies with human marks are binarised, so this is compared on simulated faults of the ink. Spearman "
+        "with falling severity, 1 is best.",
+    )
+    title = Bilingual("以墨色濃淡為高度", "Ink density as height")
+    rows = height_rows([s for s in subjects if s.faults], settings)
+    return Table("ablation-density", title, columns, tuple(rows), (note,))
+
+
+def height_rows(subjects: Sequence[Subject], settings: RunSettings) -> list[dict[str, Cell]]:
+    """One row a fault: series, how many could be measured, and each kind's mean Spearman, best 1."""
+    protocol = settings.protocol
+    severities = (0, *protocol.severities)
+    plan = [(s, fault, k) for s in subjects for fault in s.faults for k in severities]
+    tasks = {key_of(*step): task_of(*step, seed=protocol.simulation_seed) for step in plan}
+    by_key = {g.key: g for g in measure_each(grade_by_heights, list(tasks.values()), settings)}
+    rows: list[dict[str, Cell]] = []
+    for fault in dict.fromkeys(f for s in subjects for f in s.faults):
+        series = [[by_key[key_of(s, fault, k)] for k in severities] for s in subjects if fault in s.faults]
+        whole = [one for one in series if all(g.refused is None for g in one)]
+        rows.append({"fault": fault, "n": len(series), "whole": len(whole), **_ranks(whole, severities)})
+    return rows
+
+
+def _ranks(series: Sequence[Sequence[Grades]], severities: Sequence[int]) -> dict[str, Cell]:
+    if not series:
+        return {}
+    good = -np.array(severities, float)
     return {
-        "what": what,
-        "n": len(gain),
-        "gain": float(gain.mean()),
-        "low": low,
-        "high": high,
-        "clear": clear,
+        method: float(np.mean([spearman(np.array([g.raw[method] for g in one]), good) for one in series]))
+        for method in HEIGHT_METHODS
     }
+
+
+# What is printed.
 
 
 _VARIANTS = tuple(
@@ -198,14 +314,14 @@ def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
 def _sentences(facts: Mapping[str, Any]) -> tuple[Bilingual, ...]:
     found = facts["third_dimension"]
     span = f"{found['gain']:+.3f} [{found['low']:+.3f}, {found['high']:+.3f}]"
-    told = {
+    words = {
         "helps": ("第三維有用", "The third dimension helps"),
         "harms": ("第三維有害", "The third dimension harms"),
         "not shown": ("第三維有用與否，未能證明", "That the third dimension helps is NOT shown"),
     }[str(found["clear"])]
     alone = Bilingual(
-        f"{told[0]}：以分數所用的權重，單看殘差（不擬合），同字等級相關增加 {span}。",
-        f"{told[1]} at the weight that the mark uses, as one residual with nothing fitted: gain in Spearman "
+        f"{words[0]}：以分數所用的權重，單看殘差（不擬合），同字等級相關增加 {span}。",
+        f"{words[1]} at the weight that the mark uses, as one residual with nothing fitted: gain in Spearman "
         f"within a character {span}.",
     )
     groups = [g for g in facts["gains"] if str(g["what"]).startswith("group ")]

@@ -10,7 +10,7 @@ import numpy as np
 
 from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.findings import Cell, Column
-from rumu_lab.experiments.measuring import Measured
+from rumu_lab.experiments.grading import Grades
 from rumu_lab.experiments.protocol import ExperimentProtocol
 from rumu_lab.experiments.statistics import (
     Labels,
@@ -39,7 +39,7 @@ class Graded:
     given: FloatArray
 
 
-def raw_of(measured: Sequence[Measured]) -> dict[str, FloatArray]:
+def raw_of(measured: Sequence[Grades]) -> dict[str, FloatArray]:
     """Method -> (N,) raw grades of copies that were not refused."""
     return {name: np.array([m.raw[name] for m in measured]) for name in measured[0].raw}
 

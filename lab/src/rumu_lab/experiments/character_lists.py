@@ -19,9 +19,10 @@ import numpy as np
 
 from rumu.errors import CalibrationError
 from rumu.values import Bilingual
-from rumu_lab.experiments.findings import Findings, RunSettings, commit
+from rumu_lab.experiments.findings import Findings
 from rumu_lab.experiments.protocol import ExperimentProtocol, share_faults
-from rumu_lab.experiments.severities import Subject, found_on
+from rumu_lab.experiments.run_settings import RunSettings, commit
+from rumu_lab.experiments.severities import Subject, findings_on
 
 MASTERS = "masters/regular"
 _GROUPS = 5  # characters are held out by group
@@ -35,25 +36,27 @@ def run(settings: RunSettings, *, name: str, seed: str | None = None, log: Path 
     pictures = pictures_of(settings.data)
     if name != "locked":
         characters = settings.protocol.plain["characters"][name]
-        return found_on(
+        return findings_on(
             _subjects(characters, pictures, settings), settings, name=name, where=f"the {name} list"
         )
     if seed is None or log is None:
         raise CalibrationError("the locked test needs its seed and a log")
     characters = locked_characters(seed, pictures, settings.protocol)
     write_line(log, {"event": "opened", **_now(settings)})
-    found = found_on(_subjects(characters, pictures, settings), settings, name=name, where="the locked test")
+    found = findings_on(
+        _subjects(characters, pictures, settings), settings, name=name, where="the locked test"
+    )
     result = {"verdict": found.facts["verdict"], "worst_fold": found.facts["worst_fold"]}
     write_line(log, {"event": "result", **_now(settings), "seed": seed, "result": result})
     openings = [line for line in read_log(log) if line["event"] == "opened"]
     times = len(openings)
-    said = Bilingual(
+    sentence = Bilingual(
         f"封存測試至今打開過 {times} 次（{log}）。" + ("" if times == 1 else "只有第一次算數。"),
         f"The locked test has been opened {times} times so far ({log})."
         + ("" if times == 1 else " Only the first counts."),
     )
     return Findings(
-        name, {**found.facts, "openings": openings}, found.tables, (*found.sentences, said), found.words
+        name, {**found.facts, "openings": openings}, found.tables, (*found.sentences, sentence), found.words
     )
 
 

@@ -1,4 +1,4 @@
-"""Agreement with people on learners' brush copies, whole characters held out.
+"""Agreement of the mark with people on learners' brush copies, whole characters held out.
 
 Data: the E3C copies with their marks (Sun et al., SRAFE, CAAI Trans. Intell. Technol. 2023); each copy was
 marked 1-10 by about ten people. The panel's mark is their mean times ten. Every figure on a copy comes from
@@ -9,9 +9,8 @@ it reports, but the choice of residuals and of their weights in the matching was
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +19,12 @@ import numpy as np
 from rumu.assessment.calibration import LEVELS, Calibration, level_of
 from rumu.assessment.features import Features
 from rumu.assessment.fitting import PARTS, WEIGHED, anchored, fit_scale
-from rumu.assessment.measurement import PreparedMaster, measure
+from rumu.assessment.measurement import measure
 from rumu.errors import CalibrationError, RefusedImage
-from rumu.executors import in_order
 from rumu.values import FloatArray
-
-Progress = Callable[[int, int], None]
+from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.measuring import master_at, measure_each
+from rumu_lab.experiments.run_settings import RunSettings
 
 FEWEST = 5
 """A rank correlation within a character is taken where it has at least this many copies."""
@@ -45,7 +44,7 @@ class Copy:
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class MeasuredCopy:
     """A copy with what was measured of it, or the reason why it was refused.
 
     highest: the mark that it may reach, since it is hardly like its master; see `refusal.check_copy`.
@@ -60,20 +59,26 @@ class Measured:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Result:
+class HeldOutMarks:
     """Marks on held-out characters beside the panel's. scores, low, high: (N,) for the marked copies."""
 
-    measured: tuple[Measured, ...]
-    refused: tuple[Measured, ...]
+    measured: tuple[MeasuredCopy, ...]
+    refused: tuple[MeasuredCopy, ...]
     scores: FloatArray
     low: FloatArray
     high: FloatArray
     calibration: Calibration
     figures: Mapping[str, Any] = field(default_factory=dict)
 
-    def summary(self) -> dict[str, Any]:
-        """All figures, plain."""
-        return dict(self.figures)
+    @property
+    def panel(self) -> FloatArray:
+        """(N,) the panel's marks."""
+        return np.array([m.copy.mark for m in self.measured])
+
+    @property
+    def characters(self) -> np.ndarray:
+        """(N,) characters of the copies."""
+        return np.array([m.copy.character for m in self.measured])
 
     def text(self) -> str:
         """The figures as a person reads them."""
@@ -113,18 +118,22 @@ _ROWS = (
 )
 
 
-def run(data: str | Path, *, out: str | Path | None = None, progress: Progress | None = None) -> Result:
-    """Mark all copies under `data`/e3c with their own character held out, and compare with the panel.
+def run(settings: RunSettings) -> Findings:
+    """Mark all copies with their own character held out, and compare with the panel.
 
-    out: a folder for e3c.csv, one row a copy. Raises CalibrationError when the data is not there.
+    Writes OUT/tables/e3c.csv, one row a copy. Raises CalibrationError when the data is not there.
     """
-    copies = read_copies(Path(data))
-    measured = measure_all(copies, progress=progress)
-    others = other_characters(copies)
-    result = held_out([m for m in measured if m.features], [m for m in measured if not m.features], others)
-    if out is not None:
-        write_table(result, Path(out) / "e3c.csv")
-    return result
+    marks = held_out_marks(settings)
+    if settings.tables is not None:
+        write_table(marks, settings.tables / "e3c.csv")
+    return Findings("e3c", marks.figures, words=marks.text())
+
+
+def held_out_marks(settings: RunSettings) -> HeldOutMarks:
+    """Our marks of all copies under DATA/e3c, each character marked by what was fitted on the others."""
+    copies = read_copies(settings.data)
+    measured = measure_each(measure_copy, copies, settings)
+    return hold_out_characters(measured, other_characters(copies))
 
 
 def read_copies(data: Path) -> list[Copy]:
@@ -147,40 +156,41 @@ def read_copies(data: Path) -> list[Copy]:
         ]
 
 
-def measure_all(copies: list[Copy], *, progress: Progress | None = None) -> list[Measured]:
-    """Every copy measured against its master, on all cores, in order."""
-    measured = []
-    for item in in_order(measure_copy, copies):
-        measured.append(item)
-        if progress:
-            progress(len(measured), len(copies))
-    return measured
+def chosen_copies(settings: RunSettings) -> list[Copy]:
+    """The marked copies; a few of a few characters when quick."""
+    copies = read_copies(settings.data)
+    if not settings.quick:
+        return copies
+    quick = settings.protocol.plain["quick"]
+    chosen = []
+    for character in quick["characters"]:
+        chosen += [c for c in copies if c.character == character][: quick["copies_of_each"]]
+    return chosen
 
 
-def measure_copy(copy: Copy) -> Measured:
+def measure_copy(copy: Copy) -> MeasuredCopy:
     """One copy against its master."""
     from rumu import pipeline
     from rumu.assessment.similarity import sim_paper, similarity
 
-    master = _master(copy.template)
     try:
-        m = measure(pipeline.surface_of(copy.image), master)
+        m = measure(pipeline.surface_of(copy.image), master_at(copy.template))
     except RefusedImage as refusal:
-        return Measured(copy, None, refused=str(refusal))
+        return MeasuredCopy(copy, None, refused=str(refusal))
     if m.refusal is not None:
-        return Measured(copy, None, refused=m.refusal.en)
+        return MeasuredCopy(copy, None, refused=m.refusal.en)
     similarities = sim_paper(m.registration), similarity(m.registration)
-    return Measured(copy, m.features, *similarities, highest=m.highest)
+    return MeasuredCopy(copy, m.features, *similarities, highest=m.highest)
 
 
 def other_characters(copies: list[Copy]) -> list[Features]:
     """Features of each master against the masters of three other characters: a wrong character."""
     masters = sorted({copy.template for copy in copies})
     chosen = ((a, masters[(i + step) % len(masters)]) for i, a in enumerate(masters) for step in (1, 4, 9))
-    return [measure(_master(b).surface, _master(a)).features for a, b in chosen if a != b]
+    return [measure(master_at(b).surface, master_at(a)).features for a, b in chosen if a != b]
 
 
-def fit_panel(measured: list[Measured], others: list[Features]) -> Calibration:
+def fit_panel(measured: Sequence[MeasuredCopy], others: list[Features]) -> Calibration:
     """Scale and parts from marked copies, anchored; the interval is left at zero width."""
     kept = [(m.features, m.copy) for m in measured if m.features]
     evidence = np.array([features.evidence() for features, _ in kept])
@@ -197,31 +207,27 @@ def fit_panel(measured: list[Measured], others: list[Features]) -> Calibration:
     )
 
 
-def held_out(measured: list[Measured], refused: list[Measured], others: list[Features]) -> Result:
+def hold_out_characters(measured: Sequence[MeasuredCopy], others: list[Features]) -> HeldOutMarks:
     """Scores of each character from the others; the interval's offsets likewise, from errors held out."""
-    characters = np.array([m.copy.character for m in measured])
-    marks = np.array([m.copy.mark for m in measured])
-    scores = np.empty(len(measured))
+    kept, refused = [m for m in measured if m.features], [m for m in measured if not m.features]
+    characters = np.array([m.copy.character for m in kept])
+    marks = np.array([m.copy.mark for m in kept])
+    scores, low, high = (np.empty(len(kept)) for _ in range(3))
     for character in np.unique(characters):
         own = characters == character
-        calibration = fit_panel([m for m, mine in zip(measured, own, strict=True) if not mine], others)
+        calibration = fit_panel([m for m, mine in zip(kept, own, strict=True) if not mine], others)
         scores[own] = [
             min(calibration.score(m.features), m.highest)
-            for m, mine in zip(measured, own, strict=True)
+            for m, mine in zip(kept, own, strict=True)
             if mine and m.features
         ]
-    low, high = np.empty(len(measured)), np.empty(len(measured))
     for character in np.unique(characters):
         own = characters == character
-        offsets = np.percentile((marks - scores)[~own], TAILS)
-        low[own], high[own] = (
-            np.clip(scores[own] + offsets[0], 0, 100),
-            np.clip(scores[own] + offsets[1], 0, 100),
-        )
-    whole = fit_panel(measured, others)
-    offsets = np.percentile(marks - scores, TAILS)
-    final = replace(whole, interval=(float(offsets[0]), float(offsets[1])))
-    result = Result(tuple(measured), tuple(refused), scores, low, high, final)
+        ends = np.percentile((marks - scores)[~own], TAILS)
+        low[own], high[own] = (np.clip(scores[own] + end, 0, 100) for end in ends)
+    ends = np.percentile(marks - scores, TAILS)
+    final = replace(fit_panel(kept, others), interval=(float(ends[0]), float(ends[1])))
+    result = HeldOutMarks(tuple(kept), tuple(refused), scores, low, high, final)
     return replace(result, figures=_figures(result))
 
 
@@ -241,10 +247,8 @@ def agreement(predicted: FloatArray, marks: FloatArray, characters: np.ndarray) 
     }
 
 
-def _figures(result: Result) -> dict[str, Any]:
-    measured = result.measured
-    marks = np.array([m.copy.mark for m in measured])
-    characters = np.array([m.copy.character for m in measured])
+def _figures(result: HeldOutMarks) -> dict[str, Any]:
+    measured, marks, characters = result.measured, result.panel, result.characters
     counts = np.unique(characters, return_counts=True)[1]
     inside = (result.low <= marks) & (marks <= result.high)
     raw = {name: np.array([getattr(m, name) for m in measured]) for name in ("similarity", "sim_paper")}
@@ -256,7 +260,7 @@ def _figures(result: Result) -> dict[str, Any]:
         "score": agreement(result.scores, marks, characters),
         **{
             name: agreement(values, marks, characters)
-            | {"mae": agreement(_lined_up(values, marks, characters), marks, characters)["mae"]}
+            | {"mae": agreement(_on_panel_scale(values, marks, characters), marks, characters)["mae"]}
             for name, values in raw.items()
         },
         "rater": _one_rater(measured, characters),
@@ -268,7 +272,7 @@ def _figures(result: Result) -> dict[str, Any]:
     }
 
 
-def _lined_up(values: FloatArray, marks: FloatArray, characters: np.ndarray) -> FloatArray:
+def _on_panel_scale(values: FloatArray, marks: FloatArray, characters: np.ndarray) -> FloatArray:
     """A raw number put on the panel's scale by a straight line fitted on the other characters."""
     scores = np.empty(len(values))
     for c in np.unique(characters):
@@ -278,7 +282,7 @@ def _lined_up(values: FloatArray, marks: FloatArray, characters: np.ndarray) -> 
     return scores
 
 
-def _one_rater(measured: tuple[Measured, ...], characters: np.ndarray) -> dict[str, float]:
+def _one_rater(measured: tuple[MeasuredCopy, ...], characters: np.ndarray) -> dict[str, float]:
     """The k-th rating of every copy against the mean of the others, averaged over k."""
     fewest = min(len(m.copy.ratings) for m in measured)
     figures = []
@@ -294,7 +298,7 @@ def _shares(scores: FloatArray) -> dict[str, float]:
     return {name: levels.count(name) / len(levels) for name in (*LEVELS["panel"], "bad")}  # type: ignore[arg-type]
 
 
-def write_table(result: Result, path: Path) -> None:
+def write_table(result: HeldOutMarks, path: Path) -> None:
     """One row a copy: image, character, panel's mark, held-out score with interval, or why refused."""
     from rumu.outputs import whole_file
 
@@ -317,10 +321,3 @@ def write_table(result: Result, path: Path) -> None:
             )
         for m in result.refused:
             writer.writerow([m.copy.image.name, m.copy.character, f"{m.copy.mark:.2f}", *[""] * 5, m.refused])
-
-
-@lru_cache(maxsize=32)
-def _master(path: Path) -> PreparedMaster:
-    from rumu.pipeline import prepare_master
-
-    return prepare_master(path)

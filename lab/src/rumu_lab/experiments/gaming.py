@@ -9,20 +9,16 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from rumu.assessment.measurement import PreparedMaster
-from rumu.executors import in_order
 from rumu.gallery.starter import starter_works
+from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.measuring import master_at, measure_each
+from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor
-
-Progress = Callable[[int, int], None]
 
 LIMIT = 40.0
 OTHER, SCRIPT = "other_character", "same_character_other_script"
@@ -44,8 +40,11 @@ class Trial:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
-    """score: None when refused, with the code of the reason. right: it is a right copy after all."""
+class ImpostorMark:
+    """What an impostor got.
+
+    score: None when refused; refused: the code of the reason. right: it is a right copy after all.
+    """
 
     trial: Trial
     score: float | None
@@ -53,77 +52,59 @@ class Verdict:
     right: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Result:
-    """Every verdict, in the order of the trials."""
+def run(settings: RunSettings) -> Findings:
+    """Assess every impostor of the starter works and, where the data holds them, of the E3C templates."""
+    return findings_on(list(trials(settings.data)), settings)
 
-    verdicts: tuple[Verdict, ...]
 
-    def of(self, kind: str, *, right: bool = False) -> list[Verdict]:
-        """The verdicts on one kind; those that are right copies after all apart."""
-        return [v for v in self.verdicts if v.trial.kind == kind and v.right == right]
+def findings_on(chosen: Sequence[Trial], settings: RunSettings) -> Findings:
+    """What some impostors got; writes OUT/tables/gaming.csv, one row a trial."""
+    marks = measure_each(mark_trial, chosen, settings)
+    if settings.tables is not None:
+        write_table(marks, settings.tables / "gaming.csv")
+    facts = figures(marks)
+    return Findings("gaming", facts, words=text(facts, masters=len({m.trial.name for m in marks})))
 
-    @property
-    def above(self) -> list[Verdict]:
-        """The impostors that scored above the limit; other scripts are not among them."""
-        return [v for v in self.verdicts if not v.right and v.trial.kind != SCRIPT and _points(v) > LIMIT]
 
-    def summary(self) -> dict[str, Any]:
-        """All figures, plain."""
-        return {
-            "limit": LIMIT,
-            "trials": len(self.verdicts),
-            "above": [{"kind": v.trial.kind, "master": v.trial.name, "score": v.score} for v in self.above],
-            "blank_refused": all(v.refused for v in self.of("blank")),
-            "kinds": {kind: _figures(self.of(kind)) for kind in _kinds(self.verdicts)},
-            "right_after_all": {
-                kind: _figures(self.of(kind, right=True))
-                for kind in _kinds(self.verdicts)
-                if self.of(kind, right=True)
-            },
+def figures(marks: Sequence[ImpostorMark]) -> dict[str, Any]:
+    """All figures, plain; right copies apart, and other scripts not among those above the limit."""
+
+    def by_kind(*, right: bool) -> dict[str, Any]:
+        of_kind = {
+            kind: [m for m in marks if m.trial.kind == kind and m.right == right]
+            for kind in dict.fromkeys(m.trial.kind for m in marks)
         }
+        return {kind: _count(some) for kind, some in of_kind.items() if some or not right}
 
-    def text(self) -> str:
-        """The figures as a person reads them."""
-        facts = self.summary()
-        heads = ("", "tried", "refused", "highest", "above 40", "why refused")
-        rows = [heads, *(_row(kind, figures) for kind, figures in facts["kinds"].items())]
-        rows += [_row(f"{kind} (its own)", f) for kind, f in facts["right_after_all"].items()]
-        widths = [max(len(row[k]) for row in rows) for k in range(len(heads))]
-        table = ["  ".join(c.ljust(w) for c, w in zip(r, widths, strict=True)).rstrip() for r in rows]
-        worst = ", ".join(f"{a['kind']} of {a['master']} {a['score']:.0f}" for a in facts["above"]) or "none"
-        return "\n".join(
-            [
-                f"{facts['trials']} impostors of {len({v.trial.name for v in self.verdicts})} masters.",
-                *table,
-                f"Above {LIMIT:.0f}, other scripts aside: {worst}.",
-                "its own: characters much like their own mirror image or half turn; mirrored they are right.",
-            ]
-        )
+    above = [
+        m for m in marks if not m.right and m.trial.kind != SCRIPT and m.score is not None and m.score > LIMIT
+    ]
+    return {
+        "limit": LIMIT,
+        "trials": len(marks),
+        "above": [{"kind": m.trial.kind, "master": m.trial.name, "score": m.score} for m in above],
+        "blank_refused": all(m.refused for m in marks if m.trial.kind == "blank"),
+        "kinds": by_kind(right=False),
+        "right_after_all": by_kind(right=True),
+    }
 
 
-def run(
-    data: str | Path,
-    *,
-    out: str | Path | None = None,
-    progress: Progress | None = None,
-    most: int | None = None,
-) -> Result:
-    """Assess every impostor of the starter works and, where `data` holds them, of the E3C templates.
-
-    most: only so many trials, spread evenly, for a quick look. out: a folder for gaming.csv.
-    """
-    every = list(trials(Path(data)))
-    chosen = every if most is None else every[:: max(len(every) // most, 1)]
-    verdicts: list[Verdict] = []
-    for verdict in in_order(judge, chosen):
-        verdicts.append(verdict)
-        if progress:
-            progress(len(verdicts), len(chosen))
-    result = Result(tuple(verdicts))
-    if out is not None:
-        write_table(result, Path(out) / "gaming.csv")
-    return result
+def text(facts: Mapping[str, Any], *, masters: int) -> str:
+    """The figures as a person reads them; masters: how many there were."""
+    heads = ("", "tried", "refused", "highest", "above 40", "why refused")
+    rows = [heads, *(_row(kind, count) for kind, count in facts["kinds"].items())]
+    rows += [_row(f"{kind} (its own)", count) for kind, count in facts["right_after_all"].items()]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(heads))]
+    table = ["  ".join(c.ljust(w) for c, w in zip(r, widths, strict=True)).rstrip() for r in rows]
+    worst = ", ".join(f"{a['kind']} of {a['master']} {a['score']:.0f}" for a in facts["above"]) or "none"
+    return "\n".join(
+        [
+            f"{facts['trials']} impostors of {masters} masters.",
+            *table,
+            f"Above {LIMIT:.0f}, other scripts aside: {worst}.",
+            "its own: characters much like their own mirror image or half turn; mirrored they are right.",
+        ]
+    )
 
 
 def trials(data: Path) -> Iterator[Trial]:
@@ -148,29 +129,29 @@ def trials(data: Path) -> Iterator[Trial]:
             )
 
 
-def judge(trial: Trial) -> Verdict:
+def mark_trial(trial: Trial) -> ImpostorMark:
     """The mark of one impostor."""
     from rumu import pipeline
 
-    master = _master(trial.master)
+    master = master_at(trial.master)
     copy = trial.other if trial.other else impostor(master.surface.mask, trial.kind, seed=trial.seed)
     mark = pipeline.assess(copy, master, remarks=False)
     code = mark.refused.split(":")[0] if mark.refused else None
-    return Verdict(trial, mark.score, code, right=_is_its_own(trial))
+    return ImpostorMark(trial, mark.score, code, right=_is_its_own(trial))
 
 
-def write_table(result: Result, path: Path) -> None:
+def write_table(marks: Sequence[ImpostorMark], path: Path) -> None:
     """One row a trial: kind, master, seed, other, score, why refused, whether it is right after all."""
     from rumu.outputs import whole_file
 
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(["kind", "master", "seed", "other", "score", "refused", "right"])
-        for v in result.verdicts:
-            other = v.trial.other.stem if v.trial.other else ""
-            score = "" if v.score is None else f"{v.score:.2f}"
+        for m in marks:
+            other = m.trial.other.stem if m.trial.other else ""
+            score = "" if m.score is None else f"{m.score:.2f}"
             writer.writerow(
-                [v.trial.kind, v.trial.name, v.trial.seed, other, score, v.refused or "", v.right]
+                [m.trial.kind, m.trial.name, m.trial.seed, other, score, m.refused or "", m.right]
             )
 
 
@@ -180,38 +161,23 @@ def _is_its_own(trial: Trial) -> bool:
     change = {"mirrored": mirrored, "upside_down": turned}.get(trial.kind)
     if change is None:
         return False
-    points = _master(trial.master).points
+    points = master_at(trial.master).points
     return float(likeness(describe(change(points)), describe(points))) >= ITSELF
 
 
-def _points(verdict: Verdict) -> float:
-    return -np.inf if verdict.score is None else verdict.score
-
-
-def _kinds(verdicts: Sequence[Verdict]) -> list[str]:
-    return list(dict.fromkeys(v.trial.kind for v in verdicts))
-
-
-def _figures(verdicts: list[Verdict]) -> dict[str, Any]:
-    scores = [v.score for v in verdicts if v.score is not None]
+def _count(marks: list[ImpostorMark]) -> dict[str, Any]:
+    scores = [m.score for m in marks if m.score is not None]
     return {
-        "tried": len(verdicts),
-        "refused": len(verdicts) - len(scores),
+        "tried": len(marks),
+        "refused": len(marks) - len(scores),
         "highest": max(scores, default=None),
         "above": sum(score > LIMIT for score in scores),
-        "why": dict(Counter(v.refused for v in verdicts if v.refused).most_common()),
+        "why": dict(Counter(m.refused for m in marks if m.refused).most_common()),
     }
 
 
-def _row(kind: str, figures: dict[str, Any]) -> tuple[str, ...]:
-    highest = "-" if figures["highest"] is None else f"{figures['highest']:.0f}"
-    why = ", ".join(f"{code} {count}" for code, count in figures["why"].items())
-    counts = (str(figures["tried"]), str(figures["refused"]), highest, str(figures["above"]))
+def _row(kind: str, count: Mapping[str, Any]) -> tuple[str, ...]:
+    highest = "-" if count["highest"] is None else f"{count['highest']:.0f}"
+    why = ", ".join(f"{code} {number}" for code, number in count["why"].items())
+    counts = (str(count["tried"]), str(count["refused"]), highest, str(count["above"]))
     return (kind.replace("_", " "), *counts, why)
-
-
-@lru_cache(maxsize=64)
-def _master(path: Path) -> PreparedMaster:
-    from rumu.pipeline import prepare_master
-
-    return prepare_master(path)

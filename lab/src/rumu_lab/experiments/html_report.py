@@ -11,8 +11,9 @@ from typing import Any
 from rumu.errors import OutputError
 from rumu.values import Bilingual
 from rumu_lab.experiments import figures
-from rumu_lab.experiments.findings import Findings, findings_of, kept
+from rumu_lab.experiments.findings import Findings
 from rumu_lab.experiments.protocol import declared
+from rumu_lab.experiments.results import findings_from, read_result
 from rumu_lab.experiments.runner import EXPERIMENTS
 
 PAPER_SAYS: tuple[tuple[str, str], ...] = (
@@ -31,7 +32,7 @@ class Figure:
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
+class WrittenReport:
     """What `write_report` made. missing: experiments that OUT does not hold."""
 
     page: Path
@@ -40,21 +41,23 @@ class Made:
     warnings: tuple[Bilingual, ...]
 
 
-def write_report(out: Path) -> Made:
+def write_report(out: Path) -> WrittenReport:
     """Figures and page from the results under `out`. Raises OutputError when it holds none."""
     from rumu.outputs import whole_file
 
-    found = {e.name: plain for e in EXPERIMENTS if (plain := kept(e.name, out=out)) is not None}
+    found = {e.name: plain for e in EXPERIMENTS if (plain := read_result(e.name, out=out)) is not None}
     if not found:
         raise OutputError(f"{out}: expected results of 'rumu experiments run all -o {out}', found none")
-    findings = {name: findings_of(plain) for name, plain in found.items()}
+    findings = {name: findings_from(plain) for name, plain in found.items()}
     drawn = {name: draw(found, out) for name, found in findings.items()}
     missing = tuple(e.name for e in EXPERIMENTS if e.name not in found and not e.alone)
     warnings = warnings_of(found)
     page = out / "report.html"
     with whole_file(page) as part:
         part.write_text(_render(out, found, findings, drawn, missing=missing, warnings=warnings), "utf-8")
-    return Made(page, tuple(f for fs in drawn.values() for one in fs for f in one.files), missing, warnings)
+    return WrittenReport(
+        page, tuple(f for fs in drawn.values() for one in fs for f in one.files), missing, warnings
+    )
 
 
 def draw(findings: Findings, out: Path) -> tuple[Figure, ...]:
@@ -94,7 +97,7 @@ def warnings_of(found: Mapping[str, Mapping[str, Any]]) -> tuple[Bilingual, ...]
     return tuple(warnings)
 
 
-def _charted(paths: Sequence[Path], out: Path, zh: str, en: str) -> Figure:
+def _chart(paths: Sequence[Path], out: Path, zh: str, en: str) -> Figure:
     return Figure(tuple(p.relative_to(out).as_posix() for p in paths), Bilingual(zh, en))
 
 
@@ -115,13 +118,13 @@ def _paint_human(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
     )
     span = "粗線為 95 % 區間，細線為一個標準差。"
     return (
-        _charted(
+        _chart(
             error,
             out,
             f"圖七（真人評分）：絕對誤差。{span}",
             "Figure 7 on human marks: absolute error. Thick line: 95 % interval of the mean; thin: one SD.",
         ),
-        _charted(
+        _chart(
             ranks, out, "同字等級相關，95 % 區間。", "Rank correlation within a character, 95 % intervals."
         ),
     )
@@ -146,13 +149,13 @@ def _paint_severities(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]
         y_label="mark",
     )
     return (
-        _charted(
+        _chart(
             error,
             out,
             "圖七（模擬毛病）：與聲明程度的絕對誤差。",
             "Figure 7 on simulated severities: absolute error against the declared scale.",
         ),
-        _charted(
+        _chart(
             fall,
             out,
             "毛病漸重，分數漸低；虛線為三張聲明的程度表。",
@@ -171,7 +174,7 @@ def _paint_levels(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
         label="levels that are right, %, with the exact 95 % interval",
         ours=[row["where"] for row in facts["scripts"]],
     )
-    return (_charted(chart, out, "表一的正確率與精確區間。", "Table 1 as a chart, with exact intervals."),)
+    return (_chart(chart, out, "表一的正確率與精確區間。", "Table 1 as a chart, with exact intervals."),)
 
 
 def _paint_nuisance(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
@@ -184,7 +187,7 @@ def _paint_nuisance(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
         ours=("rumu",),
         limit=facts["wanted"],
     )
-    return (_charted(chart, out, "照片干擾下的漂移。", "Drift under nuisances of the photograph."),)
+    return (_chart(chart, out, "照片干擾下的漂移。", "Drift under nuisances of the photograph."),)
 
 
 def _paint_runtime(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
@@ -197,7 +200,7 @@ def _paint_runtime(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
         ours=("rumu",),
         logarithmic=True,
     )
-    return (_charted(chart, out, "每對所需時間。", "Time for a pair."),)
+    return (_chart(chart, out, "每對所需時間。", "Time for a pair."),)
 
 
 def _paint_ablation(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
@@ -209,7 +212,7 @@ def _paint_ablation(facts: Mapping[str, Any], out: Path) -> tuple[Figure, ...]:
         label="gain in mean Spearman within a character, 95 % interval",
         zero=True,
     )
-    return (_charted(chart, out, "各部分的增益。", "What each part adds."),)
+    return (_chart(chart, out, "各部分的增益。", "What each part adds."),)
 
 
 _PAINTERS: Mapping[str, Callable[[Mapping[str, Any], Path], tuple[Figure, ...]]] = {
@@ -248,7 +251,7 @@ def _render(
             "title": e.title,
             "origin": found[e.name],
             "findings": findings[e.name],
-            "figures": [(_uri(out / f.files[0]), f) for f in drawn[e.name]],
+            "figures": [(_data_uri(out / f.files[0]), f) for f in drawn[e.name]],
         }
         for e in EXPERIMENTS
         if e.name in found
@@ -265,5 +268,5 @@ def _render(
     )
 
 
-def _uri(path: Path) -> str:
+def _data_uri(path: Path) -> str:
     return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")

@@ -19,10 +19,10 @@ from rumu_lab.experiments.agreement import (
     verdict,
     verdict_sentence,
 )
-from rumu_lab.experiments.e3c import Copy, read_copies
-from rumu_lab.experiments.findings import Cell, Findings, RunSettings, Table
-from rumu_lab.experiments.measuring import OURS, OWN, GradingTask, Measured, measure_all
-from rumu_lab.experiments.people import marked_copies
+from rumu_lab.experiments.e3c import Copy, chosen_copies, held_out_marks
+from rumu_lab.experiments.findings import Cell, Findings, Table
+from rumu_lab.experiments.grading import OURS, OWN, Grades, GradingTask, grade_all
+from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import Written
 
 OWN_SCALE = "rumu, its own calibration"
@@ -32,7 +32,7 @@ SHARED = "rumu, the shared calibrator"
 def run(settings: RunSettings) -> Findings:
     """Table 2 on human marks. Raises CalibrationError when the marked copies are not there."""
     copies = chosen_copies(settings)
-    measured = measure_copies(copies, settings)
+    measured = grade_copies(copies, settings)
     pairs = [(c, m) for c, m in zip(copies, measured, strict=True) if m.refused is None]
     marks = np.array([c.mark for c, _ in pairs])
     characters = [c.character for c, _ in pairs]
@@ -62,25 +62,15 @@ def run(settings: RunSettings) -> Findings:
     return Findings("human", facts, (_table(rows, facts),), _sentences(facts))
 
 
-def chosen_copies(settings: RunSettings) -> list[Copy]:
-    """The marked copies; a few of a few characters when quick."""
-    copies = read_copies(settings.data)
-    if not settings.quick:
-        return copies
-    quick = settings.protocol.plain["quick"]
-    chosen = []
-    for character in quick["characters"]:
-        chosen += [c for c in copies if c.character == character][: quick["copies_of_each"]]
-    return chosen
-
-
-def measure_copies(copies: list[Copy], settings: RunSettings) -> list[Measured]:
+def grade_copies(copies: list[Copy], settings: RunSettings) -> list[Grades]:
     """Every copy by every method, in order."""
-    tasks = [GradingTask(f"human/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies]
-    return measure_all(tasks, store=settings.store, progress=settings.progress)
+    return grade_all(
+        [GradingTask(f"human/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies],
+        settings,
+    )
 
 
-def own_marks(copies: list[Copy], measured: list[Measured], settings: RunSettings) -> FloatArray:
+def own_marks(copies: list[Copy], measured: list[Grades], settings: RunSettings) -> FloatArray:
     """(N,) our marks by a calibration that saw no copy of the character.
 
     Quick runs take the marks as shipped, whose calibration saw them all: one more reason why their figures
@@ -88,9 +78,9 @@ def own_marks(copies: list[Copy], measured: list[Measured], settings: RunSetting
     """
     if settings.quick:
         return np.array([m.mark for m in measured])
-    marked = marked_copies(settings)
-    scores = dict(zip(marked.images, marked.scores, strict=True))
-    return np.array([scores[c.image.name] for c in copies])
+    ours = held_out_marks(settings)
+    scores = {m.copy.image: score for m, score in zip(ours.measured, ours.scores, strict=True)}
+    return np.array([scores[c.image] for c in copies])
 
 
 def one_rater(copies: list[Copy]) -> dict[str, float]:
@@ -105,7 +95,7 @@ def one_rater(copies: list[Copy]) -> dict[str, float]:
 
 
 def _graded(
-    measured: list[Measured], own: FloatArray, marks: FloatArray, characters: list[str]
+    measured: list[Grades], own: FloatArray, marks: FloatArray, characters: list[str]
 ) -> list[Graded]:
     """Every method through the shared calibrator; ours enters with its held-out mark as raw grade."""
     raw = raw_of(measured) | {OURS: own / 100.0}
@@ -114,7 +104,7 @@ def _graded(
     return [*graded, constant(marks, characters)]
 
 
-def _failures(measured: list[Measured]) -> dict[str, int]:
+def _failures(measured: list[Grades]) -> dict[str, int]:
     failed = [name for m in measured for name in m.failed]
     return {name: failed.count(name) for name in dict.fromkeys(failed)}
 

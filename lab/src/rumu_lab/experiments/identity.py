@@ -15,20 +15,19 @@ import csv
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rumu.assessment.measurement import PreparedMaster, measure
+from rumu.assessment.measurement import measure
 from rumu.errors import RefusedImage, RegistrationError
-from rumu.executors import in_order
 from rumu.gallery.masters import Master, read_masters
 from rumu.values import FloatArray
 from rumu_lab.experiments.e3c import read_copies
-
-Progress = Callable[[int, int], None]
+from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.measuring import master_at, measure_each
+from rumu_lab.experiments.run_settings import RunSettings
 
 MEASURES: Mapping[str, str] = {
     "score": "the mark as it is given, nothing when refused",
@@ -43,7 +42,7 @@ DRAWS = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class CharacterPair:
     """Two pictures of one character, or of two. character: of the first, by which intervals are drawn."""
 
     where: str
@@ -54,91 +53,74 @@ class Pair:
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class PairMeasures:
     """One pair with its measures, more is more alike; None when a picture holds nothing to compare."""
 
-    pair: Pair
+    pair: CharacterPair
     measures: Mapping[str, float] | None
 
 
-@dataclass(frozen=True, slots=True)
-class Result:
-    """figures: set -> measure -> {'auc', 'low', 'high'} with 95 % intervals, and the numbers of pairs."""
-
-    measured: tuple[Measured, ...]
-    figures: Mapping[str, Any]
-
-    def summary(self) -> dict[str, Any]:
-        """All figures, plain."""
-        return dict(self.figures)
-
-    def text(self) -> str:
-        """The figures as a person reads them."""
-        lines = []
-        for where, figures in self.figures.items():
-            lines.append(
-                f"{where}: {figures['same']} pairs of one character, {figures['other']} of two, "
-                f"{figures['characters']} characters, {figures['left_out']} pairs left out"
-            )
-            for name, meaning in MEASURES.items():
-                f = figures[name]
-                lines.append(f"  {f['auc']:.4f} ({f['low']:.4f} to {f['high']:.4f})  {meaning}")
-        return "\n".join(lines)
+def run(settings: RunSettings) -> Findings:
+    """Measure the pairs of every set. Raises RumuError when the data is not there."""
+    return findings_on(list(pairs(settings.data)), settings)
 
 
-def run(
-    data: str | Path,
-    *,
-    out: str | Path | None = None,
-    progress: Progress | None = None,
-    most: int | None = None,
-    seed: int = 0,
-) -> Result:
-    """Measure the pairs of every set under `data`. most: at most so many characters a set. out: a folder for
-    identity.csv. seed: chooses the pairs. Raises RumuError when the data is not there.
+def findings_on(chosen: Sequence[CharacterPair], settings: RunSettings) -> Findings:
+    """How well each measure parts some pairs; writes OUT/tables/identity.csv, one row a pair."""
+    measured = measure_each(measure_pair, chosen, settings)
+    if settings.tables is not None:
+        write_table(measured, settings.tables / "identity.csv")
+    facts = figures(measured)
+    return Findings("identity", facts, words=text(facts))
+
+
+def text(facts: Mapping[str, Any]) -> str:
+    """The figures as a person reads them."""
+    lines = []
+    for where, of_set in facts.items():
+        lines.append(
+            f"{where}: {of_set['same']} pairs of one character, {of_set['other']} of two, "
+            f"{of_set['characters']} characters, {of_set['left_out']} pairs left out"
+        )
+        for name, meaning in MEASURES.items():
+            f = of_set[name]
+            lines.append(f"  {f['auc']:.4f} ({f['low']:.4f} to {f['high']:.4f})  {meaning}")
+    return "\n".join(lines)
+
+
+def pairs(data: Path, *, most: int | None = None, seed: int = 0) -> Iterator[CharacterPair]:
+    """One pair of the same and one of another character for each character of each set (E3C: each copy).
+
+    most: at most so many characters a set. seed: chooses the pairs.
     """
-    chosen = list(pairs(Path(data), most=most, seed=seed))
-    measured: list[Measured] = []
-    for item in in_order(measure_pair, chosen):
-        measured.append(item)
-        if progress:
-            progress(len(measured), len(chosen))
-    result = Result(tuple(measured), _figures(measured, seed=seed))
-    if out is not None:
-        write_table(result, Path(out) / "identity.csv")
-    return result
-
-
-def pairs(data: Path, *, most: int | None, seed: int) -> Iterator[Pair]:
-    """One pair of the same and one of another character for each character of each set (E3C: each copy)."""
     rng = np.random.default_rng(seed)
     regular = read_masters(data / "masters" / "regular")
-    yield from _of_masters("regular, six works", regular, _work, most=most, rng=rng)
+    yield from _pairs_of_masters("regular, six works", regular, _work, most=most, rng=rng)
     running = read_masters(data / "masters" / "running-lantingxu")
     clear = [m for m in running if "dingwu" not in m.path.parts]
-    yield from _of_masters("Lanting Xu, three versions in ink", clear, _work, most=most, rng=rng)
-    yield from _of_masters("Lanting Xu with the rubbing", running, _work, most=most, rng=rng)
+    yield from _pairs_of_masters("Lanting Xu, three versions in ink", clear, _work, most=most, rng=rng)
+    yield from _pairs_of_masters("Lanting Xu with the rubbing", running, _work, most=most, rng=rng)
     copies = read_copies(data)
     templates = sorted({copy.template for copy in copies})
     for copy in copies if most is None else copies[:: max(len(copies) // most, 1)]:
         others = [template for template in templates if template != copy.template]
         other = others[int(rng.integers(len(others)))]
         for template, same in ((copy.template, True), (other, False)):
-            yield Pair("E3C copies and templates", copy.character, copy.image, template, same)
+            yield CharacterPair("E3C copies and templates", copy.character, copy.image, template, same)
 
 
 def _work(master: Master) -> str:
     return master.path.parent.name
 
 
-def _of_masters(
+def _pairs_of_masters(
     where: str,
     masters: Sequence[Master],
     group: Callable[[Master], str],
     *,
     most: int | None,
     rng: np.random.Generator,
-) -> Iterator[Pair]:
+) -> Iterator[CharacterPair]:
     """Copy and master from two works; the other character stands in the work of the right one."""
     by_character: dict[str, list[Master]] = defaultdict(list)
     by_work: dict[str, list[Master]] = defaultdict(list)
@@ -154,19 +136,19 @@ def _of_masters(
         right = same[int(rng.integers(len(same)))]
         others = [m for m in by_work[group(right)] if m.character != character]
         wrong = others[int(rng.integers(len(others)))]
-        yield Pair(where, character, copy.path, right.path, True)
-        yield Pair(where, character, copy.path, wrong.path, False)
+        yield CharacterPair(where, character, copy.path, right.path, True)
+        yield CharacterPair(where, character, copy.path, wrong.path, False)
 
 
-def measure_pair(pair: Pair) -> Measured:
+def measure_pair(pair: CharacterPair) -> PairMeasures:
     """All measures of one pair."""
     from rumu.assessment.calibration import panel
     from rumu.assessment.similarity import similarity
 
     try:
-        m = measure(_master(pair.copy).surface, _master(pair.master))
+        m = measure(master_at(pair.copy).surface, master_at(pair.master))
     except (RefusedImage, RegistrationError):
-        return Measured(pair, None)
+        return PairMeasures(pair, None)
     mark, figures = panel().score(m.features), m.figures
     values = {
         "score": -1.0 if m.refusal else min(mark, m.highest),
@@ -177,20 +159,19 @@ def measure_pair(pair: Pair) -> Measured:
         "beyond others": figures.beyond_others,
         "familiarity": -figures.strangeness,
     }
-    return Measured(pair, values)
+    return PairMeasures(pair, values)
 
 
 def area(same: FloatArray, other: FloatArray) -> float:
     """Share of all (same, other) pairs that stand in the right order; ties count half."""
-    from scipy.stats import rankdata
+    from scipy.stats import mannwhitneyu
 
-    ranks = rankdata(np.concatenate([same, other]))
-    n, m = len(same), len(other)
-    return float((ranks[:n].sum() - n * (n + 1) / 2) / (n * m))
+    statistic = mannwhitneyu(same, other, method="asymptotic").statistic
+    return float(statistic) / (len(same) * len(other))
 
 
 def interval(
-    values: FloatArray, same: FloatArray, characters: np.ndarray, *, seed: int
+    values: FloatArray, same: FloatArray, characters: np.ndarray, *, seed: int = 0
 ) -> tuple[float, float]:
     """95 % interval of `area` when characters are drawn anew, each with all its pairs."""
     rng = np.random.default_rng(seed)
@@ -204,8 +185,9 @@ def interval(
     return float(low), float(high)
 
 
-def _figures(measured: list[Measured], *, seed: int) -> dict[str, Any]:
-    figures: dict[str, Any] = {}
+def figures(measured: Sequence[PairMeasures]) -> dict[str, Any]:
+    """Set -> measure -> {'auc', 'low', 'high'} with 95 % intervals, and the numbers of pairs."""
+    found: dict[str, Any] = {}
     for where in dict.fromkeys(m.pair.where for m in measured):
         mine = [m for m in measured if m.pair.where == where]
         kept = [(m.pair, m.measures) for m in mine if m.measures is not None]
@@ -219,27 +201,20 @@ def _figures(measured: list[Measured], *, seed: int) -> dict[str, Any]:
         }
         for name in MEASURES:
             values = np.array([measures[name] for _, measures in kept])
-            low, high = interval(values, same, characters, seed=seed)
+            low, high = interval(values, same, characters)
             entry[name] = {"auc": area(values[same], values[~same]), "low": low, "high": high}
-        figures[where] = entry
-    return figures
+        found[where] = entry
+    return found
 
 
-def write_table(result: Result, path: Path) -> None:
+def write_table(measured: Sequence[PairMeasures], path: Path) -> None:
     """One row a pair."""
     from rumu.outputs import whole_file
 
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(["set", "character", "copy", "master", "same", *MEASURES])
-        for m in result.measured:
+        for m in measured:
             values = [f"{m.measures[name]:.5f}" if m.measures else "" for name in MEASURES]
             p = m.pair
             writer.writerow([p.where, p.character, p.copy.name, p.master.name, int(p.same), *values])
-
-
-@lru_cache(maxsize=64)
-def _master(path: Path) -> PreparedMaster:
-    from rumu.pipeline import prepare_master
-
-    return prepare_master(path)

@@ -17,29 +17,31 @@ from rumu.errors import CalibrationError
 from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments import human_marks
 from rumu_lab.experiments.agreement import CONSTANT, constant, held_out, raw_of
-from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
-from rumu_lab.experiments.measuring import OURS, GradingTask, Measured, measure_all
+from rumu_lab.experiments.e3c import chosen_copies
+from rumu_lab.experiments.findings import Cell, Column, Findings, Table
+from rumu_lab.experiments.grading import OURS, Grades, GradingTask, grade_all
+from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import AtDegree
-from rumu_lab.experiments.statistics import clopper_pearson, weighted_kappa
+from rumu_lab.experiments.statistics import exact_interval, weighted_kappa
 
 DEGREES = ("bad", "medium", "good", "excellent")
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
+class DegreeCopy:
     """A simulated copy, what it was made as, and what was measured of it."""
 
     script: str
     degree: str
-    measured: Measured
+    grades: Grades
 
 
 def run(settings: RunSettings) -> Findings:
     """Table 1 on simulated copies and, where the data is there, on human marks."""
-    made = measure_copies(settings)
+    made = grade_degrees(settings)
     cuts = settings.protocol.cut_offs
     truth = [DEGREES.index(m.degree) for m in made]
-    given = [level_number(m.measured.mark, cuts) for m in made]
+    given = [level_number(m.grades.mark, cuts) for m in made]
     scripts = [m.script for m in made]
     rows = [
         level_row(
@@ -54,7 +56,7 @@ def run(settings: RunSettings) -> Findings:
     methods = method_rows(made, cuts)
     facts = {
         "copies": len(made),
-        "refused": sum(m.measured.refused is not None for m in made),
+        "refused": sum(m.grades.refused is not None for m in made),
         "scripts": rows,
         "human": people,
         "human_missing": missing,
@@ -65,7 +67,7 @@ def run(settings: RunSettings) -> Findings:
     return Findings("levels", facts, _tables(facts), _sentences(facts))
 
 
-def measure_copies(settings: RunSettings) -> list[Made]:
+def grade_degrees(settings: RunSettings) -> list[DegreeCopy]:
     """Every work at the four degrees, for each seed."""
     from rumu.gallery.starter import find_work
 
@@ -76,8 +78,8 @@ def measure_copies(settings: RunSettings) -> list[Made]:
         GradingTask(f"levels/{w.id}/{degree}/{seed}", w.id, w.path, AtDegree(w.path, degree, seed))
         for w, degree, seed in plan
     ]
-    measured = measure_all(tasks, store=settings.store, progress=settings.progress)
-    return [Made(w.script, degree, m) for (w, degree, _), m in zip(plan, measured, strict=True)]
+    measured = grade_all(tasks, settings)
+    return [DegreeCopy(w.script, degree, m) for (w, degree, _), m in zip(plan, measured, strict=True)]
 
 
 def level_number(mark: float, cuts: Mapping[str, float]) -> int:
@@ -88,7 +90,7 @@ def level_number(mark: float, cuts: Mapping[str, float]) -> int:
 def level_row(name: str, truth: Sequence[int], given: Sequence[int]) -> dict[str, Cell]:
     """N, levels that are right with the exact interval, weighted kappa, and those off by two or more."""
     right = sum(t == g for t, g in zip(truth, given, strict=True))
-    low, high = clopper_pearson(right, len(truth))
+    low, high = exact_interval(right, len(truth))
     return {
         "where": name,
         "n": len(truth),
@@ -104,10 +106,10 @@ def level_row(name: str, truth: Sequence[int], given: Sequence[int]) -> dict[str
 def human_rows(settings: RunSettings) -> tuple[list[dict[str, Cell]], str | None]:
     """Levels of our held-out marks against levels of the panel's marks; or why there are none."""
     try:
-        copies = human_marks.chosen_copies(settings)
+        copies = chosen_copies(settings)
     except CalibrationError as error:
         return [], str(error)
-    measured = human_marks.measure_copies(copies, settings)
+    measured = human_marks.grade_copies(copies, settings)
     pairs = [(c, m) for c, m in zip(copies, measured, strict=True) if m.refused is None]
     own = human_marks.own_marks([c for c, _ in pairs], [m for _, m in pairs], settings)
     cuts = settings.protocol.cut_offs
@@ -125,14 +127,14 @@ def _rater_levels(copies: Sequence[Any], cuts: Mapping[str, float]) -> tuple[lis
     return others, [level_number(10.0 * c.ratings[0], cuts) for c in copies]
 
 
-def method_rows(made: Sequence[Made], cuts: Mapping[str, float]) -> list[dict[str, Cell]]:
+def method_rows(made: Sequence[DegreeCopy], cuts: Mapping[str, float]) -> list[dict[str, Cell]]:
     """Every method through the shared calibrator, fitted to the middle of each level on the other scripts."""
-    kept = [m for m in made if m.measured.refused is None]
+    kept = [m for m in made if m.grades.refused is None]
     middles = level_middles(cuts)
     marks = np.array([middles[DEGREES.index(m.degree)] for m in kept])
     truth, scripts = [DEGREES.index(m.degree) for m in kept], [m.script for m in kept]
     given: dict[str, FloatArray] = {
-        name: held_out(raw, marks, scripts) for name, raw in raw_of([m.measured for m in kept]).items()
+        name: held_out(raw, marks, scripts) for name, raw in raw_of([m.grades for m in kept]).items()
     }
     given[CONSTANT] = constant(marks, scripts).given
     rows = [level_row(name, truth, [level_number(v, cuts) for v in values]) for name, values in given.items()]

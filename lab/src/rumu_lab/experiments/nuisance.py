@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from rumu.values import Bilingual
-from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
-from rumu_lab.experiments.measuring import OURS, GradingTask, Measured, measure_all
+from rumu_lab.experiments.findings import Cell, Column, Findings, Table
+from rumu_lab.experiments.grading import OURS, Grades, GradingTask, grade_all
+from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.severities import starter_subjects, step_of, steps_of, whole_series
 from rumu_lab.experiments.simulated_copies import AtDegree, Disturbed
 
@@ -27,22 +28,22 @@ class Shot:
 
     copy: str
     nuisance: str
-    measured: Measured
+    grades: Grades
 
 
 def run(settings: RunSettings) -> Findings:
     """How far each method drifts, and which nuisances move our mark."""
     steps = steps_of(starter_subjects(settings.protocol), settings)
     series = whole_series(steps)
-    shots = measure_shots(settings)
+    shots = grade_shots(settings)
     by_nuisance = nuisance_rows(shots)
     wanted = float(settings.protocol.plain["nuisances"]["wanted"])
-    methods = method_rows(shots, {m: -step_of(series, m) for m in series[0][0].measured.raw}, wanted=wanted)
+    methods = method_rows(shots, {m: -step_of(series, m) for m in series[0][0].grades.raw}, wanted=wanted)
     step = -100.0 * step_of(series, OURS)
     facts: dict[str, Any] = {
         "copies": len({s.copy for s in shots}),
         "pictures": len(shots),
-        "refused": sorted(f"{s.copy}: {s.nuisance}" for s in shots if s.measured.refused is not None),
+        "refused": sorted(f"{s.copy}: {s.nuisance}" for s in shots if s.grades.refused is not None),
         "step_of_severity": step,
         "wanted": wanted,
         "methods": methods,
@@ -53,7 +54,7 @@ def run(settings: RunSettings) -> Findings:
     return Findings("nuisance", facts, _tables(facts), (_sentence(facts),))
 
 
-def measure_shots(settings: RunSettings) -> list[Shot]:
+def grade_shots(settings: RunSettings) -> list[Shot]:
     """Every copy as it is and under every nuisance."""
     from rumu.gallery.starter import find_work
 
@@ -72,7 +73,7 @@ def measure_shots(settings: RunSettings) -> list[Shot]:
                 made = Disturbed(copy, kind["kind"], amount, plain["seed"])
                 key = f"nuisance/{name}/{kind['name']}"
                 plan.append((name, kind["name"], GradingTask(key, work.id, work.path, made)))
-    measured = measure_all([t for *_, t in plan], store=settings.store, progress=settings.progress)
+    measured = grade_all([t for *_, t in plan], settings)
     return [Shot(copy, nuisance, m) for (copy, nuisance, _), m in zip(plan, measured, strict=True)]
 
 
@@ -84,7 +85,7 @@ def method_rows(shots: Sequence[Shot], steps: Mapping[str, float], *, wanted: fl
     rows: list[dict[str, Cell]] = []
     for method, step in steps.items():
         spreads = [
-            float(np.std([s.measured.raw[method] for s in shots if s.copy == copy and s.measured.raw]))
+            float(np.std([s.grades.raw[method] for s in shots if s.copy == copy and s.grades.raw]))
             for copy in dict.fromkeys(s.copy for s in shots)
         ]
         drift = float(np.mean(spreads))
@@ -96,17 +97,17 @@ def method_rows(shots: Sequence[Shot], steps: Mapping[str, float], *, wanted: fl
 
 def nuisance_rows(shots: Sequence[Shot]) -> list[dict[str, Cell]]:
     """One row a nuisance: by how many points it moves our mark from that of the same copy as it is."""
-    still = {s.copy: s.measured.mark for s in shots if s.nuisance == PLAIN}
+    still = {s.copy: s.grades.mark for s in shots if s.nuisance == PLAIN}
     rows: list[dict[str, Cell]] = []
     for nuisance in dict.fromkeys(s.nuisance for s in shots if s.nuisance != PLAIN):
         own = [s for s in shots if s.nuisance == nuisance]
-        moved = np.array([s.measured.mark - still[s.copy] for s in own])
+        moved = np.array([s.grades.mark - still[s.copy] for s in own])
         moved = moved[np.isfinite(moved)]
         rows.append(
             {
                 "nuisance": nuisance,
                 "n": len(own),
-                "refused": sum(s.measured.refused is not None for s in own),
+                "refused": sum(s.grades.refused is not None for s in own),
                 "mean": float(moved.mean()) if len(moved) else None,
                 "rms": float(np.sqrt(np.mean(moved**2))) if len(moved) else None,
                 "most": float(np.abs(moved).max()) if len(moved) else None,

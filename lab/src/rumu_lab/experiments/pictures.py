@@ -12,15 +12,16 @@ from rumu.errors import OutputError
 from rumu.values import Bilingual, Surface
 from rumu_lab.experiments.e3c import Copy, read_copies
 from rumu_lab.experiments.figures import sheet
-from rumu_lab.experiments.findings import Findings, RunSettings
+from rumu_lab.experiments.findings import Findings
 from rumu_lab.experiments.levels import DEGREES, level_number
+from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import AtDegree
 
 LANTING = "masters/running-lantingxu"
 _CHARACTER = "天"  # in all five scripts, and open enough to be read small
 
 
-class Shown(NamedTuple):
+class CaptionedFile(NamedTuple):
     """A figure's file with its caption."""
 
     file: str
@@ -50,14 +51,14 @@ def run(settings: RunSettings) -> Findings:
     return Findings("pictures", facts, words=words)
 
 
-def _figure_4(folder: Path, settings: RunSettings) -> Shown:
+def _figure_4(folder: Path, settings: RunSettings) -> CaptionedFile:
     """A photograph of ink on old paper where there is one, else a starter work."""
     from rumu import pipeline
 
     path, zh, en = _photograph(settings)
     tiles = _views(pipeline.surface_of(path))
     sheet([tiles], folder / "figure-4.png", above=("picture", "surface", "texture, lit", "mesh"))
-    return Shown(
+    return CaptionedFile(
         "figures/figure-4.png",
         Bilingual(
             f"圖四：{zh}：原圖、曲面、帶紋理的曲面、網格。高度由墨跡算出，不是實測。",
@@ -80,7 +81,7 @@ def _photograph(settings: RunSettings) -> tuple[Path, str, str]:
     return find_work("running-shui").path, "行書「水」（館藏起始作品）", "a starter work in running script"
 
 
-def _figure_5(folder: Path, settings: RunSettings) -> Shown:
+def _figure_5(folder: Path, settings: RunSettings) -> CaptionedFile:
     from rumu import pipeline
     from rumu.gallery.starter import starter_works
 
@@ -93,7 +94,7 @@ def _figure_5(folder: Path, settings: RunSettings) -> Shown:
         above=tuple(work.script for work in works),
         beside=("picture", "surface", "mesh"),
     )
-    return Shown(
+    return CaptionedFile(
         "figures/figure-5.png",
         Bilingual(
             "圖五：五體的「天」：原圖、曲面、網格。", "Figure 5: one work of each of the five scripts."
@@ -101,7 +102,7 @@ def _figure_5(folder: Path, settings: RunSettings) -> Shown:
     )
 
 
-def _figure_6(folder: Path, settings: RunSettings) -> Shown:
+def _figure_6(folder: Path, settings: RunSettings) -> CaptionedFile:
     """Copies that people marked where they are there, else simulated ones, and says which."""
     from rumu import pipeline
     from rumu.gallery.starter import find_work
@@ -124,7 +125,7 @@ def _figure_6(folder: Path, settings: RunSettings) -> Shown:
     columns = [[row[k] for row in rows] for k in (0, 1, 3)]
     beside = ("picture", "surface", "mesh")
     sheet(columns, folder / "figure-6.png", above=("master", *labels), beside=beside)
-    return Shown(
+    return CaptionedFile(
         "figures/figure-6.png",
         Bilingual(
             f"圖六：範字與優、良、中、差四級的臨作（{about.zh}）。",

@@ -1,9 +1,10 @@
-"""Known faults told back by name: what is said of a copy whose one fault is known.
+"""Whether the remarks name a fault that is known to be there.
 
 Each fault of the simulation is put into masters of three kinds - the works of the starter gallery, the
-templates of the E3C copies, samples of steles - and the copy is asked for its remarks. A fault is told back
-when a remark of its kind is among them that speaks of the stroke it struck, if it struck one. The thresholds
-of the remarks were set on the masters that are 'seen'; the others took no part, and their figures count.
+templates of the E3C copies, samples of steles - and remarks are made on the copy. A fault is named when a
+remark of its kind is among them that speaks of the stroke that the fault is in, if it is in one. The
+thresholds of the remarks were set on the masters that are 'seen'; the others took no part, and their figures
+count.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from __future__ import annotations
 import csv
 import functools
 import zlib
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +21,12 @@ import numpy as np
 
 from rumu.assessment.measurement import PreparedMaster
 from rumu.errors import CalibrationError, RumuError, SurfaceError
-from rumu.executors import in_order
 from rumu.values import BoolArray, Remark
+from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.measuring import measure_each
+from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.simulation.faults import FaultyGlyph, apply
 from rumu_lab.simulation.glyph import Glyph
-
-Progress = Callable[[int, int], None]
 
 ANSWERS: Mapping[str, tuple[str, ...]] = {
     "missing": ("missing",),
@@ -73,7 +74,7 @@ NEAR = 0.07
 
 
 @dataclass(frozen=True, slots=True)
-class Master:
+class RemarkMaster:
     """One master. seen: whether the thresholds were set with it in view."""
 
     name: str
@@ -82,84 +83,68 @@ class Master:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """One copy with one fault, and what was said.
+class FaultTrial:
+    """One copy with one fault, and the remarks on it.
 
-    told: at which place of the remarks it was named, 0 first; None when it was not.
+    position: of the remark that names the fault among the remarks, 0 first; None when none does.
+    kinds: of the remarks. refused: why the copy was not marked.
     """
 
     master: str
     seen: bool
     fault: str
     severity: float
-    told: int | None
+    position: int | None
     kinds: tuple[str, ...]
     refused: str | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Result:
-    """What was told back of every copy."""
-
-    told: tuple[Told, ...]
-    figures: Mapping[str, Any] = field(default_factory=dict)
-
-    def summary(self) -> dict[str, Any]:
-        """All figures, plain."""
-        return dict(self.figures)
-
-    def text(self) -> str:
-        """The figures as a person reads them."""
-        head = ("fault", "copies", "told back", "told first", "", "on seen masters")
-        rows = [head]
-        for name, f in self.figures["faults"].items():
-            held, seen = f["held_out"], f["seen"]
-            rows.append((name, str(held["copies"]), *(f"{held[k]:.0%}" for k in ("told", "first")), "",
-                         f"{seen['told']:.0%} of {seen['copies']}"))  # fmt: skip
-        widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
-        table = "\n".join(
-            "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows
-        )
-        clean = self.figures["clean"]
-        return "\n".join(
-            [
-                f"Faults told back by name, severity {self.figures['severities']}: "
-                f"N = {self.figures['copies']} copies of {self.figures['held_out_masters']} masters that no "
-                "threshold was set on.",
-                table,
-                f"Clean copies, at another size or place: {clean['copies']}, of which {clean['stroke']} "
-                f"got a remark on a stroke and {clean['any']} any remark.",
-            ]
-        )
+def run(settings: RunSettings) -> Findings:
+    """Put every fault into every master and make the remarks. Raises CalibrationError without the data."""
+    return findings_on(standard_masters(settings.data), settings)
 
 
-def run(
-    data: str | Path,
-    *,
-    out: str | Path | None = None,
-    progress: Progress | None = None,
-    masters: Iterable[Master] | None = None,
-    severities: tuple[float, ...] = MIDDLE,
-) -> Result:
-    """Put every fault into every master and ask for the remarks.
+def findings_on(
+    masters: Sequence[RemarkMaster], settings: RunSettings, *, severities: tuple[float, ...] = MIDDLE
+) -> Findings:
+    """How many faults are named, over some masters; writes OUT/tables/remarks.csv, one row a copy.
 
-    data: holds e3c and masters/regular. out: a folder for remarks.csv, one row a copy. masters: others than
-    the standard ones. severities: of SEVERITIES. Raises CalibrationError when the data is not there.
+    severities: of SEVERITIES.
     """
-    chosen = list(masters) if masters is not None else standard_masters(Path(data))
-    told: list[Told] = []
-    work = functools.partial(_told_of_master, severities=severities)
-    for done, some in enumerate(in_order(work, chosen), start=1):
-        told += some
-        if progress:
-            progress(done, len(chosen))
-    result = Result(tuple(told), figures(told))
-    if out is not None:
-        write_table(result, Path(out) / "remarks.csv")
-    return result
+    work = functools.partial(try_master, severities=severities)
+    trials = [trial for some in measure_each(work, masters, settings) for trial in some]
+    if settings.tables is not None:
+        write_table(trials, settings.tables / "remarks.csv")
+    facts = figures(trials)
+    return Findings("remarks", facts, words=text(facts))
 
 
-def standard_masters(data: Path) -> list[Master]:
+def text(facts: Mapping[str, Any]) -> str:
+    """The figures as a person reads them."""
+    head = ("fault", "copies", "told back", "told first", "", "on seen masters")
+    rows = [head]
+    for name, f in facts["faults"].items():
+        held, seen = f["held_out"], f["seen"]
+        shares = (f"{held[k]:.0%}" for k in ("told", "first"))
+        rows.append((name, str(held["copies"]), *shares, "", f"{seen['told']:.0%} of {seen['copies']}"))
+    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
+    table = "\n".join(
+        "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows
+    )
+    clean = facts["clean"]
+    return "\n".join(
+        [
+            f"Faults told back by name, severity {facts['severities']}: "
+            f"N = {facts['copies']} copies of {facts['held_out_masters']} masters that no "
+            "threshold was set on.",
+            table,
+            f"Clean copies, at another size or place: {clean['copies']}, of which {clean['stroke']} "
+            f"got a remark on a stroke and {clean['any']} any remark.",
+        ]
+    )
+
+
+def standard_masters(data: Path) -> list[RemarkMaster]:
     """The thirty starter works, the E3C templates, and samples of steles."""
     from rumu.gallery.starter import starter_works
 
@@ -169,17 +154,20 @@ def standard_masters(data: Path) -> list[Master]:
         raise CalibrationError(f"{data}: expected e3c/templates and masters/regular here, found none")
     spread = [steles[k] for k in np.linspace(0, len(steles) - 1, STELES).astype(int)]
     return [
-        *(Master(w.id, w.path, w.id in SEEN) for w in starter_works()),
-        *(Master(f"e3c-{p.stem}", p, False) for p in templates),
-        *(Master(f"stele-{p.stem}", p, False) for p in spread),
+        *(RemarkMaster(w.id, w.path, w.id in SEEN) for w in starter_works()),
+        *(RemarkMaster(f"e3c-{p.stem}", p, False) for p in templates),
+        *(RemarkMaster(f"stele-{p.stem}", p, False) for p in spread),
     ]
 
 
-def _told_of_master(master: Master, severities: tuple[float, ...]) -> list[Told]:
+def try_master(master: RemarkMaster, severities: tuple[float, ...]) -> list[FaultTrial]:
     """All faults of one master. A fault that the glyph cannot have is left out."""
+    from rumu import pipeline
+
     glyph = _glyph(master.path)
+    prepared = pipeline.prepare_master(_picture(glyph.mask))
     cases = list(dict.fromkeys([(fault, s) for fault in ANSWERS for s in severities] + list(ASKED)))
-    told = []
+    trials: list[FaultTrial] = []
     for fault, severity in cases:
         seed = zlib.crc32(f"{master.name} {fault} {severity:g}".encode()) % 10_000
         try:
@@ -188,19 +176,16 @@ def _told_of_master(master: Master, severities: tuple[float, ...]) -> list[Told]
             continue
         if fault == "blunt" and (copy.mask ^ glyph.mask).sum() < SEEN_INK * glyph.mask.sum():
             continue  # no tip that tapers, as in seal script
-        told.append(_told(master, glyph, copy))
-    return [*told, *_clean(master, glyph)]
-
-
-def _told(master: Master, glyph: Glyph, copy: FaultyGlyph) -> Told:
-    try:
-        found = _remarks(_picture(copy.ink), _picture(glyph.mask))
-    except RumuError as error:
-        return Told(master.name, master.seen, copy.fault, copy.severity, None, (), str(error))
-    right = [r.kind in ANSWERS[copy.fault] and speaks_of(r, copy, glyph) for r in found]
-    place = right.index(True) if any(right) else None
-    kinds = tuple(r.kind for r in found)
-    return Told(master.name, master.seen, copy.fault, copy.severity, place, kinds)
+        remarks, refused = _remarks(copy.ink, prepared)
+        right = [r.kind in ANSWERS[fault] and speaks_of(r, copy, glyph) for r in remarks]
+        position = right.index(True) if any(right) else None
+        kinds = tuple(r.kind for r in remarks)
+        trials.append(FaultTrial(master.name, master.seen, fault, severity, position, kinds, refused))
+    for name, ink in _clean_copies(glyph).items():
+        remarks, refused = _remarks(ink, prepared)
+        kinds = tuple(r.kind for r in remarks)
+        trials.append(FaultTrial(master.name, master.seen, f"clean {name}", 0.0, None, kinds, refused))
+    return trials
 
 
 def speaks_of(remark: Remark, copy: FaultyGlyph, glyph: Glyph) -> bool:
@@ -223,39 +208,27 @@ def _meet(remark: Remark, copy: FaultyGlyph) -> bool:
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
-def _clean(master: Master, glyph: Glyph) -> list[Told]:
-    """The master itself at half and at one and a half times its size, and a little aside."""
+def _clean_copies(glyph: Glyph) -> dict[str, np.ndarray]:
+    """The ink itself at half and at one and a half times its size, and a little aside."""
     import cv2
 
     ink = glyph.mask.astype(np.float32)
     aside = np.array([[1.0, 0.0, 3.3], [0.0, 1.0, -2.6]])
-    copies = {
+    return {
         "half": cv2.resize(ink, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA),
         "larger": cv2.resize(ink, None, fx=1.5, fy=1.5, interpolation=cv2.INTER_LINEAR),
         "aside": cv2.warpAffine(ink, aside, ink.shape[::-1]),
     }
-    told = []
-    for name, copy in copies.items():
-        try:
-            kinds = tuple(r.kind for r in _remarks(_picture(copy), _picture(glyph.mask)))
-        except RumuError as error:
-            told.append(Told(master.name, master.seen, f"clean {name}", 0.0, None, (), str(error)))
-            continue
-        told.append(Told(master.name, master.seen, f"clean {name}", 0.0, None, kinds))
-    return told
 
 
-def _remarks(copy: np.ndarray, master: np.ndarray) -> tuple[Remark, ...]:
+def _remarks(ink: np.ndarray, master: PreparedMaster) -> tuple[tuple[Remark, ...], str | None]:
+    """Remarks on a copy with this ink; or none, and why it cannot be marked."""
     from rumu import pipeline
 
-    return pipeline.assess(copy, _prepared(master.tobytes(), master.shape)).remarks
-
-
-@functools.lru_cache(maxsize=2)
-def _prepared(data: bytes, shape: tuple[int, ...]) -> PreparedMaster:
-    from rumu import pipeline
-
-    return pipeline.prepare_master(np.frombuffer(data, np.uint8).reshape(shape))
+    try:
+        return pipeline.assess(_picture(ink), master).remarks, None
+    except RumuError as error:
+        return (), str(error)
 
 
 def _picture(ink: np.ndarray) -> np.ndarray:
@@ -276,11 +249,10 @@ def _glyph(path: Path) -> Glyph:
     return Glyph(np.pad(mask, SIDE // 16))  # what a fault moves must stay in the picture
 
 
-def figures(told: Iterable[Told]) -> dict[str, Any]:
-    """Shares told back and told first by fault, on held-out and on seen masters, and false alarms."""
-    told = list(told)
-    faulted = [t for t in told if not t.fault.startswith("clean")]
-    clean = [t for t in told if t.fault.startswith("clean")]
+def figures(trials: Sequence[FaultTrial]) -> dict[str, Any]:
+    """Shares named, and named first, by fault, on held-out and on seen masters; and false alarms."""
+    faulted = [t for t in trials if not t.fault.startswith("clean")]
+    clean = [t for t in trials if t.fault.startswith("clean")]
     asked = {(name, severity) for name, severity in ASKED}
     names = {
         name: [t for t in faulted if t.fault == name and (name, t.severity) not in asked - _usual()]
@@ -292,8 +264,8 @@ def figures(told: Iterable[Told]) -> dict[str, Any]:
     return {
         "severities": ", ".join(f"{s:g}" for s in usual),
         "copies": sum(not t.seen for t in faulted),
-        "held_out_masters": len({t.master for t in told if not t.seen}),
-        "seen_masters": sorted({t.master for t in told if t.seen}),
+        "held_out_masters": len({t.master for t in trials if not t.seen}),
+        "seen_masters": sorted({t.master for t in trials if t.seen}),
         "faults": {
             name: {
                 "held_out": _shares([t for t in some if not t.seen]),
@@ -322,24 +294,24 @@ def _usual() -> set[tuple[str, float]]:
     return {(name, severity) for name in ANSWERS for severity in SEVERITIES}
 
 
-def _shares(told: list[Told]) -> dict[str, float]:
-    n = max(len(told), 1)
+def _shares(trials: list[FaultTrial]) -> dict[str, float]:
+    n = max(len(trials), 1)
     return {
-        "copies": len(told),
-        "told": sum(t.told is not None for t in told) / n,
-        "first": sum(t.told == 0 for t in told) / n,
+        "copies": len(trials),
+        "told": sum(t.position is not None for t in trials) / n,
+        "first": sum(t.position == 0 for t in trials) / n,
     }
 
 
-def write_table(result: Result, path: Path) -> None:
-    """One row a copy: master, whether seen, fault, severity, at which place it was told, what was said."""
+def write_table(trials: Sequence[FaultTrial], path: Path) -> None:
+    """One row a copy: master, whether seen, fault, severity, position of the remark that names it, kinds."""
     from rumu.outputs import whole_file
 
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(["master", "seen", "fault", "severity", "told", "kinds", "refused"])
-        for t in result.told:
-            place = "" if t.told is None else t.told + 1
+        for t in trials:
+            told = "" if t.position is None else t.position + 1
             writer.writerow(
-                [t.master, t.seen, t.fault, f"{t.severity:g}", place, " ".join(t.kinds), t.refused or ""]
+                [t.master, t.seen, t.fault, f"{t.severity:g}", told, " ".join(t.kinds), t.refused or ""]
             )

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -12,7 +11,9 @@ from typing import Any, Literal
 
 from rumu.errors import RumuError
 from rumu.values import Bilingual
-from rumu_lab.experiments.findings import Findings, RunSettings, keep, kept, still_holds
+from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.results import origin_of, write_result
+from rumu_lab.experiments.run_settings import RunSettings, code_digest
 
 Status = Literal["ran", "kept", "skipped", "failed"]
 
@@ -36,7 +37,7 @@ _E3C = ("e3c/scores.csv",)
 _MASTERS = ("masters/regular/labels.csv",)
 
 EXPERIMENTS: tuple[Experiment, ...] = (
-    Experiment("e3c", "people", Bilingual("分數與真人評分", "The mark against people"), _E3C, in_quick=False),
+    Experiment("e3c", "e3c", Bilingual("分數與真人評分", "The mark against people"), _E3C, in_quick=False),
     Experiment(
         "human", "human_marks", Bilingual("表二、圖七：真人評分", "Table 2 and Figure 7: human marks"), _E3C
     ),
@@ -62,7 +63,7 @@ EXPERIMENTS: tuple[Experiment, ...] = (
 
 
 @dataclass(frozen=True, slots=True)
-class Ended:
+class RunStatus:
     """How one experiment of a run ended. why: one line for what was skipped or failed."""
 
     name: str
@@ -77,29 +78,26 @@ def find(name: str) -> Experiment:
 
 
 def run_one(name: str, settings: RunSettings, **more: Any) -> Findings:
-    """Run one experiment, and keep what it found when there is a place for it.
+    """Run one experiment, and write its result where there is a folder for it.
 
     more: what only this experiment takes. Raises what the experiment raises.
     """
-    start = time.perf_counter()
-    experiment = find(name)
-    run: Callable[..., Any] = import_module(f"rumu_lab.experiments.{experiment.module}").run
-    found = _as_findings(name, _called(run, name, settings, more))
+    findings, origin = _run(name, settings, **more)
     if settings.out is not None:
-        keep(found, settings=settings, seconds=time.perf_counter() - start)
-    return found
+        write_result(findings, origin, settings)
+    return findings
 
 
 def run_all(
     settings: RunSettings, *, announce: Callable[[str], Callable[[int, int], None]]
-) -> Iterator[Ended]:
-    """Every experiment that `all` means, one after the other; what still holds is not run again.
+) -> Iterator[RunStatus]:
+    """Every experiment that `all` means, one after the other; one that ended before is not run again.
 
     announce: name -> the progress of that experiment.
     """
     for experiment in EXPERIMENTS:
         if not experiment.alone:
-            yield _ended(experiment, replace(settings, progress=announce(experiment.name)))
+            yield _run_or_skip(experiment, replace(settings, progress=announce(experiment.name)))
 
 
 def why_not(experiment: Experiment, settings: RunSettings) -> str | None:
@@ -112,39 +110,36 @@ def why_not(experiment: Experiment, settings: RunSettings) -> str | None:
     return None
 
 
-def _ended(experiment: Experiment, settings: RunSettings) -> Ended:
-    assert settings.out is not None
+def _run(name: str, settings: RunSettings, **more: Any) -> tuple[Findings, dict[str, Any]]:
+    """Findings of an experiment, and what they rest on."""
+    start = time.perf_counter()
+    experiment = find(name)
+    run: Callable[..., Findings] = import_module(f"rumu_lab.experiments.{experiment.module}").run
+    if experiment.alone:
+        more |= {"name": name}
+    findings = run(settings, **more)
+    return findings, origin_of(settings, seconds=time.perf_counter() - start)
+
+
+def _run_stored(
+    name: str, data: Path, quick: bool, version: str, settings: RunSettings
+) -> tuple[Findings, dict[str, Any]]:
+    """What `_run` returns, under the arguments that joblib stores it by; settings are not among them."""
+    return _run(name, settings)
+
+
+def _run_or_skip(experiment: Experiment, settings: RunSettings) -> RunStatus:
     reason = why_not(experiment, settings)
     if reason is not None:
-        return Ended(experiment.name, "skipped", why=reason)
-    before = kept(experiment.name, out=settings.out)
-    if before is not None and still_holds(before, settings=settings):
-        return Ended(experiment.name, "kept", float(before["seconds"]))
+        return RunStatus(experiment.name, "skipped", why=reason)
+    stored = settings.memory.cache(_run_stored, ignore=["settings"])
+    arguments = (experiment.name, settings.data, settings.quick, code_digest(), settings)
+    before = stored.check_call_in_cache(*arguments)
     start = time.perf_counter()
     try:
-        run_one(experiment.name, settings)
+        findings, origin = stored(*arguments)
     except RumuError as error:
-        return Ended(experiment.name, "failed", time.perf_counter() - start, " ".join(str(error).split()))
-    return Ended(experiment.name, "ran", time.perf_counter() - start)
-
-
-def _called(run: Callable[..., Any], name: str, settings: RunSettings, more: Mapping[str, Any]) -> Any:
-    """An experiment takes a Setting, or what it names of data, out, quick and progress."""
-    takes = inspect.signature(run).parameters
-    if "settings" in takes:
-        return run(settings, **({"name": name} if "name" in takes else {}), **more)
-    offered = {
-        "data": settings.data,
-        "out": _tables(settings),
-        "quick": settings.quick,
-        "progress": settings.progress,
-    }
-    return run(**{key: value for key, value in offered.items() if key in takes}, **more)
-
-
-def _tables(settings: RunSettings) -> Path | None:
-    return None if settings.out is None else settings.out / "tables"
-
-
-def _as_findings(name: str, found: Any) -> Findings:
-    return found if isinstance(found, Findings) else Findings(name, found.summary(), words=found.text())
+        seconds, why = time.perf_counter() - start, " ".join(str(error).split())
+        return RunStatus(experiment.name, "failed", seconds, why)
+    write_result(findings, origin, settings)
+    return RunStatus(experiment.name, "kept" if before else "ran", float(origin["seconds"]))

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from rumu.values import Bilingual
-from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
-from rumu_lab.experiments.measuring import OURS
+from rumu_lab.experiments.findings import Cell, Column, Findings, Table
+from rumu_lab.experiments.grading import OURS
+from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import AtDegree
 
 

@@ -25,11 +25,12 @@ from rumu_lab.experiments.agreement import (
     verdict,
     verdict_sentence,
 )
-from rumu_lab.experiments.findings import Cell, Column, Findings, RunSettings, Table
-from rumu_lab.experiments.measuring import OURS, OWN, GradingTask, Measured, measure_all
+from rumu_lab.experiments.findings import Cell, Column, Findings, Table
+from rumu_lab.experiments.grading import OURS, OWN, Grades, GradingTask, grade_all
 from rumu_lab.experiments.protocol import ExperimentProtocol, share_faults
+from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import Faulty, Written
-from rumu_lab.experiments.statistics import kendall, order_accuracy, spearman, violations
+from rumu_lab.experiments.statistics import kendall, order_accuracy, rising_steps, spearman
 
 SHIPPED = "rumu, as shipped"
 SHARED = "rumu, the shared calibrator"
@@ -52,12 +53,12 @@ class Step:
     subject: Subject
     fault: str
     severity: int
-    measured: Measured
+    grades: Grades
 
 
 def run(settings: RunSettings) -> Findings:
     """The series of the starter works."""
-    return found_on(
+    return findings_on(
         starter_subjects(settings.protocol), settings, name="severities", where="the starter works"
     )
 
@@ -80,12 +81,11 @@ def steps_of(subjects: Sequence[Subject], settings: RunSettings) -> list[Step]:
         (s, fault, severity) for s in subjects for fault in s.faults for severity in (0, *protocol.severities)
     ]
     tasks = {key_of(*step): task_of(*step, seed=protocol.simulation_seed) for step in plan}
-    measured = measure_all(list(tasks.values()), store=settings.store, progress=settings.progress)
-    by_key = {m.key: m for m in measured}
+    by_key = {g.key: g for g in grade_all(list(tasks.values()), settings)}
     return [Step(*step, by_key[key_of(*step)]) for step in plan]
 
 
-def found_on(subjects: Sequence[Subject], settings: RunSettings, *, name: str, where: str) -> Findings:
+def findings_on(subjects: Sequence[Subject], settings: RunSettings, *, name: str, where: str) -> Findings:
     """All that the series of some subjects show."""
     steps = steps_of(subjects, settings)
     series = whole_series(steps)
@@ -98,13 +98,13 @@ def found_on(subjects: Sequence[Subject], settings: RunSettings, *, name: str, w
         "where": where,
         "subjects": len(subjects),
         "series": len(series),
-        "copies": len({s.measured.key for s in steps}),
-        "refused": sorted({s.measured.key for s in steps if s.measured.refused is not None}),
+        "copies": len({s.grades.key for s in steps}),
+        "refused": sorted({s.grades.key for s in steps if s.grades.refused is not None}),
         "methods": rows,
         "verdict": verdict(rows, ours=SHARED, besides=besides),
         "ranks": ranks,
         "by_fault": fault_rows(series),
-        "steps": {method: step_of(series, method) for method in series[0][0].measured.raw},
+        "steps": {method: step_of(series, method) for method in series[0][0].grades.raw},
         "marks_by_severity": _marks_by_severity(steps, protocol),
         "worst_fold": _worst_fold(steps, declared[1]),
     }
@@ -117,7 +117,7 @@ def whole_series(steps: Sequence[Step]) -> list[list[Step]]:
     groups: dict[tuple[str, str], list[Step]] = {}
     for step in steps:
         groups.setdefault((step.subject.name, step.fault), []).append(step)
-    whole = [g for g in groups.values() if all(s.measured.refused is None for s in g)]
+    whole = [g for g in groups.values() if all(s.grades.refused is None for s in g)]
     if not whole:
         raise CalibrationError("expected simulated copies that can be marked, every series had refused ones")
     return whole
@@ -126,11 +126,11 @@ def whole_series(steps: Sequence[Step]) -> list[list[Step]]:
 def rank_rows(series: Sequence[Sequence[Step]]) -> list[dict[str, Cell]]:
     """One row a method: means over the series; Spearman and Kendall with falling severity, best 1."""
     rows: list[dict[str, Cell]] = []
-    for method in series[0][0].measured.raw:
-        raws = [np.array([s.measured.raw[method] for s in one]) for one in series]
+    for method in series[0][0].grades.raw:
+        raws = [np.array([s.grades.raw[method] for s in one]) for one in series]
         good = [-np.array([s.severity for s in one], float) for one in series]
         figures = [
-            (spearman(r, g), kendall(r, g), order_accuracy(r, g), violations(r))
+            (spearman(r, g), kendall(r, g), order_accuracy(r, g), rising_steps(r))
             for r, g in zip(raws, good, strict=True)
         ]
         means = np.mean(figures, axis=0)
@@ -153,7 +153,7 @@ def step_of(series: Sequence[Sequence[Step]], method: str) -> float:
     """Mean slope of a raw grade for one step of severity, by least squares over severities 1 and above."""
     slopes = [
         np.polyfit(
-            [s.severity for s in one if s.severity], [s.measured.raw[method] for s in one if s.severity], 1
+            [s.severity for s in one if s.severity], [s.grades.raw[method] for s in one if s.severity], 1
         )[0]
         for one in series
     ]
@@ -173,34 +173,34 @@ def task_of(subject: Subject, fault: str, severity: int, *, seed: int) -> Gradin
     return GradingTask(key_of(subject, fault, severity), subject.name, subject.master, recipe)
 
 
-def _marked(steps: Sequence[Step]) -> list[Step]:
+def _each_once(steps: Sequence[Step]) -> list[Step]:
     """Each copy once, without the refused ones; severity 0 belongs to all series of its subject."""
-    once = {s.measured.key: s for s in steps if s.measured.refused is None}
+    once = {s.grades.key: s for s in steps if s.grades.refused is None}
     return list(once.values())
 
 
 def _rows(
     steps: Sequence[Step], expected: Sequence[float], protocol: ExperimentProtocol
 ) -> list[dict[str, Cell]]:
-    once = _marked(steps)
+    once = _each_once(steps)
     marks = np.array([expected[s.severity] for s in once])
     folds, clusters = [s.subject.fold for s in once], [s.subject.name for s in once]
     return side_by_side(_graded(once, marks, folds), marks, clusters, ours=SHARED, protocol=protocol)
 
 
 def _graded(once: Sequence[Step], marks: FloatArray, folds: list[str]) -> list[Graded]:
-    raw = raw_of([s.measured for s in once])
-    shipped = np.array([s.measured.mark for s in once])
+    raw = raw_of([s.grades for s in once])
+    shipped = np.array([s.grades.mark for s in once])
     graded = [Graded(SHARED if n == OURS else n, r, held_out(r, marks, folds)) for n, r in raw.items()]
     return [Graded(SHIPPED, shipped, shipped), *graded, constant(marks, folds)]
 
 
 def _worst_fold(steps: Sequence[Step], expected: Sequence[float]) -> dict[str, Any]:
     """Our mean absolute error, through the shared calibrator, on the fold where it is largest."""
-    once = _marked(steps)
+    once = _each_once(steps)
     marks = np.array([expected[s.severity] for s in once])
     folds = np.array([s.subject.fold for s in once])
-    raw = raw_of([s.measured for s in once])[OURS]
+    raw = raw_of([s.grades for s in once])[OURS]
     error = np.abs(held_out(raw, marks, folds) - marks)
     by_fold = {str(f): float(error[folds == f].mean()) for f in np.unique(folds)}
     worst = max(by_fold, key=lambda fold: by_fold[fold])
@@ -208,9 +208,9 @@ def _worst_fold(steps: Sequence[Step], expected: Sequence[float]) -> dict[str, A
 
 
 def _marks_by_severity(steps: Sequence[Step], protocol: ExperimentProtocol) -> list[float]:
-    once = _marked(steps)
+    once = _each_once(steps)
     levels = (0, *protocol.severities)
-    return [float(np.mean([s.measured.mark for s in once if s.severity == k])) for k in levels]
+    return [float(np.mean([s.grades.mark for s in once if s.severity == k])) for k in levels]
 
 
 def _sensitivity(

@@ -1,4 +1,4 @@
-"""Intervals, tests and rank statistics, each a few lines above scipy.
+"""Intervals, tests and rank statistics, each a few lines above scipy or statsmodels.
 
 A cluster is what is drawn as a whole when one asks how a figure would come out elsewhere: a character for
 human marks, a work for simulated copies. Copies of one character are no independent witnesses.
@@ -11,32 +11,28 @@ from typing import Any
 
 import numpy as np
 
-from rumu.errors import CalibrationError
 from rumu.values import FloatArray
 
 Labels = Sequence[Any] | np.ndarray
 
 
-def clopper_pearson(right: int, total: int, *, confidence: float = 0.95) -> tuple[float, float]:
-    """Exact interval of a share, (low, high) in [0, 1]. Raises CalibrationError for an empty total."""
-    from scipy.stats import beta
+def exact_interval(right: int, total: int) -> tuple[float, float]:
+    """Clopper and Pearson's 95 % interval of a share, in [0, 1]; total: 1 or more."""
+    from scipy.stats import binomtest
 
-    if not 0 <= right <= total or total == 0:
-        raise CalibrationError(f"expected 0 <= right <= total and total > 0, got {right} of {total}")
-    tail = (1.0 - confidence) / 2
-    low = 0.0 if right == 0 else float(beta.ppf(tail, right, total - right + 1))
-    high = 1.0 if right == total else float(beta.ppf(1 - tail, right + 1, total - right))
-    return low, high
+    interval = binomtest(right, total).proportion_ci(method="exact")
+    return float(interval.low), float(interval.high)
 
 
 def weighted_kappa(truth: Sequence[int], given: Sequence[int], *, levels: int) -> float:
     """Quadratic weighted kappa of two gradings into 0 .. levels - 1; NaN where both use a single level."""
+    from statsmodels.stats.inter_rater import cohens_kappa
+
+    if len({*truth, *given}) == 1:
+        return float("nan")
     seen = np.zeros((levels, levels))
     np.add.at(seen, (np.asarray(truth), np.asarray(given)), 1.0)
-    apart = np.subtract.outer(np.arange(levels), np.arange(levels)) ** 2.0
-    chance = np.outer(seen.sum(axis=1), seen.sum(axis=0)) / seen.sum()
-    expected = float((apart * chance).sum())
-    return float("nan") if expected == 0 else 1.0 - float((apart * seen).sum()) / expected
+    return float(cohens_kappa(seen, wt="quadratic", return_results=False))
 
 
 def cluster_interval(
@@ -69,13 +65,10 @@ def paired_p(first: FloatArray, second: FloatArray) -> float:
 
 
 def holm(p: Sequence[float]) -> list[float]:
-    """p values corrected for their number (Holm 1979), in the order they came."""
-    order = np.argsort(p)
-    worst, corrected = 0.0, [0.0] * len(p)
-    for rank, k in enumerate(order):
-        worst = max(worst, min(1.0, (len(p) - rank) * float(p[k])))
-        corrected[int(k)] = worst
-    return corrected
+    """The p values corrected for their number (Holm 1979), in the order they came."""
+    from statsmodels.stats.multitest import multipletests
+
+    return [float(value) for value in multipletests(p, method="holm")[1]] if p else []
 
 
 def spearman(a: FloatArray, b: FloatArray) -> float:
@@ -99,15 +92,15 @@ def kendall(a: FloatArray, b: FloatArray) -> float:
 def order_accuracy(given: FloatArray, truth: FloatArray) -> float:
     """Share of the pairs with different truth that are ordered rightly; a tie counts half."""
     i, j = np.triu_indices(len(truth), k=1)
-    told = np.sign(np.asarray(truth)[i] - np.asarray(truth)[j])
-    said = np.sign(np.asarray(given)[i] - np.asarray(given)[j])
-    real = told != 0
-    if not real.any():
+    expected = np.sign(np.asarray(truth)[i] - np.asarray(truth)[j])
+    actual = np.sign(np.asarray(given)[i] - np.asarray(given)[j])
+    different = expected != 0
+    if not different.any():
         return 0.5
-    return float(np.mean(0.5 + 0.5 * (told * said)[real]))
+    return float(np.mean(0.5 + 0.5 * (expected * actual)[different]))
 
 
-def violations(falling: FloatArray) -> float:
+def rising_steps(falling: FloatArray) -> float:
     """Share of the steps of a series, which should fall, that rise instead."""
     return float(np.mean(np.diff(falling) > 0))
 
