@@ -20,7 +20,7 @@ from scipy import sparse
 from scipy.sparse.linalg import cg, spsolve
 
 from rumu.capture.image import bounding_box, read_image
-from rumu.gallery.works import starter_works
+from rumu.gallery.starter import starter_works
 from rumu.surface.inflation import InflationSettings, finest_grid, inflate
 from rumu.surface.ink import find_ink
 

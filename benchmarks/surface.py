@@ -92,8 +92,7 @@ def degrees_off(normals: np.ndarray, truth: np.ndarray, where: np.ndarray) -> fl
 
 
 def angular_errors() -> dict[str, dict[str, float]]:
-    """Mean angular error in degrees of each solver where the normals are known; its residual in per
-    cent on a capture without known normals."""
+    """Mean error in degrees of each solver, and its residual in per cent where normals are unknown."""
     table = {}
     for name, (capture, truth, where) in known().items():
         table[name] = {

@@ -9,7 +9,7 @@ from rumu.capture.folder import read_capture
 from rumu.errors import SurfaceError
 from rumu.surface.photometric import photometric, surface_normals
 from rumu.surface.robust import SOLVERS, solve
-from rumu.surface.strengths import calibrate
+from rumu.surface.strengths import estimate_photometry
 from rumu.values import Capture
 from rumu_lab.simulation.lamps import Gloss, Sensor, photographs
 from rumu_lab.simulation.shapes import bump, ridges
@@ -64,12 +64,12 @@ def test_unequal_lamps_are_told_apart_and_equal_ones_left_alone():
     shape = bump((100, 100), peak=12.0, sigma=16.0)
     strengths = np.random.default_rng(4).uniform(0.6, 1.0, 12)
     capture = capture_of(shape, strengths=strengths, sensor=Sensor(noise=0.002))
-    found = calibrate(capture.images, capture.lights, mask=capture.mask)
+    found = estimate_photometry(capture.images, capture.lights, mask=capture.mask)
     assert np.abs(found.strengths - strengths / strengths.mean()).max() < 0.005
     assert degrees_off(surface_normals(capture)[0], shape.normals) < 0.4
     assert degrees_off(surface_normals(capture, solver="least_squares")[0], shape.normals) > 2.0
     equal = capture_of(shape, sensor=Sensor(noise=0.002))
-    left = calibrate(equal.images, equal.lights, mask=equal.mask)
+    left = estimate_photometry(equal.images, equal.lights, mask=equal.mask)
     assert (left.strengths == 1.0).all() and left.black_level == 0.0
 
 
@@ -86,7 +86,7 @@ def test_strengths_that_are_known_are_used():
 def test_stray_light_is_found_when_the_lamps_allow_it():
     shape = bump((100, 100), peak=8.0, sigma=16.0)
     capture = capture_of(shape, veil=0.05, sensor=Sensor(noise=0.002))
-    found = calibrate(capture.images, capture.lights, mask=capture.mask)
+    found = estimate_photometry(capture.images, capture.lights, mask=capture.mask)
     assert found.black_level == pytest.approx(0.05, abs=0.002)
     assert (found.strengths == 1.0).all()
 

@@ -32,45 +32,65 @@ _ONE_PLANE = 1e-3  # smallest singular value of the lamps that still says three 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lamps:
-    """The photographs and their lamps, and the file that told them."""
+    """The photographs, their lamps, and the file that says where the lamps stood."""
 
     images: tuple[Path, ...]
     lights: FloatArray
-    told_by: Path
+    file: Path
 
 
 def read_capture(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> Capture:
-    """Read a capture folder, or the folder of a given .lp, light_directions*.txt or capture.json.
+    """Read a capture folder.
 
-    Of several kinds in one folder the .lp wins, since it names its images; then light_directions*.txt.
-    encoding: 'auto' takes JPEG and WebP as sRGB and everything else as linear; 'linear' or 'srgb' says it
-        outright, and so does "encoding" in capture.json, which is heeded when `encoding` is 'auto'.
+    Parameters
+    ----------
+    path : path
+        A folder, or the .lp, light_directions*.txt or capture.json in it that says where the lamps stood. Of
+        several kinds in one folder the .lp wins, since it names its images; then light_directions*.txt.
+    encoding : {'auto', 'linear', 'srgb'}
+        'auto' takes JPEG and WebP as sRGB and everything else as linear; 'linear' or 'srgb' says it outright,
+        and so does "encoding" in capture.json, which is used when `encoding` is 'auto'.
+
+    Returns
+    -------
+    Capture
+        images: (N, H, W) or (N, H, W, 3) float32, linear, in [0, 1]; lights: (N, 3) unit vectors toward the
+        lamps; mask: (H, W) bool, all True where no mask was found; spacing: millimetres per pixel or None.
+
+    Raises
+    ------
+    CaptureError, ImageError
+        Naming the file and what was expected there.
+
+    Notes
+    -----
     An image named ambient (the lamps off) is subtracted, and what falls below 0 becomes 0. When any float
     image exceeds 1, all are divided by the one brightest value, so that their ratios stay.
     The mask is "mask" of capture.json, else mask.png, else NAME.mask.png, else mask.png one folder up when
     no photographs lie beside it.
-
-    Returns a Capture: images (N, H, W) or (N, H, W, 3) float32, linear, in [0, 1].
-    Raises CaptureError or ImageError, naming the file and what was expected there.
     """
     if encoding not in ENCODINGS:
         raise CaptureError(f"encoding: expected one of {', '.join(ENCODINGS)}, got {encoding!r}")
-    folder, named = _folder_of(Path(path))
-    description = _description(folder)
-    lamps = _lamps(folder, named, description)
+    folder, named = _split_path(Path(path))
+    description_file = folder / _DESCRIPTION
+    description = read_description(description_file) if description_file.is_file() else Description()
+    lamps = _read_lamps(folder, named, description)
     _check_lamps(lamps)
-    chosen = _encoding(folder, description) if encoding == "auto" else encoding
-    images = _images(lamps.images, ambient=_single(folder, "ambient"), encoding=chosen)
+    chosen = _encoding_of(folder, description) if encoding == "auto" else encoding
+    images = _read_images(lamps.images, ambient=_image_by_stem(folder, "ambient"), encoding=chosen)
     return Capture(
         images=images,
         lights=lamps.lights,
-        mask=_mask(folder, description, shape=images.shape[1:3]),
+        mask=_read_folder_mask(folder, description, shape=images.shape[1:3]),
         spacing=description.spacing_mm,
-        names=tuple(_relative(image, folder) for image in lamps.images),
+        names=tuple(
+            image.relative_to(folder).as_posix() if image.is_relative_to(folder) else str(image)
+            for image in lamps.images
+        ),
     )
 
 
-def _folder_of(path: Path) -> tuple[Path, Path | None]:
+def _split_path(path: Path) -> tuple[Path, Path | None]:
     if path.is_dir():
         return path, None
     if not path.exists():
@@ -80,12 +100,7 @@ def _folder_of(path: Path) -> tuple[Path, Path | None]:
     raise CaptureError(f"{path}: expected a capture folder or its .lp file, got another kind of file")
 
 
-def _description(folder: Path) -> Description:
-    path = folder / _DESCRIPTION
-    return read_description(path) if path.is_file() else Description()
-
-
-def _encoding(folder: Path, description: Description) -> Encoding:
+def _encoding_of(folder: Path, description: Description) -> Encoding:
     for known in ENCODINGS:
         if description.encoding in (known, None):
             return known
@@ -98,16 +113,17 @@ def _encoding(folder: Path, description: Description) -> Encoding:
 # --- which images, which lamps ---------------------------------------------------------------------
 
 
-def _lamps(folder: Path, named: Path | None, description: Description) -> _Lamps:
-    told_by = named or _lamp_file(folder, description)
-    if told_by.suffix.lower() != ".json" and description.slant is not None:
+def _read_lamps(folder: Path, named: Path | None, description: Description) -> _Lamps:
+    file = named or _lamp_file(folder, description)
+    kind = file.suffix.lower()
+    if kind != ".json" and description.slant is not None:
         raise CaptureError(
-            f'{folder}: {told_by.name} says where the lamps stood and so does "slant" in {_DESCRIPTION}; '
+            f'{folder}: {file.name} says where the lamps stood and so does "slant" in {_DESCRIPTION}; '
             "keep one of them"
         )
-    if told_by.suffix.lower() == ".lp":
-        return _from_lp(told_by)
-    return _from_json(told_by, description) if told_by.suffix.lower() == ".json" else _from_table(told_by)
+    if kind == ".lp":
+        return _from_lp(file)
+    return _from_json(file, description) if kind == ".json" else _from_table(file)
 
 
 def _lamp_file(folder: Path, description: Description) -> Path:
@@ -129,14 +145,14 @@ def _from_lp(path: Path) -> _Lamps:
     lines = read_lp(path)
     images = []
     for line in lines:
-        image = _named_image(path.parent, line.name)
+        image = _find_image(path.parent, line.name)
         if image is None:
             raise CaptureError(f"{line.where}: expected the image {line.name}, there is no such file")
         images.append(image)
     return _Lamps(tuple(images), np.array([line.light for line in lines]).reshape(-1, 3), path)
 
 
-def _named_image(folder: Path, name: str) -> Path | None:
+def _find_image(folder: Path, name: str) -> Path | None:
     """The file that an .lp names; where that is not found, as from another machine, one of its name here."""
     forward = name.replace("\\", "/")
     for candidate in (folder / name, folder / forward, folder / forward.rsplit("/", 1)[-1]):
@@ -160,7 +176,7 @@ def _from_json(path: Path, description: Description) -> _Lamps:
     tilts = description.tilts or _PAPER_TILTS
     images, lights = [], []
     for stem, tilt in tilts.items():
-        image = _single(path.parent, stem)
+        image = _image_by_stem(path.parent, stem)
         if image is None and (given or stem != "d"):
             raise CaptureError(f"{path}: expected an image named {stem} (such as {stem}.png), found none")
         if image is not None:
@@ -178,20 +194,21 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _image_files(folder: Path) -> list[Path]:
+    """Those that images may be, by their suffix."""
     return [p for p in _files(folder) if p.suffix.lower() in _SUFFIXES]
 
 
 def _photographs(folder: Path) -> list[Path]:
     """Image files in natural order (2 before 10), without masks, the ambient frame and normal maps."""
     aside = re.compile(r"(.*\.)?(mask|ambient)|normals?(_gt)?", re.IGNORECASE)
-    return sorted((p for p in _image_files(folder) if not aside.fullmatch(p.stem)), key=_natural)
+    return sorted((p for p in _image_files(folder) if not aside.fullmatch(p.stem)), key=_natural_key)
 
 
-def _natural(path: Path) -> list[tuple[str, int]]:
+def _natural_key(path: Path) -> list[tuple[str, int]]:
     return [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", path.name)]
 
 
-def _single(folder: Path, stem: str) -> Path | None:
+def _image_by_stem(folder: Path, stem: str) -> Path | None:
     """The one image of this name with any suffix, None when there is none."""
     found = [p for p in _image_files(folder) if p.stem.lower() == stem.lower()]
     if len(found) > 1:
@@ -203,29 +220,25 @@ def _single(folder: Path, stem: str) -> Path | None:
 def _check_lamps(lamps: _Lamps) -> None:
     count = len(lamps.images)
     if count < 3:
-        raise CaptureError(f"{lamps.told_by}: expected at least 3 images, got {count}")
+        raise CaptureError(f"{lamps.file}: expected at least 3 images, got {count}")
     if float(np.linalg.svd(lamps.lights, compute_uv=False)[-1]) <= _ONE_PLANE:
         raise CaptureError(
-            f"{lamps.told_by}: expected lamps from at least three sides, got {count} that lie in one plane"
+            f"{lamps.file}: expected lamps from at least three sides, got {count} that lie in one plane"
         )
-
-
-def _relative(image: Path, folder: Path) -> str:
-    return image.relative_to(folder).as_posix() if image.is_relative_to(folder) else str(image)
 
 
 # --- pixels ----------------------------------------------------------------------------------------
 
 
-def _images(paths: tuple[Path, ...], *, ambient: Path | None, encoding: Encoding) -> FloatArray:
+def _read_images(paths: tuple[Path, ...], *, ambient: Path | None, encoding: Encoding) -> FloatArray:
     first = read_linear(paths[0], encoding=encoding)
     dark = None if ambient is None else read_linear(ambient, encoding=encoding)
     if ambient is not None and dark is not None:
-        _check_alike(ambient, dark, paths[0], first)
+        _check_same_size(ambient, dark, paths[0], first)
     images = np.empty((len(paths), *first.shape), dtype=np.float32)
     for i, path in enumerate(paths):
         image = first if i == 0 else read_linear(path, encoding=encoding)
-        _check_alike(path, image, paths[0], first)
+        _check_same_size(path, image, paths[0], first)
         images[i] = image if dark is None else np.maximum(image - dark, 0)
     peak = float(images.max())
     if peak > 1:
@@ -233,7 +246,7 @@ def _images(paths: tuple[Path, ...], *, ambient: Path | None, encoding: Encoding
     return images
 
 
-def _check_alike(path: Path, image: FloatArray, first_path: Path, first: FloatArray) -> None:
+def _check_same_size(path: Path, image: FloatArray, first_path: Path, first: FloatArray) -> None:
     if image.shape[:2] != first.shape[:2]:
         raise CaptureError(
             f"{path}: expected {_size(first)} pixels as in {first_path.name}, got {_size(image)}"
@@ -249,7 +262,7 @@ def _size(image: FloatArray | BoolArray) -> str:
     return f"{image.shape[1]} x {image.shape[0]}"
 
 
-def _mask(folder: Path, description: Description, *, shape: tuple[int, ...]) -> BoolArray:
+def _read_folder_mask(folder: Path, description: Description, *, shape: tuple[int, ...]) -> BoolArray:
     path = _mask_file(folder, description)
     if path is None:
         return np.ones(shape, dtype=bool)
@@ -267,9 +280,9 @@ def _mask(folder: Path, description: Description, *, shape: tuple[int, ...]) -> 
 def _mask_file(folder: Path, description: Description) -> Path | None:
     if description.mask is not None:
         return folder / description.mask
-    own = _single(folder, "mask")
-    if own is not None:
-        return own
+    plain = _image_by_stem(folder, "mask")
+    if plain is not None:
+        return plain
     named = [p for p in _image_files(folder) if p.stem.lower().endswith(".mask")]
     if len(named) > 1:
         raise CaptureError(f"{folder}: expected one mask, found {', '.join(p.name for p in named)}")
@@ -279,6 +292,6 @@ def _mask_file(folder: Path, description: Description) -> Path | None:
 def _mask_above(folder: Path) -> Path | None:
     """The mask that several captures share, one folder up; not one that belongs to photographs beside it."""
     try:
-        return None if _photographs(folder) else _single(folder, "mask")
+        return None if _photographs(folder) else _image_by_stem(folder, "mask")
     except CaptureError:  # the folder above need not be readable, nor in order
         return None

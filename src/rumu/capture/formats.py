@@ -1,7 +1,7 @@
 """One decoder per file format: a file becomes its stored samples, upright, with nothing rescaled.
 
-The kind of a file is told from its first bytes, never from its name. The size is checked in the header,
-before a single pixel is decoded. Pillow reads everything of 8 bits and tells of truncated files; it reads
+The kind of a file is read from its first bytes, never from its name. The size is checked in the header,
+before a single pixel is decoded. Pillow reads everything of 8 bits and notices truncated files; it reads
 16-bit colour PNG as 8 bits, so those go to OpenCV; deep TIFF goes to tifffile, EXR to OpenEXR.
 """
 
@@ -40,7 +40,7 @@ _EXR_MAGIC = b"v/1\x01"
 _PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
 _PILLOW_MAGIC = (_PNG_MAGIC, b"\xff\xd8\xff", b"RIFF")
 
-# What tifffile finds odd is told in our error or is of no account; without this it prints to stderr.
+# What tifffile finds odd is in our error or does not matter; without this it prints to stderr.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
 
@@ -74,7 +74,7 @@ def decode(path: str | os.PathLike[str]) -> Stored:
     except ImageError:
         raise
     except Exception as error:  # decoders raise nearly anything on broken files
-        raise _refusal(path, head, error) from error
+        raise _as_image_error(path, head, error) from error
 
 
 def _first_bytes(path: Path) -> bytes:
@@ -104,7 +104,7 @@ def _decoder(head: bytes) -> Callable[[Path], Stored]:
     return _read_deep_png if is_deep_colour else _read_pillow
 
 
-def _refusal(path: Path, head: bytes, error: Exception) -> ImageError:
+def _as_image_error(path: Path, head: bytes, error: Exception) -> ImageError:
     from PIL import Image, UnidentifiedImageError
 
     if isinstance(error, Image.DecompressionBombError):
@@ -273,7 +273,7 @@ def _read_exr(path: Path) -> Stored:
     raise ImageError(f"{path}: expected EXR channels R, G, B or Y, found {', '.join(sorted(channels))}")
 
 
-# --- what all share --------------------------------------------------------------------------------
+# --- alpha and orientation --------------------------------------------------------------------------------
 
 
 def _full_scale(samples: Samples) -> Any:
@@ -299,12 +299,12 @@ def _split_alpha(samples: Samples, *, premultiplied: bool = False) -> Stored:
 
 
 def _upright(stored: Stored, orientation: object) -> Stored:
-    turned = _turned(stored.values, orientation)
-    alpha = None if stored.alpha is None else _turned(stored.alpha, orientation)
+    turned = _turn(stored.values, orientation)
+    alpha = None if stored.alpha is None else _turn(stored.alpha, orientation)
     return replace(stored, values=turned, alpha=alpha)
 
 
-def _turned(samples: Samples, orientation: object) -> Samples:
+def _turn(samples: Samples, orientation: object) -> Samples:
     """EXIF orientations 1 to 8; anything else is a broken tag and leaves the picture as it is."""
     transposed = samples.swapaxes(0, 1)
     turns = {

@@ -1,4 +1,4 @@
-"""Uneven light on a flat sheet, rectified: the paper's bands and SVD split, and the fit we recommend.
+"""Even out the light on a flat sheet: by the paper's bands, its SVD split, or the fit that we recommend.
 
 A near lamp lights the near edge of a sheet more than the far one. Three methods find by how much:
 
@@ -6,7 +6,7 @@ A near lamp lights the near edge of a sheet more than the far one. Three methods
     'svd'      the paper's: the same, with K' read from the leading singular components of the image.
     'masked'   ours, recommended: the light is fitted to all blank paper (flatfield.py).
 
-What stands against the SVD split, and why nothing is ever divided by its L:
+Why nothing is ever divided by the L of the SVD split:
   * It is argued from Retinex, a product of light and reflectance, but splits the image into a sum. The
     'multiplicative' kind splits the logarithm instead; both are offered.
   * The leading components of a page of calligraphy are mostly ink, since horizontal and vertical strokes are
@@ -102,7 +102,7 @@ def lamp_distance(ratio: float, *, step: float) -> float:
 def gain(position: FloatArray, *, ratio: float, distance: float) -> FloatArray:
     """What to multiply by at `position` so that the light is as at position 0; ours, in closed form.
 
-    With the lamp at the distance that the ratio K' tells, ((r + t) / r)^2 = (1 + t/d (1/sqrt(K') - 1))^2:
+    With the lamp at the distance that follows from K', ((r + t) / r)^2 = (1 + t/d (1/sqrt(K') - 1))^2:
     1 at t = 0 and 1/K' at t = d. No metric distance is needed, and nothing is divided by zero at K' = 1.
     position: t, any shape; distance: d, in the same unit.
     """
@@ -237,35 +237,32 @@ def rectify(
     bands = find_bands((gray.shape[0], gray.shape[1]), tilt=tilt, n=n)
     ratio = _ratio(gray, light, bands, method=method, k=k, kind=kind)
     swapped = ratio > 1
-    if swapped:
-        bands, ratio = _reversed(bands), 1 / ratio
-    factor = _even_gain(light, bands, ratio, method=method).astype(np.float32)
+    if swapped:  # the bands of a lamp on the opposite side
+        position = np.float32(bands.distance) - bands.position
+        bands, ratio = Bands(bands.far, bands.near, position, bands.distance), 1 / ratio
+    if method == "masked":
+        factor = (light.level[bands.near].mean() / light.level).astype(np.float32)
+    else:
+        factor = gain(bands.position, ratio=ratio, distance=bands.distance).astype(np.float32)
     spread = (_unevenness(gray, light.paper), _unevenness(gray * factor, light.paper))
     scaled = (image * (factor if image.ndim == 2 else factor[:, :, None])).astype(np.float32)
     wrong = swapped and 1 / ratio > _EVEN
-    warning = _wrong_side(tilt, ratio) if wrong else None
-    return Rectified(scaled, ratio, factor, light.paper, spread, wrong, warning)
+    warning = (
+        f"the lamp labelled tilt {tilt:.0f} stands on the other side: the band away from it is "
+        f"{1 / ratio:.2f} times as bright; the bands were swapped, check the labels of the images"
+    )
+    return Rectified(scaled, ratio, factor, light.paper, spread, wrong, warning if wrong else None)
 
 
 def _ratio(
     gray: FloatArray, light: Flatfield, bands: Bands, *, method: Method, k: int, kind: SplitKind
 ) -> float:
+    """K' by one of the methods, above 1 when the lamp stands on the other side."""
     if method == "masked":
         return band_ratio(float(light.level[bands.near].mean()), float(light.level[bands.far].mean()))
     if method == "svd":
         return svd_ratio(gray, bands, paper=light.paper, k=k, kind=kind)
     return band_ratio(*band_levels(gray, bands, paper=light.paper))
-
-
-def _reversed(bands: Bands) -> Bands:
-    """The bands of a lamp on the opposite side."""
-    return Bands(bands.far, bands.near, np.float32(bands.distance) - bands.position, bands.distance)
-
-
-def _even_gain(light: Flatfield, bands: Bands, ratio: float, *, method: Method) -> FloatArray:
-    if method == "masked":
-        return np.asarray(light.level[bands.near].mean() / light.level)
-    return gain(bands.position, ratio=ratio, distance=bands.distance)
 
 
 def _unevenness(gray: FloatArray, paper: BoolArray, tile: int = 16) -> float:
@@ -281,13 +278,6 @@ def _unevenness(gray: FloatArray, paper: BoolArray, tile: int = 16) -> float:
     count = sums(blank.astype(np.float32))
     means = sums(values * blank)[count > 0] / count[count > 0]
     return float(np.sqrt(np.average((means / means.mean() - 1) ** 2, weights=count[count > 0])))
-
-
-def _wrong_side(tilt: float, ratio: float) -> str:
-    return (
-        f"the lamp labelled tilt {tilt:.0f} stands on the other side: the band away from it is "
-        f"{1 / ratio:.2f} times as bright; the bands were swapped, check the labels of the images"
-    )
 
 
 def rectify_capture(capture: Capture, *, method: Method = "masked", n: int = 7, k: int = 7) -> Capture:

@@ -38,7 +38,7 @@ Encoding = Literal["auto", "linear", "srgb"]
 ENCODINGS: tuple[Encoding, ...] = get_args(Encoding)
 
 _REC709 = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
-_ROUNDING = 1e-5  # a float image may overshoot [0, 1] by the rounding of whoever wrote it
+_ROUNDING = 1e-5  # a float image may overshoot [0, 1] by the rounding of the program that wrote it
 
 
 def read_image(path: str | os.PathLike[str]) -> Image:
@@ -51,7 +51,7 @@ def read_image(path: str | os.PathLike[str]) -> Image:
     MAX_PIXELS (refused from the header), float values that are NaN, infinite or outside [0, 1].
     """
     stored = decode(path)
-    values = _unit_range(_checked(stored.values, name=path), name=path)
+    values = _unit_range(_check_values(stored.values, name=path), name=path)
     return np.ascontiguousarray(_over_white(values, stored.alpha))
 
 
@@ -78,7 +78,7 @@ def read_mask(path: str | os.PathLike[str]) -> BoolArray:
     Returns (H, W) bool. Raises ImageError as `read_image` does.
     """
     stored = decode(path)
-    gray = luminance(_unit_range(_checked(stored.values, name=path), name=path))
+    gray = luminance(_unit_range(_check_values(stored.values, name=path), name=path))
     return np.asarray(gray > 0.5 if stored.alpha is None else gray * stored.alpha > 0.5)
 
 
@@ -93,7 +93,7 @@ def as_image(array: npt.NDArray[Any], *, name: object = "array") -> Image:
     if samples.ndim not in (2, 3) or (samples.ndim == 3 and not 1 <= samples.shape[2] <= 4):
         raise ImageError(f"{name}: expected an image of shape (H, W) or (H, W, 3), got {samples.shape}")
     check_size(name, width=samples.shape[1], height=samples.shape[0])
-    values = _unit_range(_checked(samples, name=name), name=name)
+    values = _unit_range(_check_values(samples, name=name), name=name)
     if values.ndim == 2 or values.shape[2] == 3:
         return np.ascontiguousarray(values)
     colours = values[:, :, 0] if values.shape[2] < 3 else values[:, :, :3]
@@ -112,7 +112,7 @@ def luminance(image: Image) -> Image:
     return image if image.ndim == 2 else np.asarray(image @ _REC709, dtype=np.float32)
 
 
-def _checked(samples: Samples, *, name: object) -> Samples:
+def _check_values(samples: Samples, *, name: object) -> Samples:
     kind, size = samples.dtype.kind, samples.dtype.itemsize
     if kind != "f" and (kind, size) not in [("b", 1), ("u", 1), ("u", 2)]:
         raise ImageError(f"{name}: expected bool, uint8, uint16 or float values, got {samples.dtype}")
@@ -125,14 +125,14 @@ def _checked(samples: Samples, *, name: object) -> Samples:
 
 def _unit_range(samples: Samples, *, name: object) -> Image:
     if samples.dtype.kind != "f":
-        return _scaled(samples)
+        return _scale(samples)
     low, high = float(samples.min()), float(samples.max())
     if low < -_ROUNDING or high > 1 + _ROUNDING:
         raise ImageError(f"{name}: expected float values in [0, 1], got values from {low:.6g} to {high:.6g}")
     return np.clip(samples, 0, 1).astype(np.float32, copy=False)
 
 
-def _scaled(samples: Samples) -> Image:
+def _scale(samples: Samples) -> Image:
     full = {"uint8": 255, "uint16": 65535}.get(samples.dtype.name, 1)
     values = samples.astype(np.float32)  # one conversion, then in place: numpy casts slowly while dividing
     values /= np.float32(full)
@@ -140,14 +140,14 @@ def _scaled(samples: Samples) -> Image:
 
 
 def _linear(stored: Stored, *, name: object, encoding: Encoding) -> Image:
-    values = _checked(stored.values, name=name)
+    values = _check_values(stored.values, name=name)
     if values.dtype.kind == "f":
         return np.maximum(values, 0).astype(np.float32, copy=False)
     if encoding == "linear" or (encoding == "auto" and not stored.display):
-        return _scaled(values)
+        return _scale(values)
     if values.dtype == np.uint8:  # 256 powers instead of one for each pixel
-        return to_linear(_scaled(np.arange(256, dtype=np.uint8)))[values]
-    return to_linear(_scaled(values))
+        return to_linear(_scale(np.arange(256, dtype=np.uint8)))[values]
+    return to_linear(_scale(values))
 
 
 def _over_white(values: Image, alpha: Samples | None) -> Image:

@@ -48,7 +48,9 @@ def read_lp(path: Path) -> tuple[LampLine, ...]:
     Vectors are normalised. Raises CaptureError naming the file and the line: a wrong count, a malformed line,
     a zero vector, a lamp behind the sheet, an image named twice.
     """
-    lines = [(i, line.strip()) for i, line in enumerate(_text(path).splitlines(), start=1) if line.strip()]
+    lines = [
+        (i, line.strip()) for i, line in enumerate(_read_text(path).splitlines(), start=1) if line.strip()
+    ]
     if not lines or not lines[0][1].isdecimal():
         found = repr(lines[0][1]) if lines else "an empty file"
         raise CaptureError(f"{path} line 1: expected the number of images, got {found}")
@@ -96,7 +98,7 @@ def read_directions(path: Path) -> FloatArray:
     Three by three numbers are read the way round that gives unit vectors. Raises CaptureError, naming the
     file.
     """
-    rows = [line.replace(",", " ").split() for line in _text(path).splitlines()]
+    rows = [line.replace(",", " ").split() for line in _read_text(path).splitlines()]
     try:
         table = np.array([[float(n) for n in row] for row in rows if row and not row[0].startswith("#")])
     except ValueError:
@@ -128,28 +130,30 @@ def _square_table(path: Path, table: FloatArray) -> FloatArray:
 def read_description(path: Path) -> Description:
     """What a capture.json says. Raises CaptureError naming the file and the entry that is wrong."""
     try:
-        content = json.loads(_text(path))
+        content = json.loads(_read_text(path))
     except json.JSONDecodeError as error:
         raise CaptureError(f"{path} line {error.lineno}: expected JSON, {error.msg}") from error
     known = ("slant", "tilts", "spacing_mm", "encoding", "mask")
     if not isinstance(content, dict):
         raise CaptureError(f"{path}: expected an object {{...}} with any of {', '.join(known)}")
-    stray = [key for key in content if key not in known]
-    if stray:
-        raise CaptureError(f"{path}: expected only {', '.join(known)}, found {', '.join(map(repr, stray))}")
+    unknown = [key for key in content if key not in known]
+    if unknown:
+        raise CaptureError(f"{path}: expected only {', '.join(known)}, found {', '.join(map(repr, unknown))}")
     tilts = content.get("tilts", {})
     if not isinstance(tilts, dict):
         raise CaptureError(f'{path}: expected "tilts" like {{"a": 0, "b": 90, "c": 180}}, got {tilts!r}')
     return Description(
-        slant=_number(path, content, "slant", above=0, below=90),
-        tilts={name: _number(path, tilts, name, above=-360.1, below=360.1) or 0.0 for name in tilts},
-        spacing_mm=_number(path, content, "spacing_mm", above=0, below=1000),
-        encoding=_word(path, content, "encoding"),
-        mask=_word(path, content, "mask"),
+        slant=_number_entry(path, content, "slant", above=0, below=90),
+        tilts={name: _number_entry(path, tilts, name, above=-360.1, below=360.1) or 0.0 for name in tilts},
+        spacing_mm=_number_entry(path, content, "spacing_mm", above=0, below=1000),
+        encoding=_text_entry(path, content, "encoding"),
+        mask=_text_entry(path, content, "mask"),
     )
 
 
-def _number(path: Path, content: dict[str, Any], key: str, *, above: float, below: float) -> float | None:
+def _number_entry(
+    path: Path, content: dict[str, Any], key: str, *, above: float, below: float
+) -> float | None:
     value = content.get(key)
     if value is None:
         return None
@@ -159,14 +163,14 @@ def _number(path: Path, content: dict[str, Any], key: str, *, above: float, belo
     return float(value)
 
 
-def _word(path: Path, content: dict[str, Any], key: str) -> str | None:
+def _text_entry(path: Path, content: dict[str, Any], key: str) -> str | None:
     value = content.get(key)
     if value is not None and not isinstance(value, str):
         raise CaptureError(f'{path}: expected "{key}" to be text, got {value!r}')
     return value
 
 
-def _text(path: Path) -> str:
+def _read_text(path: Path) -> str:
     try:
         data = path.read_bytes()
     except OSError as error:

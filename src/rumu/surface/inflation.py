@@ -5,8 +5,8 @@ in the ink with u = 0 on its border, and take h = sqrt(2u). Across a long stroke
 half circle of radius W; on a disk of radius R it is an ellipsoid of height R / sqrt(2).
 
 The equations are solved by conjugate gradients with a multigrid V-cycle as preconditioner, on arrays of the
-picture and without a sparse matrix. On 24 real inks that is 14 times as fast as SciPy's direct solver and 28
-times as fast as pyamg, the matrix's assembly included: `benchmarks/inflation.py`.
+picture and without a sparse matrix. On 24 real inks that is at least 12 times as fast as SciPy's solvers and
+27 times as fast as pyamg, the assembly of the matrix included: `benchmarks/inflation.py`.
 """
 
 from __future__ import annotations

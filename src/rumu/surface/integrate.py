@@ -1,12 +1,11 @@
 """Normals become height: three solvers of one least-squares problem.
 
 All look for the height whose slopes are nearest to those of the normals; they differ in what a slope is and
-in what they know of the edge. Rows grow downward, so dz/drow = -q. Heights are in pixels, mean 0.
+in what they assume at the edge. Rows grow downward, so dz/drow = -q. Heights are in pixels, mean 0.
 """
 
 from __future__ import annotations
 
-import os
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -18,9 +17,12 @@ from rumu.values import BoolArray, FloatArray
 Integrator = Literal["auto", "dct", "frankot_chellappa", "masked"]
 
 INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
-STEEPEST = 10.0  # 84 degrees; see `gradients_from_normals`
+STEEPEST = 10.0
+"""Largest slope, 84 degrees; see `gradients_from_normals`."""
 _ITERATIONS = 300
-_TOLERANCE = 1e-4  # of the residual of the normal equations: height errors far below the noise of any capture
+"""Most steps of conjugate gradients."""
+_TOLERANCE = 1e-4
+"""Residual of the normal equations, relative: height errors far below the noise of any capture."""
 
 
 def integrate(
@@ -30,20 +32,40 @@ def integrate(
     method: Integrator = "auto",
     weights: FloatArray | None = None,
 ) -> FloatArray:
-    """Height from normals: (H, W) float32 in pixels, finite, mean 0 over the mask and 0 outside it.
+    """Height from normals.
 
-    normals: (H, W, 3), x right, y up, z to the camera; of any length. Steeper than 84 degrees or turned away
-        they count as 84 degrees; (0, 0, 0) as flat.
-    mask: (H, W) bool, where there is a surface; outside it normals are not looked at. Parts that do not touch
-        each have mean 0, since nothing tells their heights apart.
-    method: "dct" (Neumann Poisson equation; the best on a full sheet), "frankot_chellappa" (projection on
-        integrable slopes in the frequency domain, mirrored at the edges), "masked" (least squares on the mask
-        alone: for an object on a background), "auto": "dct" without a mask, else "masked". With a mask "dct"
-        and "frankot_chellappa" take what is outside for flat.
-    weights: (H, W) in [0, 1], trust in each normal; heeded by "masked" alone.
-    Raises SurfaceError for a wrong shape, an unknown method, an empty mask, NaN inside the mask.
+    Parameters
+    ----------
+    normals : (H, W, 3) ndarray
+        x right, y up, z to the camera; of any length. Steeper than 84 degrees or turned away they count as 84
+        degrees; (0, 0, 0) as flat.
+    mask : (H, W) bool ndarray, optional
+        Where there is a surface; outside it normals are ignored. Parts that do not touch each have mean 0,
+        since nothing relates their heights.
+    method : {'auto', 'dct', 'frankot_chellappa', 'masked'}
+        'dct': Poisson's equation with free edges; the best on a full sheet. 'frankot_chellappa': projection
+        on integrable slopes in the frequency domain, mirrored at the edges. 'masked': least squares on the
+        mask alone, for an object on a background. 'auto': 'dct' without a mask, else 'masked'. With a mask
+        'dct' and 'frankot_chellappa' take what is outside for flat.
+    weights : (H, W) ndarray, optional
+        Trust in each normal, in [0, 1]; used by 'masked' alone.
+
+    Returns
+    -------
+    (H, W) float32 ndarray
+        Height in pixels, finite, mean 0 over the mask and 0 outside it.
+
+    Raises
+    ------
+    SurfaceError
+        For a wrong shape, an unknown method, an empty mask, NaN inside the mask.
+
+    Notes
+    -----
+    'frankot_chellappa' follows Frankot and Chellappa (1988), with sine and cosine series in place of the
+    Fourier transform of a fourfold, mirrored sheet.
     """
-    n, inside = _checked(normals, mask, method)
+    n, inside = _check_normals(normals, mask, method)
     p, q = gradients_from_normals(n, steepest=STEEPEST)
     by_column, by_row = p, -q  # outside the mask the normals are (0, 0, 0) by now: flat
     if method == "masked" or (method == "auto" and (weights is not None or not inside.all())):
@@ -81,10 +103,10 @@ def _poisson(divergence: FloatArray) -> FloatArray:
     columns = 2.0 * np.cos(np.pi * np.arange(w) / w) - 2.0
     laplacian = (rows[:, None] + columns[None, :]).astype(divergence.dtype)
     laplacian[0, 0] = 1.0
-    spectrum = dctn(divergence, type=2, workers=_workers(), overwrite_x=True)
+    spectrum = dctn(divergence, type=2, workers=-1, overwrite_x=True)
     spectrum /= laplacian
     spectrum[0, 0] = 0.0
-    return np.asarray(idctn(spectrum, type=2, workers=_workers(), overwrite_x=True))
+    return np.asarray(idctn(spectrum, type=2, workers=-1, overwrite_x=True))
 
 
 def _frankot_chellappa(by_column: FloatArray, by_row: FloatArray) -> FloatArray:
@@ -98,18 +120,18 @@ def _frankot_chellappa(by_column: FloatArray, by_row: FloatArray) -> FloatArray:
 
     h, w = by_column.shape
     rows, columns = np.pi * np.arange(h) / h, np.pi * np.arange(w) / w
-    options: dict[str, Any] = {"type": 2, "workers": _workers()}
-    P = _shifted(dst(dct(by_column, axis=0, **options), axis=1, **options), axis=1)
-    Q = _shifted(dst(dct(by_row, axis=1, **options), axis=0, **options), axis=0)
+    options: dict[str, Any] = {"type": 2, "workers": -1}
+    P = _shift(dst(dct(by_column, axis=0, **options), axis=1, **options), axis=1)
+    Q = _shift(dst(dct(by_row, axis=1, **options), axis=0, **options), axis=0)
     frequency = (rows[:, None] ** 2 + columns[None, :] ** 2).astype(by_column.dtype)
     frequency[0, 0] = 1.0
     Z = -(P * columns.astype(P.dtype)[None, :] + Q * rows.astype(Q.dtype)[:, None]) / frequency
     Z[0, 0] = 0.0
-    return np.asarray(idctn(Z, type=2, workers=_workers(), overwrite_x=True))
+    return np.asarray(idctn(Z, type=2, workers=-1, overwrite_x=True))
 
 
-def _shifted(sines: FloatArray, *, axis: int) -> FloatArray:
-    """Sine coefficients on the places of the cosines: the k-th wave at k, none at 0."""
+def _shift(sines: FloatArray, *, axis: int) -> FloatArray:
+    """Sine coefficients moved to the indices of the cosines: the k-th wave at k, none at 0."""
     result = np.roll(sines, 1, axis=axis)
     result[(slice(None),) * axis + (0,)] = 0.0
     return result
@@ -131,7 +153,7 @@ def _masked(
         right * 0.5 * (g[0][:, 1:] + g[0][:, :-1]), down * 0.5 * (g[1][1:] + g[1][:-1]), inside.shape
     )
     height = _conjugate_gradients(target, right, down)
-    return _centred(height, inside)
+    return _centre_parts(height, inside)
 
 
 def _conjugate_gradients(target: FloatArray, right: FloatArray, down: FloatArray) -> FloatArray:
@@ -158,7 +180,7 @@ def _conjugate_gradients(target: FloatArray, right: FloatArray, down: FloatArray
     return z
 
 
-def _centred(height: FloatArray, inside: BoolArray) -> FloatArray:
+def _centre_parts(height: FloatArray, inside: BoolArray) -> FloatArray:
     """Each part of the mask on its own mean, 0 outside."""
     from scipy import ndimage
 
@@ -168,7 +190,7 @@ def _centred(height: FloatArray, inside: BoolArray) -> FloatArray:
     return np.where(inside, height - means[parts], 0.0)
 
 
-def _checked(normals: FloatArray, mask: BoolArray | None, method: str) -> tuple[FloatArray, BoolArray]:
+def _check_normals(normals: FloatArray, mask: BoolArray | None, method: str) -> tuple[FloatArray, BoolArray]:
     n = np.asarray(normals, dtype=np.float32)
     if n.ndim != 3 or n.shape[2] != 3 or min(n.shape[:2]) < 2:
         raise SurfaceError(f"expected normals of shape (H >= 2, W >= 2, 3), got {n.shape}")
@@ -184,7 +206,3 @@ def _checked(normals: FloatArray, mask: BoolArray | None, method: str) -> tuple[
         bad = int(np.count_nonzero(~np.isfinite(n).all(axis=2)))
         raise SurfaceError(f"expected finite normals, got {bad} pixels that hold NaN or infinity")
     return n, inside
-
-
-def _workers() -> int:
-    return os.cpu_count() or 1

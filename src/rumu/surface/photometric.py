@@ -1,4 +1,4 @@
-"""From a capture to a surface: normals by the solver that fits the lamps, then height.
+"""A capture becomes a surface: normals by the solver that fits the lamps, then height.
 
 A page of flat paper and ink comes out flat here, however black the ink: see `rumu.surface.stereo`.
 """
@@ -21,14 +21,17 @@ from rumu.surface.stereo import (
     normals_from_gradients,
     three_lamps,
 )
-from rumu.surface.strengths import Photometry, calibrate, flat_sheet, sample
+from rumu.surface.strengths import Photometry, estimate_photometry, flat_sheet, sample
 from rumu.values import BoolArray, Capture, FloatArray, Surface
 
-# Nearer to the paper's places than any lamp list is exact: beyond it the given directions serve better.
 _PAPER_TOLERANCE = 0.25
-_SHEET_SHARE = 0.6  # of the pixels must be trusted for an unmasked capture to count as a full sheet
-_BAND = 2_000_000  # pixels of the closed form worked on at a time
-_LEAST_TRUST = 0.05  # in integration: an unsure slope is better than none
+"""Degrees from the paper's lamps, nearer than any lamp list is exact; beyond, given directions are better."""
+_SHEET_SHARE = 0.6
+"""Share of the pixels that must be trusted for an unmasked capture to count as a full sheet."""
+_BAND = 2_000_000
+"""Pixels of the closed form worked on at a time."""
+_LEAST_TRUST = 0.05
+"""Least weight of a slope in integration: an unsure slope is better than none."""
 
 
 def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "auto") -> Surface:
@@ -49,7 +52,7 @@ def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "
         raise SurfaceError("expected pixels that three lamps reach, got none: the photographs are all dark")
     domain = _domain(capture.mask, confidence)
     measured &= domain
-    filled = fill(normals, known=measured, within=domain)
+    filled = fill_normals(normals, known=measured, within=domain)
     height = integrate(
         filled,
         mask=None if domain.all() else domain,
@@ -62,7 +65,7 @@ def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "
     return Surface(
         height=height.astype(np.float32),
         normals_from=filled,
-        albedo_from=_filled_albedo(albedo, known=measured, within=domain),
+        albedo_from=_fill_albedo(albedo, known=measured, within=domain),
         mask=measured,
         confidence=np.where(measured, confidence, 0.0).astype(np.float32),
         spacing=spacing,
@@ -92,10 +95,10 @@ def surface_normals(
         raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
     lamps = paper_tilts(capture.lights, tolerance=_PAPER_TOLERANCE)
     photometry = _photometry(capture, lamps, solver)
-    solution, check = _solved(capture, lamps, photometry, solver)
+    solution, check = _solve_capture(capture, lamps, photometry, solver)
     measured = capture.mask & (solution.confidence > 0)
     albedo, brightness = _within_one(solution.albedo, measured)
-    p, q = _slopes(_before(capture, lamps, photometry), solution, measured)
+    p, q = _slopes(_with_equal_lamps(capture, lamps, photometry), solution, measured)
     quality = {
         "residual": solution.residual,
         "shadow_share": solution.shadow_share,
@@ -112,46 +115,46 @@ def surface_normals(
     return solution.normals, albedo, solution.confidence, quality
 
 
-def fill(normals: FloatArray, *, known: BoolArray, within: BoolArray) -> FloatArray:
+def fill_normals(normals: FloatArray, *, known: BoolArray, within: BoolArray) -> FloatArray:
     """(H, W, 3) float32 unit normals: known ones kept, the rest of `within` blended from near known ones.
 
     Slopes are averaged in ever coarser cells until every cell holds a known pixel. Outside `within` flat.
     """
     kept = np.asarray(normals, dtype=np.float32)
     if (within & ~known).any():
-        p, q = (_blended(slope, known) for slope in gradients_from_normals(normals))
+        p, q = (_blend(slope, known) for slope in gradients_from_normals(normals))
         kept = np.where(known[..., None], normals, normals_from_gradients(p, q)).astype(np.float32)
     return np.where(within[..., None], kept, np.array([0, 0, 1], dtype=np.float32))
 
 
-def _filled_albedo(albedo: FloatArray, *, known: BoolArray, within: BoolArray) -> FloatArray:
+def _fill_albedo(albedo: FloatArray, *, known: BoolArray, within: BoolArray) -> FloatArray:
     """(H, W[, 3]) albedo with the holes of `within` blended from near known pixels."""
     holes = within & ~known
     if not holes.any():
         return albedo
     if albedo.ndim == 3:
-        channels = [_filled_albedo(one, known=known, within=within) for one in np.moveaxis(albedo, 2, 0)]
+        channels = [_fill_albedo(one, known=known, within=within) for one in np.moveaxis(albedo, 2, 0)]
         return np.stack(channels, axis=2)
-    return np.where(holes, np.clip(_blended(albedo, known), 0.0, 1.0), albedo).astype(np.float32)
+    return np.where(holes, np.clip(_blend(albedo, known), 0.0, 1.0), albedo).astype(np.float32)
 
 
-def _blended(values: FloatArray, known: BoolArray) -> FloatArray:
+def _blend(values: FloatArray, known: BoolArray) -> FloatArray:
     """(H, W) float32: known values, and what lies between them. values: (H, W)."""
-    return _pulled(np.where(known, values, 0.0).astype(np.float32), known.astype(np.float32))
+    return _push_pull(np.where(known, values, 0.0).astype(np.float32), known.astype(np.float32))
 
 
-def _pulled(total: FloatArray, weight: FloatArray) -> FloatArray:
+def _push_pull(total: FloatArray, weight: FloatArray) -> FloatArray:
     """Push-pull: means of known values, from the coarser half-size picture where there are none."""
     here = total / np.maximum(weight, 1e-6)
     if weight.min() > 0 or max(weight.shape) == 1:
         return here
-    coarse = _pulled(_halved(total), _halved(weight))
+    coarse = _push_pull(_halve(total), _halve(weight))
     wide = coarse.repeat(2, axis=0).repeat(2, axis=1)[: weight.shape[0], : weight.shape[1]]
     trust = np.minimum(weight, 1.0)
     return trust * here + (1.0 - trust) * wide
 
 
-def _halved(values: FloatArray) -> FloatArray:
+def _halve(values: FloatArray) -> FloatArray:
     padded = np.pad(values, [(0, side % 2) for side in values.shape])
     h, w = padded.shape
     return np.asarray(padded.reshape(h // 2, 2, w // 2, 2).sum(axis=(1, 3)))
@@ -164,18 +167,20 @@ def _photometry(capture: Capture, lamps: PaperLamps | None, solver: str) -> Phot
         np.ones(n) if capture.strengths is None else capture.strengths / capture.strengths.mean()
     )
     if n > 3 and (solver == "robust" or lamps is not None):
-        found = calibrate(capture.images, capture.lights, mask=capture.mask, strengths=capture.strengths)
+        found = estimate_photometry(
+            capture.images, capture.lights, mask=capture.mask, strengths=capture.strengths
+        )
         # The closed form has no place for a black level.
         return found if lamps is None else replace(found, black_level=0.0)
     if lamps is None or capture.strengths is not None:
         return known
     # Three equations and three unknowns contradict nothing; only flat paper, which must look alike under
-    # every lamp of one slant, tells that their strengths differ.
+    # every lamp of one slant, shows that their strengths differ.
     usual = flat_sheet(sample(capture.images, mask=capture.mask, most=20_000))
     return known if usual is None else Photometry(usual / usual.mean(), sheet=True)
 
 
-def _solved(
+def _solve_capture(
     capture: Capture, lamps: PaperLamps | None, photometry: Photometry, solver: str
 ) -> tuple[Solution, float | None]:
     if lamps is not None:
@@ -194,7 +199,7 @@ def _closed_form(capture: Capture, lamps: PaperLamps, strengths: FloatArray) -> 
     """The paper's three lamps, and a fourth, band by band so that memory stays bounded."""
     h, w = capture.mask.shape
     rows = max(1, _BAND // w)
-    bands = [_band(capture, lamps, strengths, slice(r, min(r + rows, h))) for r in range(0, h, rows)]
+    bands = [_solve_band(capture, lamps, strengths, slice(r, min(r + rows, h))) for r in range(0, h, rows)]
     share = [float(one.mask.sum()) / float(capture.mask.sum()) for one in bands]
     check = None
     if len(lamps.order) == 4:
@@ -219,7 +224,7 @@ class _Band:
     fourth_lamp: float
 
 
-def _band(capture: Capture, lamps: PaperLamps, strengths: FloatArray, rows: slice) -> _Band:
+def _solve_band(capture: Capture, lamps: PaperLamps, strengths: FloatArray, rows: slice) -> _Band:
     """Some rows by the closed form; confidence is the brightness of the darkest lamp beside the mean."""
     order = list(lamps.order)
     images = np.stack([capture.images[lamp, rows] for lamp in order])
@@ -242,8 +247,8 @@ def _band(capture: Capture, lamps: PaperLamps, strengths: FloatArray, rows: slic
     return _Band(normals, albedo, confidence, mask, shadow_share, found.fourth_lamp or 0.0)
 
 
-def _before(capture: Capture, lamps: PaperLamps | None, photometry: Photometry) -> Solution | None:
-    """The closed form with lamps taken for equal, to tell how the sheet leans; None if nothing changed."""
+def _with_equal_lamps(capture: Capture, lamps: PaperLamps | None, photometry: Photometry) -> Solution | None:
+    """The closed form with lamps taken for equal, to see how the sheet leans; None if nothing changed."""
     if lamps is None or not photometry.sheet:
         return None
     return _closed_form(capture, lamps, np.ones(len(capture.lights)))[0]
@@ -267,8 +272,8 @@ def _within_one(albedo: FloatArray, measured: BoolArray) -> tuple[FloatArray, fl
 def _domain(mask: BoolArray, confidence: FloatArray) -> BoolArray:
     """Where height is integrated: the mask that came with the capture, or what it shows of an object.
 
-    Without a mask, an object before a dark background is told by its confidence: the background has next to
-    none, and slopes of noise there would bend the object. A full sheet is taken whole.
+    Without a mask, an object before a dark background is recognised by its confidence: the background has
+    next to none, and slopes of noise there would bend the object. A full sheet is taken whole.
     """
     trusted = confidence > 0.1 * float(np.quantile(confidence[mask], 0.95))
     if not mask.all() or trusted.mean() > _SHEET_SHARE:

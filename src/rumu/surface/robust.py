@@ -11,7 +11,7 @@ surface as agreeing when the pixel is dark, and stays with "l1" where the materi
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -34,7 +34,8 @@ from rumu.values import BoolArray, FloatArray
 Solver = Literal["least_squares", "trimmed", "l1", "robust"]
 
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
-_TILE = 200_000  # values of brightness a thread works on at a time: some 20 MB with all derived from them
+_TILE = 200_000
+"""Values of brightness that a thread works on at a time: some 20 MB with all that is derived from them."""
 _TINY = 1e-12
 
 
@@ -47,7 +48,8 @@ class RobustSettings:
     proportional: noise that grows with the brightness (lamps that are not quite even).
     width: the loss turns over at this multiple of the pixel's own spread.
     lambertian: up to the first spread the loss that forgets is used, beyond the second "l1" alone.
-    settled: a pixel is done when its scaled normal moves by less.
+    settled: a pixel is done when its scaled normal moves by less. l1_iterations, iterations: most rounds of
+        reweighting, for "l1" and for the loss that forgets.
     """
 
     darkest: float = 0.3
@@ -109,12 +111,12 @@ def solve(
         raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
     check_stack(images, lights)
     n, *shape = images.shape
-    size = shape[0] * shape[1]
-    flat = images.reshape(n, size, *shape[2:])
-    normals = np.tile(np.array([0, 0, 1], dtype=np.float32), (size, 1))
+    pixels = shape[0] * shape[1]
+    flat = images.reshape(n, pixels, *shape[2:])
+    normals = np.tile(np.array([0, 0, 1], dtype=np.float32), (pixels, 1))
     albedo = np.zeros(flat.shape[1:], dtype=np.float32)
-    confidence = np.zeros(size, dtype=np.float32)
-    chosen = np.arange(size) if mask is None else np.flatnonzero(mask)
+    confidence = np.zeros(pixels, dtype=np.float32)
+    chosen = np.arange(pixels) if mask is None else np.flatnonzero(mask)
     settings = settings or RobustSettings()
 
     def one(part: npt.NDArray[np.intp]) -> tuple[FloatArray, int, int]:
@@ -122,9 +124,11 @@ def solve(
         normals[part], albedo[part], confidence[part] = done.normals, done.albedo, done.confidence
         return done.residuals, done.dark, done.lit
 
-    # numpy lets go of the interpreter in all that is slow here, so threads use every core.
+    size = max(1, tile // n)
+    tiles = [chosen[start : start + size] for start in range(0, len(chosen), size)]
+    # numpy releases the interpreter's lock in all that is slow here, so threads use every core.
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        solved = list(pool.map(one, _tiles(chosen, max(1, tile // n))))
+        solved = list(pool.map(one, tiles))
     residuals, dark, lit = zip(*solved, strict=True) if solved else ([np.zeros(0)], [0], [0])
     pooled = np.concatenate(residuals)
     return Solution(
@@ -159,15 +163,19 @@ def _solve_tile(
     reached = enough_lit((values if values.ndim == 2 else values.mean(axis=2))[:, None])[0]
     confidence = np.where(reached, _confidence(off, lit, lights), 0.0)
     count = int(np.count_nonzero(lit))
-    return _Tile(normals, np.maximum(albedo, 0.0), confidence, _sampled(off[lit]), lit.size - count, count)
+    return _Tile(normals, np.maximum(albedo, 0.0), confidence, _every_kth(off[lit]), lit.size - count, count)
 
 
 def brightness_rows(values: FloatArray, *, black_level: float = 0.0) -> FloatArray:
     """(P, N) float64 gray brightness, less the black level, from values (N, P) or (N, P, 3)."""
     gray = values if values.ndim == 2 else values.mean(axis=2)
     rows = gray.T.astype(np.float64)
-    # What was cut to black stays black: adding a negative black level to it would invent light.
-    return np.where(rows > SHADOW_FLOOR, np.maximum(rows - black_level, 0.0), 0.0) if black_level else rows
+    return subtract_black(rows, black_level) if black_level else rows
+
+
+def subtract_black(rows: FloatArray, black_level: float) -> FloatArray:
+    """Brightness less the black level, which may be negative; what was cut to black stays black."""
+    return np.where(rows > SHADOW_FLOOR, np.maximum(rows - black_level, 0.0), 0.0)
 
 
 def pixel_scale(rows: FloatArray) -> FloatArray:
@@ -223,7 +231,7 @@ def robust(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> Fi
     spread = np.zeros((len(rows), 1))
     going = np.arange(len(rows))
     for _ in range(settings.iterations):
-        weights[going], spread[going] = _forgetting(
+        weights[going], spread[going] = _outlier_weights(
             rows[going], scaled[going], lights, scale[going], settings
         )
         new = weighted(rows[going], lights, weights[going])
@@ -238,7 +246,7 @@ def robust(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> Fi
     return Fit(trust * scaled + (1.0 - trust) * start.scaled, blend)
 
 
-def _forgetting(
+def _outlier_weights(
     rows: FloatArray, scaled: FloatArray, lights: FloatArray, scale: FloatArray, settings: RobustSettings
 ) -> tuple[FloatArray, FloatArray]:
     """Geman-McClure weights (P, N) and the spread (P, 1) of the residuals, in shares of the brightness."""
@@ -246,10 +254,10 @@ def _forgetting(
     lit = np.maximum(raw, 0.0)
     off = (rows - lit) / scale
     # A lamp behind the surface and a dark pixel agree with the law, but say nothing about the normal.
-    tells = (raw > 0) | (rows > settings.dark * scale)
-    spread = 1.4826 * _masked_median(np.abs(off), tells)
+    informative = (raw > 0) | (rows > settings.dark * scale)
+    spread = 1.4826 * _masked_median(np.abs(off), informative)
     width2 = (settings.width * spread) ** 2 + settings.noise**2 + (settings.proportional * lit / scale) ** 2
-    weights = np.where(tells & (rows < SATURATION), 1.0 / (1.0 + off * off / width2) ** 2, 0.0)
+    weights = np.where(informative & (rows < SATURATION), 1.0 / (1.0 + off * off / width2) ** 2, 0.0)
     return weights, spread
 
 
@@ -261,14 +269,14 @@ def weighted(rows: FloatArray, lights: FloatArray, weights: FloatArray) -> Float
     weights = weights + 1e-5
     x, y, z = lights.T
     products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
-    xx, xy, xz, yy, yz, zz = _summed(weights, products)
+    xx, xy, xz, yy, yz, zz = _sum_over_lamps(weights, products)
     ridge = 1e-10 * (xx + yy + zz) + 1e-30
     xx, yy, zz = xx + ridge, yy + ridge, zz + ridge
     # The symmetric inverse by cofactors: a batched LAPACK call is ten times slower on 3 x 3.
     cxx, cxy, cxz = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
     cyy, cyz, czz = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
     det = xx * cxx + xy * cxy + xz * cxz
-    u, v, w = _summed(weights * rows, lights)
+    u, v, w = _sum_over_lamps(weights * rows, lights)
     solution = [cxx * u + cxy * v + cxz * w, cxy * u + cyy * v + cyz * w, cxz * u + cyz * v + czz * w]
     return np.asarray(np.stack(solution, axis=1) / np.maximum(det, 1e-90)[:, None])
 
@@ -279,7 +287,7 @@ def law(scaled: FloatArray, lights: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("pk,kn->pn", scaled, np.ascontiguousarray(lights.T)))
 
 
-def _summed(weights: FloatArray, of_lamps: FloatArray) -> FloatArray:
+def _sum_over_lamps(weights: FloatArray, of_lamps: FloatArray) -> FloatArray:
     """(K, P): for each pixel, what belongs to the lamps, (N, K), summed by weight (P, N)."""
     return np.asarray(np.einsum("pn,kn->kp", weights, np.ascontiguousarray(of_lamps.T)))
 
@@ -298,7 +306,7 @@ def _confidence(off: FloatArray, lit: BoolArray, lights: FloatArray) -> FloatArr
     typical = 1.0 / (1.0 + (_masked_median(off, lit)[:, 0] / 0.05) ** 2)
     x, y, z = lights.T
     products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
-    span = _determinant(_summed(np.where(lit, agreement, 0.0), products))
+    span = _determinant(_sum_over_lamps(np.where(lit, agreement, 0.0), products))
     full = _determinant(products.sum(axis=0)[:, None])
     return np.asarray(typical * np.cbrt(np.clip(span / full, 0.0, 1.0)))
 
@@ -309,12 +317,7 @@ def _determinant(symmetric: FloatArray) -> FloatArray:
     return np.asarray(xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz))
 
 
-def _tiles(chosen: npt.NDArray[np.intp], size: int) -> Iterator[npt.NDArray[np.intp]]:
-    for start in range(0, len(chosen), size):
-        yield chosen[start : start + size]
-
-
-def _sampled(values: FloatArray, most: int = 5_000) -> FloatArray:
+def _every_kth(values: FloatArray, most: int = 5_000) -> FloatArray:
     """Every k-th value, so that a median over a large photograph needs little memory."""
     return np.asarray(values[:: max(1, len(values) // most)])
 

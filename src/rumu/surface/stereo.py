@@ -1,8 +1,8 @@
 """Photometric stereo: brightness under known lamps gives normals and albedo.
 
 Frame: x right, y up, z to the camera; p = dz/dx, q = dz/dy. Tilt counter-clockwise from +x, slant from +z, in
-degrees. Brightness is linear. The strength of the lamp times the albedo cannot be told apart; `albedo` is
-their product throughout.
+degrees. Brightness is linear. The strength of the lamp and the albedo cannot be separated; `albedo` is their
+product throughout.
 
 With three lamps p and q hold no albedo at all: ink on flat paper gives p = q = 0 however black it is. What is
 measured here is relief, never ink.
@@ -17,7 +17,7 @@ import numpy as np
 from rumu.errors import SurfaceError
 from rumu.values import BoolArray, FloatArray
 
-SHADOW_FLOOR = 0.004  # one step of 8 bits: what is darker is not told from black
+SHADOW_FLOOR = 0.004  # one step of 8 bits: what is darker cannot be told from black
 SHADOW_SHARE = 0.02  # of the brightest of the same pixel's values: a lamp that gives less does not reach it
 SATURATION = 0.998
 _TINY = 1e-12
@@ -25,13 +25,13 @@ _TINY = 1e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gradients:
-    """What the paper's three lamps tell of each pixel.
+    """What the paper's three lamps say about each pixel.
 
     p, q: (H, W) float32, dz/dx and dz/dy; 0 where not valid.
     albedo: (H, W) float32, lamp strength times albedo; 0 where not valid.
     valid: (H, W) bool, lit by every lamp and not saturated.
     fourth_lamp: median of |d - (a + c - b)| relative to the mean brightness where valid: how well a fourth
-        photograph is foretold by the other three; None when there is no fourth.
+        photograph is predicted by the other three; None when there is no fourth.
     """
 
     p: FloatArray
@@ -72,9 +72,9 @@ def three_lamps(
     directions fall into one plane. Without d, q is sqrt(3) times noisier than p.
     Raises SurfaceError for images of different or wrong shape, values that are not finite, a bad slant.
     """
-    images = [_image(one, name) for one, name in zip((a, b, c), "abc", strict=True)]
-    fourth = None if d is None else _image(d, "d")
-    tangent, cosine = _slant(slant)
+    images = [_check_image(one, name) for one, name in zip((a, b, c), "abc", strict=True)]
+    fourth = None if d is None else _check_image(d, "d")
+    tangent, cosine = _tangent_cosine(slant)
     shapes = {one.shape for one in images} | ({fourth.shape} if fourth is not None else set())
     if len(shapes) != 1:
         raise SurfaceError(f"expected images of one shape, got {sorted(shapes)}")
@@ -92,7 +92,7 @@ def three_lamps(
 def _slopes(
     a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray | None, *, tangent: float
 ) -> tuple[FloatArray, FloatArray]:
-    """p by Eq. (5) and q by Eq. (6); the albedo cancels in both.
+    """Slopes: p by Eq. (5) and q by Eq. (6); the albedo cancels in both.
 
     With a fourth lamp q = (d - b) / ((a + c) tan s), our addition: it makes q as quiet as p.
     """
@@ -167,7 +167,7 @@ def normals_from_gradients(p: FloatArray, q: FloatArray) -> FloatArray:
 
 
 def gradients_from_normals(normals: FloatArray, *, steepest: float = 10.0) -> tuple[FloatArray, FloatArray]:
-    """p and q, each (H, W) float32, of normals (H, W, 3).
+    """Slopes p and q, each (H, W) float32, of normals (H, W, 3).
 
     steepest: limit of sqrt(p^2 + q^2); 10 is 84 degrees. A steeper slope, or a normal turned away from the
     camera, keeps its direction and gets that limit: no height map can hold more. (0, 0, 0) gives 0, 0.
@@ -202,7 +202,7 @@ def check_stack(images: FloatArray, lights: FloatArray) -> None:
         raise SurfaceError("expected lamps that do not all lie in one plane, got directions of rank below 3")
 
 
-def _image(image: FloatArray, name: str) -> FloatArray:
+def _check_image(image: FloatArray, name: str) -> FloatArray:
     array = np.asarray(image, dtype=np.float64)
     if array.ndim != 2:
         raise SurfaceError(f"expected image {name} of shape (H, W), got {array.shape}")
@@ -211,7 +211,7 @@ def _image(image: FloatArray, name: str) -> FloatArray:
     return array
 
 
-def _slant(slant: float) -> tuple[float, float]:
+def _tangent_cosine(slant: float) -> tuple[float, float]:
     """Tangent and cosine of a slant in degrees."""
     if not 0.0 < slant < 90.0:
         raise SurfaceError(f"expected a slant strictly between 0 and 90 degrees, got {slant}")

@@ -1,7 +1,7 @@
 """What a capture does not say about itself: how strong each lamp was, and what the camera calls black.
 
 Our own, not the paper's. Both are found from the photographs alone, because Lambert's law leaves N - 3
-contradictions in every pixel and the lamps are the same for all pixels. A correction is taken only when it
+contradictions in every pixel and the lamps are the same for all pixels. A correction is made only when it
 removes most of what contradicts the law: a capture with equal lamps is left exactly as it is.
 """
 
@@ -12,28 +12,40 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rumu.surface.robust import RobustSettings, brightness_rows, l1, law, pixel_scale, relative_residuals
+from rumu.surface.robust import (
+    RobustSettings,
+    brightness_rows,
+    l1,
+    law,
+    pixel_scale,
+    relative_residuals,
+    subtract_black,
+)
 from rumu.surface.stereo import SHADOW_FLOOR
 from rumu.values import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True)
-class CalibrationSettings:
+class PhotometrySettings:
     """How much must be gained before a capture is corrected.
 
-    gain: the residual must fall to this share of what it was. worth: residual (share of a pixel's
-    brightness) below which nothing is corrected. fewest: lamps needed.
-    one_way: share of the pixels that must face one way, within `same`, for the capture to be a flat sheet.
-    sampled: pixels looked at.
+    residual_ratio: the residual must fall to this share of what it was. least_residual: share of a pixel's
+        brightness below which nothing is corrected. least_lamps: lamps needed.
+    sheet_share: of the pixels, that must face one way for the capture to be a flat sheet. sheet_tolerance:
+        how far their brightness may be off, as a share. near_best: a simpler correction is taken when its
+        residual is at most this many times the best one's.
+    pixels: most pixels looked at. iterations: most steps of a refinement; it ends below the step `converged`.
     """
 
-    gain: float = 0.4
-    worth: float = 0.004
-    fewest: int = 4
-    one_way: float = 0.5
-    same: float = 0.06
-    sampled: int = 2000
+    residual_ratio: float = 0.4
+    least_residual: float = 0.004
+    least_lamps: int = 4
+    sheet_share: float = 0.5
+    sheet_tolerance: float = 0.06
+    near_best: float = 1.3
+    pixels: int = 2000
     iterations: int = 12
+    converged: float = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,40 +60,40 @@ class Photometry:
     sheet: bool = False
 
 
-def calibrate(
+def estimate_photometry(
     images: FloatArray,
     lights: FloatArray,
     *,
     mask: BoolArray,
     strengths: FloatArray | None = None,
-    settings: CalibrationSettings | None = None,
+    settings: PhotometrySettings | None = None,
 ) -> Photometry:
     """Lamp strengths, unless they are given, and black level of a capture of N lamps.
 
     images: (N, H, W) or (N, H, W, 3), linear; lights: (N, 3), unit length; mask: (H, W).
-    One of the two is corrected first and then the other, each kept only if it earns its place. Three lamps
+    One of the two is corrected first and then the other, each kept only if it explains enough. Three lamps
     leave no contradiction to learn from, four none for the black level.
     """
-    settings = settings or CalibrationSettings()
+    settings = settings or PhotometrySettings()
     n = len(lights)
     photometry = Photometry(np.ones(n) if strengths is None else strengths / strengths.mean())
-    rows = sample(images, mask=mask, most=min(settings.sampled, max(300, 150_000 // n)))
-    if n < settings.fewest or len(rows) < n:
+    rows = sample(images, mask=mask, most=min(settings.pixels, max(300, 150_000 // n)))
+    if n < settings.least_lamps or len(rows) < n:
         return photometry
     trials: list[Callable[[], Photometry | None]] = []
     if n > 4:
-        trials += [lambda: _refined(rows, lights, photometry, settings, of_strengths=False)]
+        trials += [lambda: _refine(rows, lights, photometry, settings, of_strengths=False)]
     if strengths is None:
         trials += [
             lambda: _from_sheet(rows, lights, settings),
-            lambda: _refined(rows, lights, _linear(rows, lights), settings, of_strengths=True),
+            lambda: _refine(rows, lights, _from_singular_vectors(rows, lights), settings, of_strengths=True),
         ]
-    best = _better(rows, lights, photometry, trials, settings)
+    best = _best_trial(rows, lights, photometry, trials, settings)
     if best is photometry or strengths is not None or n == 4:
         return best
     of_strengths = best.black_level != 0.0  # what was not corrected yet
-    again = [lambda: _refined(rows, lights, best, settings, of_strengths=of_strengths)]
-    return _better(rows, lights, best, again, settings)
+    again = [lambda: _refine(rows, lights, best, settings, of_strengths=of_strengths)]
+    return _best_trial(rows, lights, best, again, settings)
 
 
 def sample(images: FloatArray, *, mask: BoolArray, most: int) -> FloatArray:
@@ -98,71 +110,73 @@ def sample(images: FloatArray, *, mask: BoolArray, most: int) -> FloatArray:
     return np.asarray(bright[:: max(1, -(-len(bright) // most))])
 
 
-def flat_sheet(rows: FloatArray, *, one_way: float = 0.5, same: float = 0.06) -> FloatArray | None:
-    """(N,) median brightness of the pixels that face the way most do; None when there is no such way.
+def flat_sheet(rows: FloatArray, *, settings: PhotometrySettings | None = None) -> FloatArray | None:
+    """(N,) median brightness of the pixels that face as most do; None when most do not face one way.
 
     rows: (P, N), lit in every lamp for a pixel to count. Ink and paper that face one way have brightness in
     the same ratios, whatever their albedo, so the ratios are compared and not the values.
     """
+    settings = settings or PhotometrySettings()
+    needed = settings.sheet_share * len(rows)
     lit = rows.min(axis=1) > SHADOW_FLOOR
-    if np.count_nonzero(lit) < max(50, one_way * len(rows)):
+    if np.count_nonzero(lit) < max(50, needed):
         return None
     ratios = rows[lit] / rows[lit].mean(axis=1, keepdims=True)
     for _ in range(3):
         usual = np.median(ratios, axis=0)
-        near = np.abs(ratios / usual - 1.0).max(axis=1) < same
-        if np.count_nonzero(near) < one_way * len(rows):
+        near = np.abs(ratios / usual - 1.0).max(axis=1) < settings.sheet_tolerance
+        if np.count_nonzero(near) < needed:
             return None
         ratios = ratios[near] if np.count_nonzero(near) < len(ratios) else ratios
     return np.asarray(np.median(ratios, axis=0))
 
 
-def _from_sheet(rows: FloatArray, lights: FloatArray, settings: CalibrationSettings) -> Photometry | None:
+def _from_sheet(rows: FloatArray, lights: FloatArray, settings: PhotometrySettings) -> Photometry | None:
     """Strengths that make the sheet face the camera."""
-    usual = flat_sheet(rows, one_way=settings.one_way, same=settings.same)
+    usual = flat_sheet(rows, settings=settings)
     if usual is None or not (lights[:, 2] > 0.05).all():
         return None
     given = usual / lights[:, 2]
     return Photometry(given / given.mean(), sheet=True)
 
 
-def _better(
+def _best_trial(
     rows: FloatArray,
     lights: FloatArray,
     now: Photometry,
     trials: Sequence[Callable[[], Photometry | None]],
-    settings: CalibrationSettings,
+    settings: PhotometrySettings,
 ) -> Photometry:
-    """The simplest of the good trials if it earns its place, else what is there now; simplest first.
+    """The simplest of the good trials if it explains enough, else what is there now; simplest first.
 
-    A flat sheet comes before free strengths: it tells strength from tilt by facing the camera, which the law
-    alone leaves open.
+    A flat sheet comes before free strengths: it separates strength from tilt by facing the camera, which the
+    law alone leaves open.
     """
     before = _residual(rows, lights, now)
-    if before < settings.worth:
+    if before < settings.least_residual:
         return now
     found: list[tuple[float, Photometry]] = []
     for attempt in trials:
         trial = attempt()
         if trial is not None:
             found.append((_residual(rows, lights, trial), trial))
-            if found[-1][0] < min(settings.worth, settings.gain * before):
+            if found[-1][0] < min(settings.least_residual, settings.residual_ratio * before):
                 break  # nothing is left to explain
-    good = 1.3 * min((off for off, _ in found), default=0.0)
+    good = settings.near_best * min((off for off, _ in found), default=0.0)
     simplest = next((pair for pair in found if pair[0] <= good), (before, now))
-    return simplest[1] if simplest[0] < settings.gain * before else now
+    return simplest[1] if simplest[0] < settings.residual_ratio * before else now
 
 
 def _residual(rows: FloatArray, lights: FloatArray, photometry: Photometry) -> float:
     """Sixty-percent quantile of what contradicts Lambert's law, in shares of the pixel's brightness."""
-    cleaned = _cleaned(rows, photometry.black_level)
+    cleaned = subtract_black(rows, photometry.black_level)
     lamps = lights * photometry.strengths[:, None]
     fit = l1(cleaned, lamps, RobustSettings())
     off, lit = relative_residuals(cleaned, lamps, fit.scaled, dark=RobustSettings().dark)
     return float(np.quantile(off[lit], 0.6)) if lit.any() else 0.0
 
 
-def _linear(rows: FloatArray, lights: FloatArray) -> Photometry:
+def _from_singular_vectors(rows: FloatArray, lights: FloatArray) -> Photometry:
     """Strengths from the three directions in which the brightness of fully lit pixels varies.
 
     The law says brightness = S L B with S diagonal, so S L = V A for the three leading singular vectors V:
@@ -185,11 +199,11 @@ def _linear(rows: FloatArray, lights: FloatArray) -> Photometry:
     return Photometry(strengths / strengths.mean()) if strengths.min() > 0.02 * strengths.max() else equal
 
 
-def _refined(
+def _refine(
     rows: FloatArray,
     lights: FloatArray,
     start: Photometry,
-    settings: CalibrationSettings,
+    settings: PhotometrySettings,
     *,
     of_strengths: bool,
 ) -> Photometry:
@@ -200,20 +214,23 @@ def _refined(
     """
     now = start
     for _ in range(settings.iterations):
-        step = _step(rows, lights, now, of_strengths=of_strengths)
+        step = _gauss_newton_step(rows, lights, now, of_strengths=of_strengths)
         if of_strengths:
             strengths = np.maximum(now.strengths + step, 0.02)
             now = replace(now, strengths=strengths / strengths.mean(), sheet=False)
         else:
             now = replace(now, black_level=now.black_level + float(step[0]))
-        if np.abs(step).max() < 1e-4:
+        if np.abs(step).max() < settings.converged:
             break
     return now
 
 
-def _step(rows: FloatArray, lights: FloatArray, now: Photometry, *, of_strengths: bool) -> FloatArray:
+def _gauss_newton_step(
+    rows: FloatArray, lights: FloatArray, now: Photometry, *, of_strengths: bool
+) -> FloatArray:
+    """What to add to the strengths, (N,), or to the black level, (1,)."""
     lamps = lights * now.strengths[:, None]
-    cleaned = _cleaned(rows, now.black_level)
+    cleaned = subtract_black(rows, now.black_level)
     scale = pixel_scale(cleaned)
     scaled = l1(cleaned, lamps, RobustSettings()).scaled
     left = cleaned - law(scaled, lamps)
@@ -223,17 +240,13 @@ def _step(rows: FloatArray, lights: FloatArray, now: Photometry, *, of_strengths
     A = np.einsum("pn,ni,nj->pij", trust, lamps, lamps, optimize=True)
     A += (1e-9 * np.trace(A, axis1=1, axis2=2)[:, None, None] + 1e-12) * np.eye(3)
     across = lamps.T[None] * (trust * effect)[:, None, :]
-    own, pull = (trust * effect**2).sum(axis=0), (effect * trust * left).sum(axis=0)
+    diagonal, pull = (trust * effect**2).sum(axis=0), (effect * trust * left).sum(axis=0)
     if not of_strengths:  # one black level for all lamps
-        across, own, pull = across.sum(axis=2, keepdims=True), own.sum()[None], pull.sum()[None]
-    k = len(own)
+        across, diagonal, pull = across.sum(axis=2, keepdims=True), diagonal.sum()[None], pull.sum()[None]
+    k = len(diagonal)
     solved = np.linalg.solve(A, across)
-    H = np.diag(own) - across.reshape(-1, k).T @ solved.reshape(-1, k)
+    H = np.diag(diagonal) - across.reshape(-1, k).T @ solved.reshape(-1, k)
     g = pull - np.einsum("pik,pn,ni->k", solved, trust * left, lamps, optimize=True)
     size, axes = np.linalg.eigh(H)
-    told = size > 1e-4 * own.sum() / k
-    return np.asarray(axes[:, told] @ ((axes[:, told].T @ g) / size[told]))
-
-
-def _cleaned(rows: FloatArray, black_level: float) -> FloatArray:
-    return np.where(rows > SHADOW_FLOOR, np.maximum(rows - black_level, 0.0), 0.0)
+    determined = size > 1e-4 * diagonal.sum() / k
+    return np.asarray(axes[:, determined] @ ((axes[:, determined].T @ g) / size[determined]))
