@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import gzip
 import threading
-from collections import OrderedDict
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
+
+from cachetools import LRUCache, cachedmethod
 
 from rumu.gallery.assets import Assets, assets_of, picture_assets
 from rumu.gallery.catalog import work
@@ -34,22 +35,15 @@ class FileContent:
     media_type: str
     etag: str
 
-    @property
-    def size(self) -> int:
-        """Bytes in memory."""
-        return len(self.data) + len(self.gzipped or b"")
-
 
 class DerivedFiles:
     """The derived files of a gallery's works and of attempts."""
 
     def __init__(self, gallery: Gallery, workers: Workers) -> None:
         self._gallery, self._workers = gallery, workers
-        self._lock = threading.Lock()
-        self._contents: OrderedDict[str, FileContent] = OrderedDict()
-        self._bytes = 0
+        self._contents: LRUCache[str, FileContent] = LRUCache(_MAX_MEMORY, getsizeof=_bytes_in_memory)
+        self._contents_changed = threading.Condition()
         self._etags: dict[FileAddress, str] = {}
-        self._being_made = tuple(threading.Lock() for _ in range(64))
 
     def of_work(
         self, work_id: str, kind: str, *, exaggeration: float = 1.0, client_etags: Collection[str] = ()
@@ -68,8 +62,9 @@ class DerivedFiles:
 
     def at_address(self, address: FileAddress) -> FileContent | None:
         """What was sent from this address, while it is in memory. It needs no query of the database."""
-        etag_there = self._etags.get(address)
-        return None if etag_there is None else self._in_memory(etag_there)
+        tag = self._etags.get(address)
+        with self._contents_changed:
+            return None if tag is None else self._contents.get(tag)
 
     def set_address(self, address: FileAddress, content: FileContent) -> None:
         """Remember the content of an address; only for versions that are the work's present one."""
@@ -92,37 +87,27 @@ class DerivedFiles:
         tag = etag(assets, kind, exaggeration=exaggeration)
         if tag in client_etags:
             return FileContent(b"", None, "", tag)
-        content = self._in_memory(tag)
-        if content is not None:
-            return content
-        with self._being_made[hash(tag) % len(self._being_made)]:  # once, however many requests wait for it
-            content = self._in_memory(tag)
-            if content is not None:
-                return content
-            file = stored_file(self._gallery.store, assets, kind, exaggeration=exaggeration)
-            if file is None:
-                file = self._workers.ask(worker.derived_file, kind=kind, exaggeration=exaggeration, **source)
-            content = FileContent(file.data, _compress(file.data, file.media_type), file.media_type, tag)
-            self._store(content)
-            return content
+        return self._load(tag, assets, kind, exaggeration, source)
 
-    def _in_memory(self, tag: str) -> FileContent | None:
-        with self._lock:
-            content = self._contents.get(tag)
-            if content is not None:
-                self._contents.move_to_end(tag)
-            return content
+    @cachedmethod(
+        lambda self: self._contents,
+        key=lambda self, tag, *_: tag,
+        condition=lambda self: self._contents_changed,
+    )
+    def _load(
+        self, tag: str, assets: Assets, kind: str, exaggeration: float, source: dict[str, Any]
+    ) -> FileContent:
+        """A content from the store or a worker process; once, however many requests wait for it."""
+        file = stored_file(self._gallery.store, assets, kind, exaggeration=exaggeration)
+        if file is None:
+            file = self._workers.ask(worker.derived_file, kind=kind, exaggeration=exaggeration, **source)
+        return FileContent(file.data, _compress(file.data, file.media_type), file.media_type, tag)
 
-    def _store(self, content: FileContent) -> None:
-        if content.size > _MAX_FILE:
-            return
-        with self._lock:
-            if content.etag not in self._contents:
-                self._contents[content.etag] = content
-                self._bytes += content.size
-            while self._bytes > _MAX_MEMORY:
-                _, oldest = self._contents.popitem(last=False)
-                self._bytes -= oldest.size
+
+def _bytes_in_memory(content: FileContent) -> int:
+    """The content's size; for one that is too large to be kept, more than the cache holds."""
+    size = len(content.data) + len(content.gzipped or b"")
+    return size if size <= _MAX_FILE else _MAX_MEMORY + 1
 
 
 def _compress(data: bytes, media_type: str) -> bytes | None:
