@@ -57,44 +57,6 @@ def test_every_migration_goes_back(database: Database):
     assert set(inspect(database.engine).get_table_names()) <= {"alembic_version"}
 
 
-def test_an_older_job_s_error_stays_readable_in_both_languages(database: Database):
-    from importlib import resources
-
-    from alembic import command
-    from alembic.config import Config
-
-    config = Config()
-    config.set_main_option("script_location", str(resources.files("rumu.database").joinpath("migrations")))
-    old = {
-        "a": "zip 檔解開後太大。 The zip file unpacks to too much: 課.png.",
-        "b": "set/labels.csv row 3: expected a file, got nothing",
-        "c": "",
-    }
-    with database.engine.begin() as connection:
-        config.attributes["connection"] = connection
-        command.downgrade(config, "0001")
-        for name, error in old.items():
-            connection.execute(
-                text(
-                    "INSERT INTO jobs (id, kind, payload, state, done, total, message, result, error, tries,"
-                    " created, changed) VALUES (:id, 'import', '{}', 'failed', 0, 0, '', '{}', :error, 1,"
-                    " '2026-01-01', '2026-01-01')"
-                ),
-                {"id": name, "error": error},
-            )
-        command.upgrade(config, "head")
-        found = connection.execute(text("SELECT error_zh, error_en FROM jobs ORDER BY id")).all()
-        assert [tuple(row) for row in found] == [
-            ("zip 檔解開後太大。", "The zip file unpacks to too much: 課.png."),
-            (old["b"], old["b"]),
-            ("", ""),
-        ]
-        command.downgrade(config, "0001")
-        again = connection.execute(text("SELECT error FROM jobs ORDER BY id")).scalars().all()
-        assert again == list(old.values())
-        command.upgrade(config, "head")
-
-
 def test_what_was_written_is_there_when_it_is_opened_again(database_url):
     first = open_database(database_url)
     with first.writing() as session:
@@ -216,6 +178,13 @@ def test_a_database_of_a_newer_rumu_is_refused(database: Database, database_url)
     with database.writing() as session:
         session.execute(text("UPDATE alembic_version SET version_num = 'v9999'"))
     with pytest.raises(GalleryError, match="newer rumu"):
+        open_database(database_url)
+
+
+def test_a_database_from_before_the_first_release_is_refused(database: Database, database_url):
+    with database.writing() as session:
+        session.execute(text("UPDATE alembic_version SET version_num = '0001'"))
+    with pytest.raises(GalleryError, match=r"before the first release; .*start with a new database"):
         open_database(database_url)
 
 

@@ -1,4 +1,4 @@
-"""One way to the database: SQLite in a file by default, PostgreSQL by its URL; its tables up to date."""
+"""Open a database, SQLite in a file or PostgreSQL by its URL, and bring its tables up to date."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from rumu.errors import GalleryError
 
-_WRITES = "rumu_writes"
-_UPGRADES = 0x72756D75  # the advisory lock of PostgreSQL that stands for "upgrading rumu"
-_PATIENCE = 30  # seconds that a writer waits for another on SQLite
+_WRITES = "rumu_writes"  # execution option of connections that write
+_UPGRADE_LOCK = 0x72756D75  # key of PostgreSQL's advisory lock for upgrades of the tables
+_TIMEOUT = 30  # seconds that a writer waits for another on SQLite
 
 
 @dataclass(frozen=True, slots=True)
 class Database:
-    """engine: for SQLAlchemy. reading() and writing(): a transaction that is kept if its block ends well."""
+    """An open database. reading() and writing() commit their transaction unless the block raises."""
 
     engine: Engine
     _read: sessionmaker[Session]
@@ -33,23 +33,30 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
+        """A session that only reads."""
         with self._read.begin() as session:
             yield session
 
     @contextmanager
     def writing(self) -> Iterator[Session]:
-        """Takes SQLite's one write lock at its start: a reader turned writer half-way would be refused."""
+        """A session that writes.
+
+        It takes SQLite's write lock at its start, because a transaction that begins to write later may be
+        refused.
+        """
         with self._write.begin() as session:
             yield session
 
     def close(self) -> None:
+        """Close all connections."""
         self.engine.dispose()
 
 
 def open_database(url: str | Path) -> Database:
-    """The database at a URL (`sqlite:///FILE`, `postgresql://...`) or a file of SQLite, with all its tables.
+    """Open the database at a URL (`sqlite:///FILE`, `postgresql://...`) or in a file of SQLite.
 
-    Raises GalleryError for a URL of another kind, or a database that cannot be reached.
+    Missing tables are created. Raises GalleryError for another kind of URL, a database that cannot be
+    reached, or one of another version of rumu.
     """
     from alembic.util.exc import CommandError
 
@@ -58,10 +65,15 @@ def open_database(url: str | Path) -> Database:
         _upgrade(engine)
     except DBAPIError as error:
         engine.dispose()
-        raise GalleryError(f"{_hidden(url)}: cannot be opened ({str(error.orig).strip()})") from error
+        raise GalleryError(
+            f"{_without_password(url)}: cannot be opened ({str(error.orig).strip()})"
+        ) from error
     except CommandError as error:
         engine.dispose()
-        raise GalleryError(f"{_hidden(url)}: was written by a newer rumu ({error})") from error
+        raise GalleryError(
+            f"{_without_password(url)}: was written by a newer rumu or from before the first release; "
+            f"open it with that version, or start with a new database ({error})"
+        ) from error
     writer = engine.execution_options(**{_WRITES: True})
     return Database(
         engine, sessionmaker(engine, expire_on_commit=False), sessionmaker(writer, expire_on_commit=False)
@@ -77,7 +89,7 @@ def _address(url: str | Path) -> str:
         except OSError as error:
             raise GalleryError(f"{path}: its folder cannot be made ({error.strerror})") from error
         return f"sqlite:///{path}"
-    # the driver is ours to choose: people write postgresql:// as psql does
+    # people write postgresql:// as psql does; the driver is psycopg
     return text.replace("postgresql://", "postgresql+psycopg://", 1).replace(
         "postgres://", "postgresql+psycopg://", 1
     )
@@ -89,7 +101,7 @@ def _engine(address: str) -> Engine:
         if name not in ("sqlite", "postgresql"):
             raise GalleryError(f"expected a database sqlite:///FILE or postgresql://..., got {name}")
         if name == "sqlite":
-            engine = create_engine(address, connect_args={"timeout": _PATIENCE})
+            engine = create_engine(address, connect_args={"timeout": _TIMEOUT})
             event.listen(engine, "connect", _prepare_sqlite)
             event.listen(engine, "begin", _begin_sqlite)
             return engine
@@ -103,15 +115,15 @@ def _engine(address: str) -> Engine:
 
 
 def _prepare_sqlite(connection: Any, _: Any) -> None:
-    connection.isolation_level = None  # SQLAlchemy says BEGIN itself, see _begin_sqlite
+    connection.isolation_level = None  # _begin_sqlite begins transactions
     _to_wal(connection)
     for pragma in ("synchronous=NORMAL", "foreign_keys=ON"):
         connection.execute(f"PRAGMA {pragma}")
 
 
 def _to_wal(connection: Any) -> None:
-    """Change the journal, once in a file's life. SQLite does not wait for others here, so we do."""
-    until = time.monotonic() + _PATIENCE
+    """Set the journal's mode, waiting for other processes: SQLite itself does not wait here."""
+    until = time.monotonic() + _TIMEOUT
     while True:
         try:
             connection.execute("PRAGMA journal_mode=WAL")
@@ -133,15 +145,14 @@ def _upgrade(engine: Engine) -> None:
 
     config = Config()
     config.set_main_option("script_location", str(resources.files("rumu.database").joinpath("migrations")))
-    # Of several processes that start at once one makes the tables and the others wait, then find them made.
+    # If several processes start together, one creates the tables and the others wait.
     with engine.execution_options(**{_WRITES: True}).begin() as connection:
         if connection.dialect.name == "postgresql":
-            connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _UPGRADES})
+            connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _UPGRADE_LOCK})
         config.attributes["connection"] = connection
         command.upgrade(config, "head")
 
 
-def _hidden(url: str | Path) -> str:
-    """Without its password."""
+def _without_password(url: str | Path) -> str:
     text = str(url)
     return make_url(text).render_as_string(hide_password=True) if "://" in text else text

@@ -1,6 +1,6 @@
-"""Every table, once. Pictures, surfaces and other files lie in the store; a table holds their keys.
+"""All tables of the database. Pictures, surfaces and other files lie in the store; a table holds their keys.
 
-Works and what is said of them: collections, works, annotations, tours.
+Works and texts about them: collections, works, annotations, tours.
 People and what they do: people, invitations, classes, memberships, tasks, attempts, teacher_marks,
 comparisons.
 The service: jobs, settings.
@@ -25,17 +25,17 @@ from rumu.values import Bilingual
 
 
 def new_id() -> str:
-    """32 hexadecimal digits that nobody can guess."""
+    """A new id: 32 hexadecimal digits that nobody can guess."""
     return uuid.uuid4().hex
 
 
 def now() -> datetime:
-    """This moment, in UTC."""
+    """The present time in UTC."""
     return datetime.now(UTC)
 
 
 class UtcTime(TypeDecorator[datetime]):
-    """A time in UTC, also on SQLite, which forgets zones, and on PostgreSQL, which answers in its own."""
+    """A time in UTC: SQLite stores no time zone, and PostgreSQL returns times in its own."""
 
     impl = DateTime(timezone=True)
     cache_ok = True
@@ -54,7 +54,7 @@ class UtcTime(TypeDecorator[datetime]):
 
 
 class Base(DeclarativeBase):
-    """Names of constraints are fixed, so that a migration can speak of them on any database."""
+    """Base of the tables. Constraints have fixed names, so that migrations can name them on any database."""
 
     type_annotation_map = {datetime: UtcTime, dict[str, Any]: JSON, list[Any]: JSON}  # noqa: RUF012
 
@@ -90,14 +90,14 @@ class Work(Base):
     """One work: a character, or a sheet.
 
     id: ASCII slug. character: '' for a sheet of several. script: seal, clerical, regular, running, cursive,
-    or '' where nobody said. hand: who wrote it. dynasty: key for browsing, e.g. 'Tang', '' unknown; period:
-    in words. kind: 'image' (one picture; its height is computed) or 'capture' (photographs under several
-    lamps). height_source: 'photometric', 'inflation' or 'density'. picture: store key of the picture as it
-    came; surface: store key of the folder of a reconstructed surface, None when it is computed from the
-    picture. capture: store key of the photographs of a capture, None for an image. digest: sha256 of content
-    and label: the same picture under the same label is never kept twice. origin: where it was imported from,
-    within its collection. spacing: mm per pixel, None unknown. search: what a search looks through, lower
-    case.
+    or '' if unknown. hand: its writer. dynasty: key for browsing, e.g. 'Tang', '' if unknown; period: in
+    words. kind: 'image' (one picture; its height is computed) or 'capture' (photographs under several lamps).
+    height_source: 'photometric', 'inflation' or 'density'. picture: store key of the picture as uploaded;
+    surface: store key of the folder of a reconstructed surface, None if it is computed from the picture.
+    capture: store key of the photographs of a capture, None for an image. digest: SHA-256 of content and
+    label, so that the same picture with the same label is stored once. origin: where it was imported from,
+    within its collection. spacing: mm per pixel, None if unknown. search: the text that searches look
+    through.
     """
 
     __tablename__ = "works"
@@ -144,7 +144,7 @@ class Work(Base):
 
 
 class Annotation(Base):
-    """Something said of a point of a work. x, y: fractions of the picture, origin top left."""
+    """A text on a point of a work. x, y: fractions of the picture, origin top left."""
 
     __tablename__ = "annotations"
 
@@ -164,8 +164,11 @@ class Annotation(Base):
 
 
 class Tour(Base):
-    """A guided walk. steps: a list of {work, view, title_zh, title_en, text_zh, text_en}; view is the state
-    of the viewer as a permalink's query string."""
+    """A guided tour through works.
+
+    steps: a list of {work, view, title_zh, title_en, text_zh, text_en}; view is the state of the viewer as a
+    permalink's query string.
+    """
 
     __tablename__ = "tours"
 
@@ -180,10 +183,10 @@ class Tour(Base):
 
 
 class Person(Base):
-    """Somebody with a login. role: owner, teacher or pupil. password: an Argon2 hash, None before one is
-    chosen.
+    """A user with a login.
 
-    epoch: rises when the password changes or the person signs out everywhere; older sessions end with it.
+    role: owner, teacher or pupil. password: an Argon2 hash, None before one is chosen. epoch: increases when
+    the password changes or the person signs out everywhere, which ends older sessions.
     """
 
     __tablename__ = "people"
@@ -200,7 +203,7 @@ class Person(Base):
 
 
 class Invitation(Base):
-    """A link that makes one login, once. token: sha256 of what stands in the link."""
+    """A link that creates one login, once. token: SHA-256 of the token in the link."""
 
     __tablename__ = "invitations"
 
@@ -237,7 +240,7 @@ class Membership(Base):
 
 
 class Task(Base):
-    """What a class is to write: one master, by one day."""
+    """A task of a class: a master to copy, until a day."""
 
     __tablename__ = "tasks"
 
@@ -251,12 +254,12 @@ class Task(Base):
 
 
 class Attempt(Base):
-    """One copy that somebody wrote, with its mark.
+    """A copy that a person wrote, with its mark.
 
     person_id: None for the simulated samples, which nobody wrote. kind: 'photo', 'pen' or 'simulated'.
-    grid: what was under the pen: 'mi' (米字格), 'jiu' (九宮格), 'tian' (田字格) or ''. picture: store key;
-    strokes: store key of the pen's path as JSON, None for a photo. mark: the mark as the service told it;
-    score: 0-100, None when it was refused. version: of the rumu that marked it.
+    grid: behind the pen's strokes: 'mi' (米字格), 'jiu' (九宮格), 'tian' (田字格) or ''. picture: store key;
+    strokes: store key of the pen's path as JSON, None for a photo. mark: as the API returned it; score:
+    0-100, None when it was refused. version: of the rumu that marked it.
     """
 
     __tablename__ = "attempts"
@@ -280,7 +283,7 @@ class Attempt(Base):
 
 
 class TeacherMark(Base):
-    """A teacher's own mark of an attempt, 0-100."""
+    """A teacher's mark of an attempt, 0-100."""
 
     __tablename__ = "teacher_marks"
 
@@ -292,10 +295,10 @@ class TeacherMark(Base):
 
 
 class Comparison(Base):
-    """Which of two copies of one master is better. winner: 'left', 'right' or 'same'.
+    """A judgement which of two copies of one master is better. winner: 'left', 'right' or 'same'.
 
-    A judge sees a pair once: first and second are the attempts' ids in alphabetical order, left says which
-    one stood on the left.
+    A judge sees a pair once: first and second are the attempts' ids in alphabetical order, left is the id of
+    the one that was shown on the left.
     """
 
     __tablename__ = "comparisons"
@@ -313,9 +316,11 @@ class Comparison(Base):
 
 
 class Job(Base):
-    """Long work. state: queued, running, done, failed or cancelled. payload: what is needed to do it again
-    after a restart. done, total: progress; total 0 while unknown. error: why it failed, empty where it did
-    not."""
+    """A job that runs in the background.
+
+    state: queued, running, done, failed or cancelled. payload: what is needed to run it again after a
+    restart. done, total: progress; total 0 while unknown. error: why it failed, else empty.
+    """
 
     __tablename__ = "jobs"
     __table_args__ = (Index(None, "state", "created"),)
@@ -338,7 +343,7 @@ class Job(Base):
 
 
 class Setting(Base):
-    """What the service keeps for itself, such as the key that signs its cookies."""
+    """A setting of the service, such as the key that signs its cookies."""
 
     __tablename__ = "settings"
 

@@ -58,7 +58,7 @@ class ImportResult:
     left_out: tuple[tuple[str, str], ...] = ()
 
     def and_then(self, other: ImportResult) -> ImportResult:
-        """This result and that of the next batch."""
+        """The result of both batches."""
         return replace(
             self,
             added=self.added + other.added,

@@ -23,7 +23,7 @@ from sqlalchemy import or_, select
 from rumu.database.tables import Work
 from rumu.errors import GalleryError, RefusedImage
 from rumu.gallery.gallery import Gallery
-from rumu.gallery.store import Store
+from rumu.gallery.store import PART_SUFFIX, Store
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -128,7 +128,7 @@ def delete_orphans(gallery: Gallery, *, older_than: float = DAY) -> int:
         for key in list(gallery.store.keys(folder, older_than=older_than)):
             # a row names a picture by its own key, and files of a capture or surface by their folder
             is_orphan = folder in _FOLDERS and key not in used and key.rpartition("/")[0] not in used
-            if is_orphan or key.endswith(".part"):
+            if is_orphan or key.endswith(PART_SUFFIX):
                 gallery.store.delete_file(key)
                 count += 1
     return count

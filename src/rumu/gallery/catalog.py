@@ -1,7 +1,6 @@
-"""The catalogue: which works there are, found by what is known of them, and changed.
+"""The catalogue of a gallery: list, change and delete works and collections.
 
-A Gallery is a database for what is known and a store for the files. Every function is safe to call from many
-threads, and from several processes on one database.
+All functions may be called from many threads, and from several processes on one database.
 """
 
 from __future__ import annotations
@@ -27,26 +26,25 @@ from rumu.gallery.seed import add_starter_works
 from rumu.gallery.store import Store
 from rumu.values import Bilingual
 
-Row = TypeVar("Row")
+Item = TypeVar("Item")
 
 
 @dataclass(frozen=True, slots=True)
-class Page(Generic[Row]):
-    """items: a part of all that match, in order. total: how many match."""
+class Page(Generic[Item]):
+    """A page of a list. items: those of the page, in order. total: the number on all pages."""
 
-    items: tuple[Row, ...]
+    items: tuple[Item, ...]
     total: int
 
 
 def open_gallery(
     *, database: str | Path | None = None, files: str | Path | None = None, starter: bool = True
 ) -> Gallery:
-    """The gallery of this person; where there are no works yet, with the starter gallery in it.
+    """Open the gallery of this user; without works yet, it is filled with the starter gallery.
 
     database: a file of SQLite or a URL; else RUMU_DATABASE, else rumu.sqlite in RUMU_HOME.
     files: a folder or a URL of fsspec; else RUMU_FILES, else files/ in RUMU_HOME.
-    starter: False leaves an empty gallery empty.
-    Raises GalleryError when either cannot be opened.
+    starter: False leaves an empty gallery empty. Raises GalleryError when either cannot be opened.
     """
     gallery = Gallery(
         open_database(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite"),
@@ -57,72 +55,70 @@ def open_gallery(
     return gallery
 
 
-# --- looking ---------------------------------------------------------------------------------------
+# --- reading ---------------------------------------------------------------------------------------
 
 
-def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **asked: str | None) -> Page[Work]:
-    """The works that match all that is asked, by collection, the starter gallery first.
+def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: str | None) -> Page[Work]:
+    """The works that match all filters, by collection, the starter gallery first.
 
-    asked: the fields of Filters.
-    Raises GalleryError for an unknown script, or a page that cannot be.
+    filters: the fields of Filters. Raises GalleryError for an unknown script, or a negative offset or limit.
     """
     if offset < 0 or limit < 0:
         raise GalleryError(f"expected offset and limit of 0 or more, got {offset} and {limit}")
-    wanted = conditions(Filters(**asked), Work.__table__.c).values()
-    # Ids are sorted alone: whole rows would be dragged along through the sort.
-    ids = select(Work.id).where(*wanted).order_by(*_ORDER).offset(offset).limit(limit)
+    where = conditions(Filters(**filters), Work.__table__.c).values()
+    # Only ids are sorted, because sorting whole rows takes longer.
+    ids = select(Work.id).where(*where).order_by(*_ORDER).offset(offset).limit(limit)
     with gallery.database.reading() as session:
-        total = session.scalar(select(func.count()).select_from(Work).where(*wanted)) or 0
-        chosen = list(session.scalars(ids))
-        rows = {row.id: row for row in session.scalars(select(Work).where(Work.id.in_(chosen)))}
-        return Page(tuple(rows[name] for name in chosen if name in rows), total)
+        total = session.scalar(select(func.count()).select_from(Work).where(*where)) or 0
+        on_page = list(session.scalars(ids))
+        rows = {row.id: row for row in session.scalars(select(Work).where(Work.id.in_(on_page)))}
+        return Page(tuple(rows[name] for name in on_page if name in rows), total)
 
 
 def work(gallery: Gallery, work_id: str) -> Work:
     """The work with this id. Raises GalleryError that names the closest ids when there is none."""
     with gallery.database.reading() as session:
-        found = session.get(Work, work_id)
-        if found is not None:
-            return found
-        raise GalleryError(f"no work {work_id!r} in the gallery{_hint(session, work_id)}")
+        row = session.get(Work, work_id)
+        if row is None:
+            raise GalleryError(f"no work {work_id!r} in the gallery{_hint(session, work_id)}")
+        return row
 
 
 def neighbours(gallery: Gallery, work_id: str) -> tuple[str | None, str | None]:
     """The ids of the works before and after one in its collection."""
-    here = work(gallery, work_id)
-    place = (here.position, here.id)
-    same = Work.collection_id == here.collection_id
-    before = or_(Work.position < place[0], and_(Work.position == place[0], Work.id < place[1]))
-    after = or_(Work.position > place[0], and_(Work.position == place[0], Work.id > place[1]))
-    down, up = (Work.position.desc(), Work.id.desc()), (Work.position, Work.id)
+    row = work(gallery, work_id)
+    ids = select(Work.id).where(Work.collection_id == row.collection_id).limit(1)
+    same_position = Work.position == row.position
+    before = ids.where(or_(Work.position < row.position, and_(same_position, Work.id < row.id)))
+    after = ids.where(or_(Work.position > row.position, and_(same_position, Work.id > row.id)))
     with gallery.database.reading() as session:
         return (
-            session.scalar(select(Work.id).where(same, before).order_by(*down).limit(1)),
-            session.scalar(select(Work.id).where(same, after).order_by(*up).limit(1)),
+            session.scalar(before.order_by(Work.position.desc(), Work.id.desc())),
+            session.scalar(after.order_by(Work.position, Work.id)),
         )
 
 
 def collections(gallery: Gallery) -> tuple[tuple[Collection, int], ...]:
-    """Every collection with the number of its works, the starter gallery first."""
+    """All collections with their numbers of works, the starter gallery first."""
     count = func.count(Work.id)
     with gallery.database.reading() as session:
-        found = session.execute(
+        rows = session.execute(
             select(Collection, count)
             .outerjoin(Work, Work.collection_id == Collection.id)
             .group_by(Collection.id)
             .order_by(Collection.id != "starter", Collection.id)
         )
-        return tuple((row[0], row[1]) for row in found)
+        return tuple((row[0], row[1]) for row in rows)
 
 
 def collection(gallery: Gallery, collection_id: str) -> Collection:
-    """The collection with this id. Raises GalleryError that names those there are."""
+    """The collection with this id. Raises GalleryError that names the existing ones when there is none."""
     with gallery.database.reading() as session:
-        found = session.get(Collection, collection_id)
-        if found is not None:
-            return found
-        known = ", ".join(session.scalars(select(Collection.id).order_by(Collection.id).limit(10)))
-        raise GalleryError(f"no collection {collection_id!r} in the gallery; there are {known}")
+        row = session.get(Collection, collection_id)
+        if row is None:
+            known = ", ".join(session.scalars(select(Collection.id).order_by(Collection.id).limit(10)))
+            raise GalleryError(f"no collection {collection_id!r} in the gallery; there are {known}")
+        return row
 
 
 # --- changing --------------------------------------------------------------------------------------
@@ -140,25 +136,26 @@ CHANGEABLE = frozenset(
 
 
 def change_work(gallery: Gallery, work_id: str, changes: Mapping[str, Any]) -> Work:
-    """Change what is known of a work: columns of CHANGEABLE. Raises GalleryError for others, or no such
-    work."""
-    stray = sorted(set(changes) - CHANGEABLE)
-    if stray:
-        raise GalleryError(f"expected facts among {', '.join(sorted(CHANGEABLE))}, got {', '.join(stray)}")
+    """Change columns of a work, those of CHANGEABLE. Raises GalleryError for others, or an unknown work."""
+    unknown = sorted(set(changes) - CHANGEABLE)
+    if unknown:
+        raise GalleryError(f"expected facts among {', '.join(sorted(CHANGEABLE))}, got {', '.join(unknown)}")
     check_script(changes.get("script"))
     with gallery.database.writing() as session:
-        found = session.get(Work, work_id)
-        if found is None:
+        row = session.get(Work, work_id)
+        if row is None:
             raise GalleryError(f"no work {work_id!r} in the gallery{_hint(session, work_id)}")
         for name, value in changes.items():
-            setattr(found, name, value)
-        _index_again(session, [found])
-        return found
+            setattr(row, name, value)
+        _update_search_text(session, [row])
+        return row
 
 
 def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str, str]) -> Collection:
-    """Change title_zh, title_en, note_zh, note_en, source or licence. Raises GalleryError for others, or
-    none."""
+    """Change title_zh, title_en, note_zh, note_en, source or licence of a collection.
+
+    Raises GalleryError for other columns, or an unknown collection.
+    """
     known = {"title_zh", "title_en", "note_zh", "note_en", "source", "licence"}
     if not set(changes) <= known:
         raise GalleryError(
@@ -166,38 +163,36 @@ def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str
         )
     collection(gallery, collection_id)
     with gallery.database.writing() as session:
-        found = session.get_one(Collection, collection_id)
+        row = session.get_one(Collection, collection_id)
         for name, value in changes.items():
-            setattr(found, name, value)
-        _index_again(session, session.scalars(select(Work).where(Work.collection_id == collection_id)).all())
-        return found
+            setattr(row, name, value)
+        works_of_it = session.scalars(select(Work).where(Work.collection_id == collection_id)).all()
+        _update_search_text(session, works_of_it)
+        return row
 
 
 def delete_work(gallery: Gallery, work_id: str) -> None:
-    """Forget a work with all that hangs on it, and the files that no other work shares.
+    """Delete a work with its annotations and attempts, and its files that no other work shares.
 
     Raises GalleryError when there is no such work.
     """
-    gone = work(gallery, work_id)
+    row = work(gallery, work_id)
     with gallery.database.writing() as session:
         session.execute(delete(Work).where(Work.id == work_id))
-    delete_files(gallery, gone)
+    delete_files(gallery, row)
 
 
 def delete_collection(gallery: Gallery, collection_id: str) -> int:
-    """Forget a collection and its works; how many works there were. Raises GalleryError when there is
-    none."""
+    """Delete a collection and its works; the number of works. Raises GalleryError when there is none."""
     collection(gallery, collection_id)
     with gallery.database.writing() as session:
-        gone = session.scalars(select(Work).where(Work.collection_id == collection_id)).all()
+        rows = session.scalars(select(Work).where(Work.collection_id == collection_id)).all()
         session.execute(delete(Work).where(Work.collection_id == collection_id))
         session.execute(delete(Collection).where(Collection.id == collection_id))
-    for row in gone:
+    for row in rows:
         delete_files(gallery, row)
-    return len(gone)
+    return len(rows)
 
-
-# --- within ----------------------------------------------------------------------------------------
 
 _ORDER: Sequence[ColumnElement[Any]] = (
     Work.collection_id != "starter",
@@ -207,21 +202,18 @@ _ORDER: Sequence[ColumnElement[Any]] = (
 )
 
 
-def _index_again(session: Session, rows: Sequence[Work]) -> None:
-    """The text that searches look through follows the facts it was made of."""
-    titles: dict[str, Bilingual] = {}
+def _update_search_text(session: Session, rows: Sequence[Work]) -> None:
     for row in rows:
-        if row.collection_id not in titles:
-            of = session.get_one(Collection, row.collection_id)
-            titles[row.collection_id] = Bilingual(zh=of.title_zh, en=of.title_en)
+        collection = session.get_one(Collection, row.collection_id)  # once a session: then it is in memory
         columns = {column.name: getattr(row, column.name) for column in Work.__table__.columns}
-        row.search = search_text(columns, collection=titles[row.collection_id])
+        title = Bilingual(collection.title_zh, collection.title_en)
+        row.search = search_text(columns, collection=title)
 
 
 def _hint(session: Session, asked: str) -> str:
     known = list(session.scalars(select(Work.id)))
     close = difflib.get_close_matches(asked, known, n=3, cutoff=0.5)
-    if not close:  # an id seldom holds the character itself, but a person may well type it
+    if not close:  # ids seldom hold the character itself, but people may type it
         close = list(
             session.scalars(select(Work.id).where(Work.character == asked).order_by(*_ORDER).limit(5))
         )

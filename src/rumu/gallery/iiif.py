@@ -1,6 +1,6 @@
-"""IIIF Presentation 3: a manifest for every work and collection, so that any IIIF viewer can show them.
+"""IIIF Presentation 3: a manifest of each work and collection, so that any IIIF viewer can show them.
 
-Both are made of iiif-prezi3's models, which refuse what the specification does not allow.
+Both are built from iiif-prezi3's models, which refuse what the specification does not allow.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from rumu.gallery.annotations import annotations_of
 from rumu.gallery.gallery import Gallery
 from rumu.gallery.iiif_image import MAX_SIDE
 from rumu.gallery.vocabulary import HEIGHT_SOURCES, dynasty_name, script_name
-from rumu.values import Bilingual
 
 _CHINESE, _ENGLISH = "zh-Hant", "en"
 _RIGHTS = {
@@ -29,27 +28,26 @@ _RIGHTS = {
 
 
 def manifest(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
-    """The manifest of a work: its picture through the Image API, its facts, what is said of it, its mesh.
+    """The manifest of a work: its picture through the Image API, metadata, annotations and mesh.
 
     base: of the service, e.g. 'https://example.org'. Raises GalleryError when there is no such work.
     """
     row = catalog.work(gallery, work_id)
-    of = catalog.collection(gallery, row.collection_id)
-    made = _manifest(row, of, annotations_of(gallery, work_id), base=base.rstrip("/"))
-    return _plain(made)
+    collection = catalog.collection(gallery, row.collection_id)
+    return _manifest(row, collection, annotations_of(gallery, work_id), base=base.rstrip("/"))
 
 
 def collection_manifest(gallery: Gallery, collection_id: str, *, base: str) -> dict[str, Any]:
-    """The IIIF collection of one of the gallery: the manifests of its works, in order.
+    """A collection of the gallery as a IIIF collection: the manifests of its works, in order.
 
     base: of the service. Raises GalleryError when there is no such collection.
     """
-    from iiif_prezi3 import Collection as Made  # type: ignore[import-untyped]
+    from iiif_prezi3 import Collection as IiifCollection  # type: ignore[import-untyped]
 
     base = base.rstrip("/")
-    of = catalog.collection(gallery, collection_id)
+    collection = catalog.collection(gallery, collection_id)
     with gallery.database.reading() as session:
-        found = session.execute(
+        rows = session.execute(
             select(Work.id, Work.title_zh, Work.title_en)
             .where(Work.collection_id == collection_id)
             .order_by(Work.position, Work.id)
@@ -60,32 +58,37 @@ def collection_manifest(gallery: Gallery, collection_id: str, *, base: str) -> d
             "type": "Manifest",
             "label": _label(row[1], row[2]),
         }
-        for row in found
+        for row in rows
     ]
     facts: dict[str, Any] = {
-        "id": f"{base}/iiif/collections/{of.id}.json",
-        "label": _label(of.title_zh, of.title_en),
-        "metadata": _metadata([("來源", "Source", of.source, of.source), _licence(of.licence)]),
+        "id": f"{base}/iiif/collections/{collection.id}.json",
+        "label": _label(*collection.title),
+        "metadata": _metadata(
+            [
+                ("來源", "Source", collection.source, collection.source),
+                _licence(collection.licence),
+            ]
+        ),
     }
-    if of.note_zh or of.note_en:
-        facts["summary"] = _label(of.note_zh, of.note_en)
-    # The items are alike: one is checked, and thousands are not made into objects and back.
-    made = _plain(Made(**facts, items=items[:1]))
-    return made | {"items": items}
+    if any(collection.note):
+        facts["summary"] = _label(*collection.note)
+    # The items are alike: only one of them is checked by the model, which takes long for thousands.
+    return _to_json(IiifCollection(**facts, items=items[:1])) | {"items": items}
 
 
-def _manifest(row: Work, of: Collection, said: tuple[Annotation, ...], *, base: str) -> Any:
+def _manifest(
+    row: Work, collection: Collection, annotations: tuple[Annotation, ...], *, base: str
+) -> dict[str, Any]:
     from iiif_prezi3 import Manifest  # type: ignore[import-untyped]
 
-    place = f"{base}/iiif/works/{row.id}"
-    height = HEIGHT_SOURCES[row.height_source]
+    url = f"{base}/iiif/works/{row.id}"
     credit = "; ".join(filter(None, (row.licence, row.attribution)))
     facts: dict[str, Any] = {
-        "id": f"{place}/manifest.json",
-        "label": _label(row.title_zh, row.title_en),
-        "summary": _label(height.zh, height.en),
-        "metadata": _metadata(_facts(row, of)),
-        "requiredStatement": _pair(("授權與出處", "Licence and credit", credit, credit)),
+        "id": f"{url}/manifest.json",
+        "label": _label(*row.title),
+        "summary": _label(*HEIGHT_SOURCES[row.height_source]),
+        "metadata": _metadata(_facts(row, collection)),
+        "requiredStatement": _entry(("授權與出處", "Licence and credit", credit, credit)),
         "thumbnail": [_image(row, base=base, size=f"!{min(256, row.width)},{min(256, row.height)}")],
         "homepage": [
             {
@@ -103,15 +106,14 @@ def _manifest(row: Work, of: Collection, said: tuple[Annotation, ...], *, base: 
                 "format": "model/gltf-binary",
             }
         ],
-        "partOf": [{"id": f"{base}/iiif/collections/{of.id}.json", "type": "Collection"}],
-        "items": [_canvas(row, said, place=place, base=base)],
+        "partOf": [{"id": f"{base}/iiif/collections/{collection.id}.json", "type": "Collection"}],
+        "items": [_canvas(row, annotations, canvas=f"{url}/canvas", base=base)],
     }
     rights = next((url for name, url in _RIGHTS.items() if row.licence.startswith(name)), None)
-    return Manifest(**facts | ({"rights": rights} if rights else {}))
+    return _to_json(Manifest(**facts | ({"rights": rights} if rights else {})))
 
 
-def _canvas(row: Work, said: tuple[Annotation, ...], *, place: str, base: str) -> dict[str, Any]:
-    canvas = f"{place}/canvas"
+def _canvas(row: Work, annotations: tuple[Annotation, ...], *, canvas: str, base: str) -> dict[str, Any]:
     painting = {
         "id": f"{canvas}/painting",
         "type": "Annotation",
@@ -119,22 +121,22 @@ def _canvas(row: Work, said: tuple[Annotation, ...], *, place: str, base: str) -
         "body": _image(row, base=base, size="max"),
         "target": canvas,
     }
-    made: dict[str, Any] = {
+    facts: dict[str, Any] = {
         "id": canvas,
         "type": "Canvas",
-        "label": _label(row.title_zh, row.title_en),
+        "label": _label(*row.title),
         "width": row.width,
         "height": row.height,
         "items": [{"id": f"{canvas}/page", "type": "AnnotationPage", "items": [painting]}],
     }
-    if said:
-        comments = [comment for one in said for comment in _comments(one, row, canvas)]
-        made["annotations"] = [{"id": f"{canvas}/said", "type": "AnnotationPage", "items": comments}]
-    return made
+    if annotations:
+        comments = [comment for one in annotations for comment in _comments(one, row, canvas)]
+        facts["annotations"] = [{"id": f"{canvas}/said", "type": "AnnotationPage", "items": comments}]
+    return facts
 
 
 def _comments(one: Annotation, row: Work, canvas: str) -> list[dict[str, Any]]:
-    """One annotation in each language that it speaks, on a small box around its point."""
+    """An annotation in each language in which it has a text, on a small box around its point."""
     side = max(2, round(max(row.width, row.height) / 32))
     x = max(0, min(row.width - side, round(one.x * row.width - side / 2)))
     y = max(0, min(row.height - side, round(one.y * row.height - side / 2)))
@@ -175,16 +177,15 @@ def _image(row: Work, *, base: str, size: str) -> dict[str, Any]:
 Fact = tuple[str, str, str, str]
 
 
-def _facts(row: Work, of: Collection) -> list[Fact]:
-    script, dynasty = script_name(row.script), dynasty_name(row.dynasty)
-    period = Bilingual(row.period_zh or dynasty.zh, row.period_en or dynasty.en)
+def _facts(row: Work, collection: Collection) -> list[Fact]:
+    dynasty = dynasty_name(row.dynasty)
     return [
         ("字", "Character", row.character, row.character),
-        ("書體", "Script", script.zh, script.en),
-        ("書者", "Hand", row.hand_zh, row.hand_en),
-        ("時代", "Period", period.zh, period.en),
-        ("所示", "Shows", row.material_zh, row.material_en),
-        ("所屬", "Collection", of.title_zh, of.title_en),
+        ("書體", "Script", *script_name(row.script)),
+        ("書者", "Hand", *row.hand),
+        ("時代", "Period", row.period_zh or dynasty.zh, row.period_en or dynasty.en),
+        ("所示", "Shows", *row.material),
+        ("所屬", "Collection", *collection.title),
         ("來源", "Source", row.source, row.source),
         _licence(row.licence),
     ]
@@ -195,18 +196,18 @@ def _licence(licence: str) -> Fact:
 
 
 def _metadata(facts: list[Fact]) -> list[dict[str, Any]]:
-    return [_pair(fact) for fact in facts if fact[2] or fact[3]]
+    return [_entry(fact) for fact in facts if fact[2] or fact[3]]
 
 
-def _pair(fact: Fact) -> dict[str, Any]:
+def _entry(fact: Fact) -> dict[str, Any]:
     return {"label": _label(fact[0], fact[1]), "value": _label(fact[2], fact[3])}
 
 
 def _label(zh: str, en: str) -> dict[str, list[str]]:
-    told = {language: [text] for language, text in ((_CHINESE, zh), (_ENGLISH, en)) if text}
-    return told or {"none": [""]}
+    texts = {language: [text] for language, text in ((_CHINESE, zh), (_ENGLISH, en)) if text}
+    return texts or {"none": [""]}
 
 
-def _plain(made: Any) -> dict[str, Any]:
-    facts: dict[str, Any] = json.loads(made.json())
+def _to_json(model: Any) -> dict[str, Any]:
+    facts: dict[str, Any] = json.loads(model.json())
     return facts

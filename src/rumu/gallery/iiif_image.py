@@ -1,5 +1,4 @@
-"""The IIIF Image API 3, level 2, as functions: a work's picture in any region, size, rotation, quality and
-format."""
+"""The IIIF Image API 3, level 2: a work's picture in any region, size, rotation, quality and format."""
 
 from __future__ import annotations
 
@@ -22,16 +21,16 @@ MAX_SIDE = 4096  # pixels of an answer; a larger picture is served in parts
 TILE = 512
 
 _NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
-_MIDDLE = 128  # gray from which on 'bitonal' is white
+_THRESHOLD = 128  # gray values from here on are white in 'bitonal'
 
 
-class BadImageRequest(GalleryError):  # noqa: N818  what it is, not that it went wrong
-    """An image request that the Image API does not allow; for HTTP 400."""
+class BadImageRequest(GalleryError):  # noqa: N818  the name of HTTP status 400
+    """An image request that the Image API does not allow."""
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A part of a picture, in whole pixels from its top left."""
+    """A region of a picture in pixels, origin top left."""
 
     x: int
     y: int
@@ -40,9 +39,10 @@ class Box:
 
 
 def image_info(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
-    """info.json of a work's picture. base: where the service lives, e.g. 'https://example.org/iiif/image'.
+    """The info.json of a work's picture.
 
-    Raises GalleryError when there is no such work.
+    base: URL of the image service, e.g. 'https://example.org/iiif/image'. Raises GalleryError when there is
+    no such work.
     """
     row = work(gallery, work_id)
     longest = max(row.width, row.height)
@@ -70,13 +70,13 @@ def image_info(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
 def image_response(  # noqa: PLR0917  in the order of the address
     gallery: Gallery, work_id: str, region: str, size: str, rotation: str, quality: str, format: str
 ) -> tuple[bytes, str]:
-    """The bytes that an image request asks for, and their media type.
+    """The bytes of the image that a request asks for, and their media type.
 
     region: full, square, 'x,y,w,h' or 'pct:x,y,w,h'. size: max, 'w,', ',h', 'w,h', '!w,h', 'pct:n', each with
-        ^ before it where enlarging is meant. rotation: 0, 90, 180 or 270, clockwise; with ! before it
-        mirrored first. quality: one of QUALITIES; format: one of FORMATS.
-    Raises BadImageRequest for what is not one of these, for a region outside of the picture, a size above
-    MAX_SIDE, or one above the region without ^; GalleryError when there is no such work.
+        ^ before it to allow enlarging. rotation: 0, 90, 180 or 270, clockwise; with ! before it the picture
+        is mirrored first. quality: one of QUALITIES; format: one of FORMATS.
+    Raises BadImageRequest for other values, a region outside of the picture, a size above MAX_SIDE, or one
+    above the region without ^; GalleryError when there is no such work.
     """
     row = work(gallery, work_id)
     if quality not in QUALITIES or format not in FORMATS:
@@ -86,16 +86,15 @@ def image_response(  # noqa: PLR0917  in the order of the address
         )
     box = region_box(region, width=row.width, height=row.height)
     wanted = size_of(size, box)
-    mirrored, quarters = _turn(rotation)
+    mirrored, quarters = _parse_rotation(rotation)
     picture = read_picture(gallery.store, row.picture)
     part = picture.crop((box.x, box.y, box.x + box.width, box.y + box.height))
-    return _packed(_toned(_turned(_scaled(part, wanted), mirrored, quarters), quality), format), FORMATS[
-        format
-    ]
+    image = _convert(_rotate(_resize(part, wanted), mirrored, quarters), quality)
+    return _encode(image, format), FORMATS[format]
 
 
 def region_box(region: str, *, width: int, height: int) -> Box:
-    """What part of a picture a request names. Raises BadImageRequest for none, or one that lies outside."""
+    """The region of a picture that a request names. Raises BadImageRequest if invalid or outside."""
     if region == "full":
         return Box(0, 0, width, height)
     if region == "square":
@@ -117,9 +116,9 @@ def region_box(region: str, *, width: int, height: int) -> Box:
 
 
 def size_of(size: str, box: Box) -> tuple[int, int]:
-    """(width, height) that a request asks of a region. Raises BadImageRequest as `image_response`."""
+    """(width, height) that a request asks for. Raises BadImageRequest as `image_response`."""
     upscale, asked = size.startswith("^"), size.removeprefix("^")
-    wanted = _asked_size(asked, box, upscale=upscale)
+    wanted = _parse_size(asked, box, upscale=upscale)
     if min(wanted) < 1 or max(wanted) > MAX_SIDE:
         raise BadImageRequest(f"expected a size from 1 to {MAX_SIDE} pixels a side, got {size!r:.60}")
     if not upscale and (wanted[0] > box.width or wanted[1] > box.height):
@@ -130,15 +129,15 @@ def size_of(size: str, box: Box) -> tuple[int, int]:
     return wanted
 
 
-def _asked_size(asked: str, box: Box, *, upscale: bool) -> tuple[int, int]:
+def _parse_size(asked: str, box: Box, *, upscale: bool) -> tuple[int, int]:
     if asked == "max":
-        return _within(box, MAX_SIDE, MAX_SIDE, upscale=upscale)
+        return _fit(box, MAX_SIDE, MAX_SIDE, upscale=upscale)
     if share := re.fullmatch(rf"pct:({_NUMBER})", asked):
         factor = float(share[1]) / 100
         return max(1, round(box.width * factor)) if factor else 0, max(1, round(box.height * factor))
     if fit := re.fullmatch(r"!([0-9]{1,9}),([0-9]{1,9})", asked):
         width, height = min(int(fit[1]), MAX_SIDE), min(int(fit[2]), MAX_SIDE)
-        return _within(box, width, height, upscale=upscale) if width and height else (0, 0)
+        return _fit(box, width, height, upscale=upscale) if width and height else (0, 0)
     sides = re.fullmatch(r"([0-9]{0,9}),([0-9]{0,9})", asked)
     if sides is None or not (sides[1] or sides[2]):
         raise BadImageRequest(
@@ -152,29 +151,29 @@ def _asked_size(asked: str, box: Box, *, upscale: bool) -> tuple[int, int]:
     return width, height
 
 
-def _within(box: Box, width: int, height: int, *, upscale: bool) -> tuple[int, int]:
-    """The largest size of a region's shape within these sides."""
+def _fit(box: Box, width: int, height: int, *, upscale: bool) -> tuple[int, int]:
+    """The largest size with the region's proportions within these sides."""
     factor = min(width / box.width, height / box.height)
     if not upscale:
         factor = min(factor, 1.0)
     return max(1, int(box.width * factor + 1e-6)), max(1, int(box.height * factor + 1e-6))
 
 
-def _turn(rotation: str) -> tuple[bool, int]:
-    """Whether mirrored, and quarter turns clockwise."""
+def _parse_rotation(rotation: str) -> tuple[bool, int]:
+    """Whether the picture is mirrored, and the number of quarter turns clockwise."""
     degrees = re.fullmatch(rf"(!?)({_NUMBER})", rotation)
     if degrees is None or float(degrees[2]) not in (0, 90, 180, 270, 360):
         raise BadImageRequest(f"expected a rotation of 0, 90, 180 or 270 degrees, got {rotation!r:.60}")
     return bool(degrees[1]), round(float(degrees[2]) / 90) % 4
 
 
-def _scaled(image: Picture, size: tuple[int, int]) -> Picture:
+def _resize(image: Picture, size: tuple[int, int]) -> Picture:
     from PIL import Image
 
     return image if image.size == size else image.resize(size, Image.Resampling.LANCZOS)
 
 
-def _turned(image: Picture, mirrored: bool, quarters: int) -> Picture:
+def _rotate(image: Picture, mirrored: bool, quarters: int) -> Picture:
     from PIL import Image
 
     if mirrored:
@@ -183,16 +182,16 @@ def _turned(image: Picture, mirrored: bool, quarters: int) -> Picture:
     return image.transpose(clockwise[quarters]) if quarters else image
 
 
-def _toned(image: Picture, quality: str) -> Picture:
+def _convert(image: Picture, quality: str) -> Picture:
     if quality == "default":
         return image
     if quality == "color":
         return image.convert("RGB")
     gray = image.convert("L")
-    return gray if quality == "gray" else gray.point(lambda value: 255 if value >= _MIDDLE else 0)
+    return gray if quality == "gray" else gray.point(lambda value: 255 if value >= _THRESHOLD else 0)
 
 
-def _packed(image: Picture, format: str) -> bytes:
+def _encode(image: Picture, format: str) -> bytes:
     packed = io.BytesIO()
     if format == "jpg":
         image.save(packed, "JPEG", quality=90)

@@ -78,7 +78,7 @@ def render_photograph(assets: Assets, *, number: int) -> bytes:
 
 
 def render_normals(assets: Assets, *, longest: int) -> bytes:
-    """n = value / 127.5 - 1, y up; lossless WebP."""
+    """Normals: n = value / 127.5 - 1, y up; lossless WebP."""
     packed = io.BytesIO()
     # Method 2 at quality 50 is within a tenth of the smallest file and several times as fast.
     image = _image(normals_8(assets.surface(), longest))
@@ -94,7 +94,7 @@ def normals_8(surface: Surface, longest: int) -> Bytes:
 
 
 def render_normals_16(assets: Assets) -> bytes:
-    """n = value / 32767.5 - 1, y up; all pixels of the surface; 16-bit PNG."""
+    """Normals: n = value / 32767.5 - 1, y up; all pixels of the surface; 16-bit PNG."""
     n = assets.surface().normals.astype(np.float64)
     return _png(np.round((n + 1.0) * 32767.5).clip(0, 65535).astype(np.uint16)[..., ::-1])
 

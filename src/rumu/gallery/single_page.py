@@ -1,5 +1,4 @@
-"""One work as one HTML file: the viewer and everything it shows inside, to be mailed, kept and opened
-anywhere."""
+"""A work as a single HTML file that holds the viewer and all its data, so that it opens anywhere."""
 
 from __future__ import annotations
 
@@ -17,15 +16,14 @@ from rumu.gallery.derived import derived, viewer_facts
 from rumu.gallery.gallery import Gallery
 
 SCRIPT, STYLE = "standalone.js", "standalone.css"
-LARGEST = 12_000_000  # bytes of a page that can still be mailed
+LARGEST = 12_000_000  # bytes of a page that can be sent by e-mail
 
-_PACKED = {"heights", "glb"}  # numbers and meshes: gzip halves them, and the viewer undoes it
-_BOTH = ("title", "hand", "period", "material")
+_GZIPPED = {"heights", "glb"}  # numbers and meshes, which gzip halves; the viewer unpacks them
+_BILINGUAL = ("title", "hand", "period", "material")
 
 
 def write_page(gallery: Gallery, work_id: str, target: str | Path, *, static: Path) -> int:
-    """Write the page of a work; it appears whole or not at all. Returns its size in bytes. See
-    `single_page`."""
+    """Write the page of a work, completely or not at all; its size in bytes. See `single_page`."""
     from rumu.outputs import whole_file
 
     page = single_page(gallery, work_id, static=static)
@@ -37,21 +35,21 @@ def write_page(gallery: Gallery, work_id: str, target: str | Path, *, static: Pa
 def single_page(gallery: Gallery, work_id: str, *, static: Path) -> bytes:
     """The page of a work, UTF-8.
 
-    static: the folder that the front end was built into; standalone.js and standalone.css of it are put
-    inside. The facts of work and viewer lie in <script type="application/json" id="rumu-work">; every address
-    in them is a data: URL, so the page asks nothing of any network.
+    static: the folder with the built front end, whose standalone.js and standalone.css are included. The data
+    of work and viewer are in <script type="application/json" id="rumu-work">; all URLs in them are data:
+    URLs, so the page needs no network.
     Raises GalleryError when there is no such work or the front end was not built.
     """
-    script, style = (_built(static, name) for name in (SCRIPT, STYLE))
+    script, style = (_read_built(static, name) for name in (SCRIPT, STYLE))
     facts = page_facts(gallery, work_id)
     title = " ".join(dict.fromkeys((facts["work"]["title"]["zh"], facts["work"]["title"]["en"])))
-    # In a script element only "</" can end it early, and in JSON it may be written otherwise.
-    told = json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+    # Only "</" can end a script element; in JSON the character may be escaped.
+    data = json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
     page = _PAGE.format(
         title=html.escape(title),
         style=style.replace("</style", "<\\/style"),
-        told=told,
-        script=_inside(script),
+        data=data,
+        script=script.replace("</script", "<\\/script").replace("<!--", "<\\!--"),
     ).encode()
     if len(page) > LARGEST:
         raise GalleryError(f"{work_id}: expected a page of at most {LARGEST} bytes, got {len(page)}")
@@ -59,13 +57,16 @@ def single_page(gallery: Gallery, work_id: str, *, static: Path) -> bytes:
 
 
 def page_facts(gallery: Gallery, work_id: str) -> dict[str, Any]:
-    """What the page knows: {work, viewer}, in the shape of the service's answers, its files as data: URLs."""
+    """The page's data: {work, viewer} as in the service's answers, with data: URLs for the files."""
 
-    def inside(kind: str, _: str) -> str:
-        # A mesh to download is no part of what is shown, and would double the page.
-        return "" if kind == "glb" else _data_url(gallery, work_id, kind)
+    def data_url(kind: str, _: str) -> str:
+        if kind == "glb":  # it is for downloads only, and would double the page
+            return ""
+        file = derived(gallery, work_id, kind)
+        data = gzip.compress(file.data, 6, mtime=0) if kind in _GZIPPED else file.data
+        return f"data:{file.media_type};base64,{base64.b64encode(data).decode()}"
 
-    viewer = viewer_facts(gallery, work_id, url=inside)
+    viewer = viewer_facts(gallery, work_id, url=data_url)
     width, height = viewer.pop("pixels")
     heights = viewer.pop("height")
     return {
@@ -76,40 +77,24 @@ def page_facts(gallery: Gallery, work_id: str) -> dict[str, Any]:
 
 def _work_facts(gallery: Gallery, work_id: str) -> dict[str, Any]:
     row = work(gallery, work_id)
-    of = collection(gallery, row.collection_id)
     plain = ("id", "character", "script", "dynasty", "kind", "height_source", "width", "height")
     more = ("source", "licence", "attribution", "spacing")
     return (
         {name: getattr(row, name) for name in (*plain, *more)}
-        | {name: _both(row, name) for name in _BOTH}
+        | {name: getattr(row, name)._asdict() for name in _BILINGUAL}
         | {
-            "collection": of.id,
-            "collection_title": _both(of, "title"),
+            "collection": row.collection_id,
+            "collection_title": collection(gallery, row.collection_id).title._asdict(),
             "annotations": [
-                {
-                    "id": one.id,
-                    "x": one.x,
-                    "y": one.y,
-                    "title": _both(one, "title"),
-                    "text": _both(one, "text"),
-                }
+                {"id": one.id, "x": one.x, "y": one.y}
+                | {"title": one.title._asdict(), "text": one.text._asdict()}
                 for one in annotations_of(gallery, work_id)
             ],
         }
     )
 
 
-def _both(row: Any, name: str) -> dict[str, str]:
-    return {language: getattr(row, f"{name}_{language}") for language in ("zh", "en")}
-
-
-def _data_url(gallery: Gallery, work_id: str, kind: str) -> str:
-    file = derived(gallery, work_id, kind)
-    data = gzip.compress(file.data, 6, mtime=0) if kind in _PACKED else file.data
-    return f"data:{file.media_type};base64,{base64.b64encode(data).decode()}"
-
-
-def _built(static: Path, name: str) -> str:
+def _read_built(static: Path, name: str) -> str:
     try:
         return (static / name).read_text(encoding="utf-8")
     except OSError as error:
@@ -117,11 +102,6 @@ def _built(static: Path, name: str) -> str:
             f"{static / name}: expected the built front end, there is none; in a checkout run: "
             "cd frontend && npm ci && npm run build"
         ) from error
-
-
-def _inside(script: str) -> str:
-    """A script that can stand in a page: no text of it ends or begins an element."""
-    return script.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
 _PAGE = """<!doctype html>
@@ -137,7 +117,7 @@ font-src data:">
 </head>
 <body>
 <div id="app"></div>
-<script type="application/json" id="rumu-work">{told}</script>
+<script type="application/json" id="rumu-work">{data}</script>
 <script>{script}</script>
 </body>
 </html>

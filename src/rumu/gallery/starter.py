@@ -1,7 +1,7 @@
-"""The starter gallery: thirty works and the sample copies that come with the package.
+"""The starter gallery: thirty works and sample copies that are part of the package.
 
-Files lie in `starter/`, written by scripts/make_starter.py: works.json and samples.json say what each
-picture is, whose hand it shows, where it comes from and under which licence.
+The files in `starter/` are written by scripts/make_starter.py: works.json and samples.json give the metadata,
+source and licence of each picture.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from rumu.values import Bilingual, Level
 
 @dataclass(frozen=True, slots=True)
 class StarterWork:
-    """One character in one script by one hand.
+    """A character in one script by one hand.
 
     id: ASCII, unique, e.g. 'regular-shui'. character: one character. hand: who wrote or drew it.
-    period: when, as far as the source says. material: what the picture is a picture of.
+    period: when, as far as the source says. material: what the picture shows.
     source: where the glyph was taken from. licence: SPDX name or words. attribution: the credit to give.
     path: 8-bit gray PNG, 512 x 512, black ink on white. sha256: of that file.
     """
@@ -45,11 +45,11 @@ class StarterWork:
 
 @dataclass(frozen=True, slots=True)
 class SampleFault:
-    """One fault that was put into a sample copy on purpose.
+    """A fault that was simulated in a sample copy.
 
     fault: name in the simulation's table. severity: 0 (none) to 5 (gross).
     size: how large, in `unit`; angles positive clockwise, pixels those of the picture.
-    region: (x0, y0, x1, y1) in fractions of the cell, origin top left, when the fault was put in.
+    region: (x0, y0, x1, y1) in fractions of the cell, origin top left, before later faults moved it.
     """
 
     fault: str
@@ -62,10 +62,10 @@ class SampleFault:
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """A made-up copy of a work with known faults; nobody wrote it, and nobody marked it.
+    """A simulated copy of a work with known faults, which nobody wrote or marked.
 
-    work: id of the work it copies. degree: how bad it was made, a declared convention and no mark.
-    simulated: always True, so that no list can pass it off as handwriting.
+    work: id of the work that it copies. degree: how bad it was made, by convention; it is no mark.
+    simulated: always True, so that no list shows it as handwriting.
     """
 
     id: str
@@ -83,7 +83,7 @@ class Sample:
 def starter_works(*, script: str | None = None, character: str | None = None) -> tuple[StarterWork, ...]:
     """The works of the package, by script (seal first) and character; of one script or character if given.
 
-    Raises GalleryError for an unknown script, or when the package is not whole.
+    Raises GalleryError for an unknown script, or when files of the package are missing.
     """
     if script is not None and script not in SCRIPTS:
         raise GalleryError(f"expected a script among {', '.join(SCRIPTS)}, got {script!r}")
@@ -105,7 +105,7 @@ def find_work(work_id: str) -> StarterWork:
 def starter_samples(*, work: str | None = None) -> tuple[Sample, ...]:
     """The simulated copies of the package, best first; of one work if its id is given.
 
-    Raises GalleryError when that work does not exist, or when the package is not whole.
+    Raises GalleryError when that work does not exist, or when files of the package are missing.
     """
     if work is not None:
         find_work(work)
@@ -114,7 +114,7 @@ def starter_samples(*, work: str | None = None) -> tuple[Sample, ...]:
 
 def _hint(asked: str, known: list[str]) -> str:
     close = difflib.get_close_matches(asked, known, n=3, cutoff=0.5)
-    if not close:  # an id never holds the character itself, but a person may well type it
+    if not close:  # ids never hold the character itself, but people may type it
         close = [w.id for w in _works() if w.character in asked][:5]
     return f"; did you mean {', '.join(close)}?" if close else f"; there are {', '.join(known[:5])}, ..."
 

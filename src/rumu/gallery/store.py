@@ -1,7 +1,7 @@
-"""The files of the gallery by key: a folder by default, or any place that fsspec reaches.
+"""The store of a gallery's files by key: a folder by default, or any file system that fsspec reaches.
 
-A key is a POSIX path that rumu made itself, such as `pictures/3f/3f0a...png`; nothing that a person typed
-becomes one. A file appears whole or not at all, so whoever finds a key finds all of it.
+A key is a POSIX path such as `pictures/3f/3f0a...png`, built by rumu and never from what a user typed. A file
+is written completely or not at all.
 """
 
 from __future__ import annotations
@@ -22,103 +22,103 @@ from typing import Any, BinaryIO
 from rumu.errors import GalleryError
 
 _KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9._=-]*(/[A-Za-z0-9][A-Za-z0-9._=-]*)*")
-_PIECE = 2**20  # bytes of a stream that are in memory at a time
-_PART = ".part"  # ends the name of a file that is still being written
-_RENAMES = frozenset({"sftp", "ssh", "smb", "ftp", "hdfs", "webhdfs"})
-"""File systems where a file can be seen half-written and renaming is one step; an object store has
-neither."""
+_CHUNK = 2**20  # bytes of a stream that are in memory at a time
+PART_SUFFIX = ".part"  # of a file that is still being written
+_RENAMING = frozenset({"sftp", "ssh", "smb", "ftp", "hdfs", "webhdfs"})
+"""Protocols where partly written files are visible and renaming is atomic, unlike object stores."""
 
 
 @dataclass(frozen=True, slots=True)
 class Store:
-    """filesystem: of fsspec. root: where keys begin there. folder: the same on this machine, None
-    elsewhere."""
+    """A store. filesystem: of fsspec. root: path that keys are relative to. folder: the same if it is local."""
 
     filesystem: Any
     root: str
     folder: Path | None
 
     @staticmethod
-    def open(place: str | Path) -> Store:
-        """The store in a folder, which is made when it is first written to, or at a URL of fsspec.
+    def open(location: str | Path) -> Store:
+        """Open the store in a folder, which is created by the first write, or at a URL of fsspec.
 
-        Raises GalleryError for a URL that nothing here can reach.
+        Raises GalleryError for a URL that fsspec cannot reach.
         """
         import fsspec
 
-        if "://" not in str(place):
-            place = Path(place).absolute().as_uri()
+        if "://" not in str(location):
+            location = Path(location).absolute().as_uri()
         try:
-            filesystem, root = fsspec.core.url_to_fs(str(place))
+            filesystem, root = fsspec.core.url_to_fs(str(location))
         except (ValueError, ImportError, OSError) as error:
             raise GalleryError(
-                f"{place}: expected a folder or a URL that fsspec reaches ({error})"
+                f"{location}: expected a folder or a URL that fsspec reaches ({error})"
             ) from error
         local = "file" in _protocols(filesystem)
         return Store(filesystem, str(root).rstrip("/"), Path(root) if local else None)
 
     def write(self, key: str, data: bytes | BinaryIO) -> None:
-        """Whole or not at all; what was there is replaced. data: a stream is copied piece by piece.
+        """Write a file completely or not at all; an existing one is replaced. data: bytes or a stream.
 
         Raises GalleryError when it cannot be written.
         """
-        place = self._place(key)
+        path = self._path(key)
         try:
             if self.folder is not None:
-                _write_here(Path(place), data)
-            elif _RENAMES & _protocols(self.filesystem):
-                part = f"{place}.{uuid.uuid4().hex}{_PART}"
-                self.filesystem.makedirs(place.rpartition("/")[0], exist_ok=True)
-                self._pour(part, data)
-                self.filesystem.mv(part, place)
+                _write_local(Path(path), data)
+            elif _RENAMING & _protocols(self.filesystem):
+                part = f"{path}.{uuid.uuid4().hex}{PART_SUFFIX}"
+                self.filesystem.makedirs(path.rpartition("/")[0], exist_ok=True)
+                self._write_remote(part, data)
+                self.filesystem.mv(part, path)
             else:
-                self._pour(place, data)
+                self._write_remote(path, data)
         except OSError as error:
             raise GalleryError(f"{key}: cannot be written to the store ({error})") from error
 
-    def _pour(self, place: str, data: bytes | BinaryIO) -> None:
+    def _write_remote(self, path: str, data: bytes | BinaryIO) -> None:
         if isinstance(data, bytes):
-            self.filesystem.pipe_file(place, data)
+            self.filesystem.pipe_file(path, data)
             return
-        with self.filesystem.open(place, "wb") as stream:
-            shutil.copyfileobj(data, stream, _PIECE)
+        with self.filesystem.open(path, "wb") as stream:
+            shutil.copyfileobj(data, stream, _CHUNK)
 
     def read(self, key: str) -> bytes:
-        """Raises GalleryError when there is no such file."""
+        """The content of a file. Raises GalleryError when it cannot be read."""
         try:
             if self.folder is not None:
-                return Path(self._place(key)).read_bytes()
-            return bytes(self.filesystem.cat_file(self._place(key)))
+                return Path(self._path(key)).read_bytes()
+            return bytes(self.filesystem.cat_file(self._path(key)))
         except OSError as error:
             raise GalleryError(f"{key}: expected a file of the store, it cannot be read ({error})") from error
 
     def exists(self, key: str) -> bool:
-        """Whether there is a file, or anything below a folder, of this key."""
-        place = self._place(key)
-        return Path(place).exists() if self.folder is not None else bool(self.filesystem.exists(place))
+        """Whether there is a file with this key, or a folder with any files."""
+        path = self._path(key)
+        return Path(path).exists() if self.folder is not None else bool(self.filesystem.exists(path))
 
     def delete(self, prefix: str) -> None:
-        """A file, or everything in a folder; nothing happens when there is none."""
-        place = self._place(prefix)
+        """Delete a file, or a folder with everything in it, if it exists."""
+        path = self._path(prefix)
         with contextlib.suppress(FileNotFoundError):
             if self.folder is None:
-                self.filesystem.rm(place, recursive=True)
-            elif Path(place).is_dir():
-                shutil.rmtree(place)
+                self.filesystem.rm(path, recursive=True)
+            elif Path(path).is_dir():
+                shutil.rmtree(path)
             else:
-                Path(place).unlink()
+                Path(path).unlink()
 
     def keys(self, prefix: str, *, older_than: float = 0.0) -> Iterator[str]:
-        """The files below a folder, half-written ones too, that were last written so many seconds ago or
-        more."""
+        """The keys of the files below a folder, also of partly written ones.
+
+        older_than: seconds since the last write, at least.
+        """
         try:
-            found = self.filesystem.find(self._place(prefix), detail=True)
+            found = self.filesystem.find(self._path(prefix), detail=True)
         except FileNotFoundError:
             return
         before = time.time() - older_than
-        for place, facts in found.items():
-            if facts.get("type") == "file" and _written(facts) <= before:
-                yield str(PurePosixPath(place).relative_to(self.root or "/"))
+        for path, info in found.items():
+            if info.get("type") == "file" and _modified(info) <= before:
+                yield str(PurePosixPath(path).relative_to(self.root or "/"))
 
     def delete_file(self, key: str) -> None:
         """Delete one file that `keys` gave, complete or partly written."""
@@ -126,61 +126,60 @@ class Store:
             self.filesystem.rm_file(f"{self.root}/{key}")
 
     def path(self, key: str) -> Path | None:
-        """Where it lies on this machine; None in a store elsewhere."""
-        return None if self.folder is None else Path(self._place(key))
+        """The path of a file on this machine; None if the store is remote."""
+        return None if self.folder is None else Path(self._path(key))
 
     @contextlib.contextmanager
     def local(self, key: str) -> Iterator[Path]:
-        """A file or folder as a path on this machine, for reading; a copy of a store elsewhere goes
-        afterwards."""
-        here = self.path(key)
-        if here is not None:
-            yield here
+        """A file or folder as a path on this machine, for reading; of a remote store a temporary copy."""
+        path = self.path(key)
+        if path is not None:
+            yield path
             return
         with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
             copy = Path(folder) / PurePosixPath(key).name
-            for name in [key] if self.filesystem.isfile(self._place(key)) else list(self.keys(key)):
+            for name in [key] if self.filesystem.isfile(self._path(key)) else list(self.keys(key)):
                 target = copy / PurePosixPath(name).relative_to(key)
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_bytes(self.read(name))
             yield copy
 
-    def _place(self, key: str) -> str:
+    def _path(self, key: str) -> str:
         if not _KEY.fullmatch(key):
             raise GalleryError(f"expected a key of the store, such as works/a.png, got {key!r}")
         return f"{self.root}/{key}"
 
 
 def _protocols(filesystem: Any) -> set[str]:
-    named = filesystem.protocol
-    return {named} if isinstance(named, str) else set(named)
+    names = filesystem.protocol
+    return {names} if isinstance(names, str) else set(names)
 
 
-def _write_here(target: Path, data: bytes | BinaryIO) -> None:
-    part = target.with_name(f"{target.name}.{uuid.uuid4().hex}{_PART}")
+def _write_local(target: Path, data: bytes | BinaryIO) -> None:
+    part = target.with_name(f"{target.name}.{uuid.uuid4().hex}{PART_SUFFIX}")
     try:
         try:
             stream = part.open("wb")
-        except FileNotFoundError:  # asked only now: most files go where others are
+        except FileNotFoundError:  # checked only now, because most folders exist
             target.parent.mkdir(parents=True, exist_ok=True)
             stream = part.open("wb")
         with stream:
             if isinstance(data, bytes):
                 stream.write(data)
             else:
-                shutil.copyfileobj(data, stream, _PIECE)
+                shutil.copyfileobj(data, stream, _CHUNK)
         os.replace(part, target)  # noqa: PTH105  thousands of files are imported at once
     except OSError:
         part.unlink(missing_ok=True)
         raise
 
 
-def _written(facts: dict[str, Any]) -> float:
-    """Seconds since 1970; now, where a file system does not tell, so that nothing is taken for old."""
+def _modified(info: dict[str, Any]) -> float:
+    """The time of the last write in seconds since 1970; now, if unknown, so that the file counts as new."""
     for name in ("mtime", "LastModified", "last_modified", "created", "updated"):
-        told = facts.get(name)
-        if isinstance(told, int | float):
-            return float(told)
-        if isinstance(told, datetime):
-            return told.timestamp()
+        time_there = info.get(name)
+        if isinstance(time_there, int | float):
+            return float(time_there)
+        if isinstance(time_there, datetime):
+            return time_there.timestamp()
     return time.time()

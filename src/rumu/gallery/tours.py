@@ -1,4 +1,4 @@
-"""Guided walks: a row of works, each in one view of the viewer, with a text in both languages."""
+"""Guided tours: a sequence of works, each in one view of the viewer, with a text in both languages."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from rumu.gallery.gallery import Gallery
 
 MOST_STEPS = 100
 _STEP = ("work", "view", "title_zh", "title_en", "text_zh", "text_en")
-_LONGEST = {"work": 64, "view": 1000, "title_zh": 200, "title_en": 200, "text_zh": 5000, "text_en": 5000}
+_MAX_LENGTHS = {"work": 64, "view": 1000, "title_zh": 200, "title_en": 200, "text_zh": 5000, "text_en": 5000}
 _FACTS = frozenset({"title_zh", "title_en", "steps", "position"})
 
 
 def tours(gallery: Gallery) -> tuple[Tour, ...]:
-    """Every tour, in order."""
+    """All tours, in order."""
     with gallery.database.reading() as session:
         return tuple(session.scalars(select(Tour).order_by(Tour.position, Tour.id)))
 
@@ -28,21 +28,21 @@ def tours(gallery: Gallery) -> tuple[Tour, ...]:
 def tour(gallery: Gallery, tour_id: str) -> Tour:
     """The tour with this id. Raises GalleryError when there is none."""
     with gallery.database.reading() as session:
-        return _found(session, tour_id)
+        return _find(session, tour_id)
 
 
 def add_tour(gallery: Gallery, facts: Mapping[str, Any], *, author: str | None = None) -> Tour:
-    """Make a tour, after the others.
+    """Add a tour after the others.
 
     facts: title_zh, title_en, and steps, a list of {work, view, title_zh, title_en, text_zh, text_en}; view
         is a permalink's query string. author: id of a person.
-    Raises GalleryError for facts that are none of these, and for steps through works that are not there.
+    Raises GalleryError for other facts, and for steps through unknown works.
     """
-    _check_titles({"title_zh": "", "title_en": ""} | dict(facts))
+    _require_title(facts.get("title_zh", ""), facts.get("title_en", ""))
     with gallery.database.writing() as session:
         last = session.scalar(select(func.max(Tour.position)))
-        place = {"position": 0 if last is None else last + 1}
-        new = Tour(author_id=author, **place | {"title_zh": "", "title_en": ""} | _checked(session, facts))
+        defaults = {"position": 0 if last is None else last + 1, "title_zh": "", "title_en": ""}
+        new = Tour(author_id=author, **defaults | _check(session, facts))
         session.add(new)
         session.flush()
         return new
@@ -51,54 +51,54 @@ def add_tour(gallery: Gallery, facts: Mapping[str, Any], *, author: str | None =
 def change_tour(gallery: Gallery, tour_id: str, facts: Mapping[str, Any]) -> Tour:
     """Change some facts of a tour. Raises GalleryError as `add_tour`, and when there is none."""
     with gallery.database.writing() as session:
-        found = _found(session, tour_id)
-        for name, value in _checked(session, facts).items():
-            setattr(found, name, value)
-        _check_titles({"title_zh": found.title_zh, "title_en": found.title_en})
-        return found
+        row = _find(session, tour_id)
+        for name, value in _check(session, facts).items():
+            setattr(row, name, value)
+        _require_title(row.title_zh, row.title_en)
+        return row
 
 
 def delete_tour(gallery: Gallery, tour_id: str) -> None:
-    """Raises GalleryError when there is none."""
+    """Delete a tour. Raises GalleryError when there is none."""
     with gallery.database.writing() as session:
-        session.delete(_found(session, tour_id))
+        session.delete(_find(session, tour_id))
 
 
-def _found(session: Session, tour_id: str) -> Tour:
-    found = session.get(Tour, tour_id)
-    if found is None:
+def _find(session: Session, tour_id: str) -> Tour:
+    row = session.get(Tour, tour_id)
+    if row is None:
         raise GalleryError(f"no tour {tour_id!r} in the gallery")
-    return found
+    return row
 
 
-def _checked(session: Session, facts: Mapping[str, Any]) -> dict[str, Any]:
-    stray = sorted(set(facts) - _FACTS)
-    if stray:
-        raise GalleryError(f"expected facts among {', '.join(sorted(_FACTS))}, got {', '.join(stray)}")
+def _check(session: Session, facts: Mapping[str, Any]) -> dict[str, Any]:
+    unknown = sorted(set(facts) - _FACTS)
+    if unknown:
+        raise GalleryError(f"expected facts among {', '.join(sorted(_FACTS))}, got {', '.join(unknown)}")
     check_texts(facts, {"title_zh": 200, "title_en": 200})
     if not isinstance(facts.get("position", 0), int):
         raise GalleryError(f"expected position as a whole number, got {facts['position']!r}")
     return dict(facts) | ({"steps": _steps(session, facts["steps"])} if "steps" in facts else {})
 
 
-def _check_titles(facts: Mapping[str, Any]) -> None:
-    if not str(facts["title_zh"]).strip() and not str(facts["title_en"]).strip():
+def _require_title(*titles: Any) -> None:
+    if not any(str(title).strip() for title in titles):
         raise GalleryError("expected a tour to have a title, got none")
 
 
 def _steps(session: Session, steps: Any) -> list[dict[str, str]]:
     if not isinstance(steps, Sequence) or isinstance(steps, str) or len(steps) > MOST_STEPS:
         raise GalleryError(f"expected steps as a list of at most {MOST_STEPS}, got {type(steps).__name__}")
-    made = [_step(step) for step in steps]
-    asked = {step["work"] for step in made}
-    missing = sorted(asked - set(session.scalars(select(Work.id).where(Work.id.in_(asked)))))
+    complete = [_complete_step(step) for step in steps]
+    ids = {step["work"] for step in complete}
+    missing = sorted(ids - set(session.scalars(select(Work.id).where(Work.id.in_(ids)))))
     if missing:
         raise GalleryError(f"expected steps through works of the gallery, there is no {', '.join(missing)}")
-    return made
+    return complete
 
 
-def _step(step: Any) -> dict[str, str]:
+def _complete_step(step: Any) -> dict[str, str]:
     if not isinstance(step, Mapping) or not set(step) <= set(_STEP) or not step.get("work"):
         raise GalleryError(f"expected a step with a work and {', '.join(_STEP[1:])}, got {step!r:.200}")
-    check_texts(step, _LONGEST)
+    check_texts(step, _MAX_LENGTHS)
     return {name: step.get(name, "") for name in _STEP}

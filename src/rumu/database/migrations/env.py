@@ -1,4 +1,4 @@
-"""How Alembic reaches the database: the connection is given, see rumu.database.engine."""
+"""Configuration of Alembic; rumu.database.engine passes it the connection."""
 
 from __future__ import annotations
 

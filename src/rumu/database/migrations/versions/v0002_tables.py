@@ -1,18 +1,19 @@
-"""The first tables."""
+"""All tables, as Alembic writes them from rumu.database.tables.
+
+The number is 0002 because databases of the last development version have it, and the same tables.
+"""
 
 from __future__ import annotations
 
 import sqlalchemy as sa
 from alembic import op
 
-from rumu.database.tables import UtcTime
-
-revision = "0001"
+revision = "0002"
 down_revision = None
 
 
 def upgrade() -> None:
-    """To this state."""
+    """Create the tables."""
     op.create_table(
         "collections",
         sa.Column("id", sa.String(length=64), nullable=False),
@@ -22,7 +23,7 @@ def upgrade() -> None:
         sa.Column("note_en", sa.Text(), nullable=False),
         sa.Column("source", sa.Text(), nullable=False),
         sa.Column("licence", sa.String(length=200), nullable=False),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_collections")),
     )
     op.create_table(
@@ -35,7 +36,7 @@ def upgrade() -> None:
         sa.Column("language", sa.String(length=8), nullable=False),
         sa.Column("epoch", sa.Integer(), nullable=False),
         sa.Column("active", sa.Boolean(), nullable=False),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_people")),
         sa.UniqueConstraint("name_key", name=op.f("uq_people_name_key")),
     )
@@ -50,15 +51,13 @@ def upgrade() -> None:
         sa.Column("id", sa.String(length=64), nullable=False),
         sa.Column("name", sa.String(length=120), nullable=False),
         sa.Column("teacher_id", sa.String(length=64), nullable=False),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["teacher_id"], ["people.id"], name=op.f("fk_classes_teacher_id"), ondelete="CASCADE"
         ),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_classes")),
     )
-    with op.batch_alter_table("classes", schema=None) as batch_op:
-        batch_op.create_index(batch_op.f("ix_classes_teacher_id"), ["teacher_id"], unique=False)
-
+    op.create_index(op.f("ix_classes_teacher_id"), "classes", ["teacher_id"], unique=False)
     op.create_table(
         "jobs",
         sa.Column("id", sa.String(length=64), nullable=False),
@@ -69,19 +68,18 @@ def upgrade() -> None:
         sa.Column("total", sa.Integer(), nullable=False),
         sa.Column("message", sa.Text(), nullable=False),
         sa.Column("result", sa.JSON(), nullable=False),
-        sa.Column("error", sa.Text(), nullable=False),
+        sa.Column("error_zh", sa.Text(), nullable=False),
+        sa.Column("error_en", sa.Text(), nullable=False),
         sa.Column("tries", sa.Integer(), nullable=False),
         sa.Column("person_id", sa.String(length=64), nullable=True),
-        sa.Column("created", UtcTime(), nullable=False),
-        sa.Column("changed", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
+        sa.Column("changed", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["person_id"], ["people.id"], name=op.f("fk_jobs_person_id"), ondelete="CASCADE"
         ),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_jobs")),
     )
-    with op.batch_alter_table("jobs", schema=None) as batch_op:
-        batch_op.create_index(batch_op.f("ix_jobs_state_created"), ["state", "created"], unique=False)
-
+    op.create_index(op.f("ix_jobs_state_created"), "jobs", ["state", "created"], unique=False)
     op.create_table(
         "tours",
         sa.Column("id", sa.String(length=64), nullable=False),
@@ -90,7 +88,7 @@ def upgrade() -> None:
         sa.Column("steps", sa.JSON(), nullable=False),
         sa.Column("position", sa.Integer(), nullable=False),
         sa.Column("author_id", sa.String(length=64), nullable=True),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["author_id"], ["people.id"], name=op.f("fk_tours_author_id"), ondelete="SET NULL"
         ),
@@ -126,21 +124,19 @@ def upgrade() -> None:
         sa.Column("height", sa.Integer(), nullable=False),
         sa.Column("spacing", sa.Float(), nullable=True),
         sa.Column("search", sa.Text(), nullable=False),
-        sa.Column("created", UtcTime(), nullable=False),
-        sa.Column("changed", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
+        sa.Column("changed", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["collection_id"], ["collections.id"], name=op.f("fk_works_collection_id"), ondelete="CASCADE"
         ),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_works")),
         sa.UniqueConstraint("digest", name=op.f("uq_works_digest")),
     )
-    with op.batch_alter_table("works", schema=None) as batch_op:
-        batch_op.create_index(batch_op.f("ix_works_character"), ["character"], unique=False)
-        batch_op.create_index(
-            batch_op.f("ix_works_collection_id_position"), ["collection_id", "position"], unique=False
-        )
-        batch_op.create_index(batch_op.f("ix_works_script_position"), ["script", "position"], unique=False)
-
+    op.create_index(op.f("ix_works_character"), "works", ["character"], unique=False)
+    op.create_index(
+        op.f("ix_works_collection_id_position"), "works", ["collection_id", "position"], unique=False
+    )
+    op.create_index(op.f("ix_works_script_position"), "works", ["script", "position"], unique=False)
     op.create_table(
         "annotations",
         sa.Column("id", sa.String(length=64), nullable=False),
@@ -153,7 +149,7 @@ def upgrade() -> None:
         sa.Column("text_en", sa.Text(), nullable=False),
         sa.Column("position", sa.Integer(), nullable=False),
         sa.Column("author_id", sa.String(length=64), nullable=True),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["author_id"], ["people.id"], name=op.f("fk_annotations_author_id"), ondelete="SET NULL"
         ),
@@ -162,18 +158,16 @@ def upgrade() -> None:
         ),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_annotations")),
     )
-    with op.batch_alter_table("annotations", schema=None) as batch_op:
-        batch_op.create_index(batch_op.f("ix_annotations_work_id"), ["work_id"], unique=False)
-
+    op.create_index(op.f("ix_annotations_work_id"), "annotations", ["work_id"], unique=False)
     op.create_table(
         "invitations",
         sa.Column("token", sa.String(length=64), nullable=False),
         sa.Column("role", sa.String(length=16), nullable=False),
         sa.Column("class_id", sa.String(length=64), nullable=True),
         sa.Column("author_id", sa.String(length=64), nullable=True),
-        sa.Column("expires", UtcTime(), nullable=False),
-        sa.Column("used", UtcTime(), nullable=True),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("expires", sa.DateTime(timezone=True), nullable=False),
+        sa.Column("used", sa.DateTime(timezone=True), nullable=True),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["author_id"], ["people.id"], name=op.f("fk_invitations_author_id"), ondelete="CASCADE"
         ),
@@ -186,7 +180,7 @@ def upgrade() -> None:
         "memberships",
         sa.Column("class_id", sa.String(length=64), nullable=False),
         sa.Column("person_id", sa.String(length=64), nullable=False),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["class_id"], ["classes.id"], name=op.f("fk_memberships_class_id"), ondelete="CASCADE"
         ),
@@ -195,9 +189,7 @@ def upgrade() -> None:
         ),
         sa.PrimaryKeyConstraint("class_id", "person_id", name=op.f("pk_memberships")),
     )
-    with op.batch_alter_table("memberships", schema=None) as batch_op:
-        batch_op.create_index(batch_op.f("ix_memberships_person_id"), ["person_id"], unique=False)
-
+    op.create_index(op.f("ix_memberships_person_id"), "memberships", ["person_id"], unique=False)
     op.create_table(
         "tasks",
         sa.Column("id", sa.String(length=64), nullable=False),
@@ -205,17 +197,15 @@ def upgrade() -> None:
         sa.Column("work_id", sa.String(length=64), nullable=False),
         sa.Column("title", sa.String(length=200), nullable=False),
         sa.Column("note", sa.Text(), nullable=False),
-        sa.Column("due", UtcTime(), nullable=True),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("due", sa.DateTime(timezone=True), nullable=True),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["class_id"], ["classes.id"], name=op.f("fk_tasks_class_id"), ondelete="CASCADE"
         ),
         sa.ForeignKeyConstraint(["work_id"], ["works.id"], name=op.f("fk_tasks_work_id"), ondelete="CASCADE"),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_tasks")),
     )
-    with op.batch_alter_table("tasks", schema=None) as batch_op:
-        batch_op.create_index(batch_op.f("ix_tasks_class_id"), ["class_id"], unique=False)
-
+    op.create_index(op.f("ix_tasks_class_id"), "tasks", ["class_id"], unique=False)
     op.create_table(
         "attempts",
         sa.Column("id", sa.String(length=64), nullable=False),
@@ -230,7 +220,7 @@ def upgrade() -> None:
         sa.Column("level", sa.String(length=16), nullable=True),
         sa.Column("mark", sa.JSON(), nullable=False),
         sa.Column("version", sa.String(length=20), nullable=False),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["person_id"], ["people.id"], name=op.f("fk_attempts_person_id"), ondelete="CASCADE"
         ),
@@ -242,13 +232,9 @@ def upgrade() -> None:
         ),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_attempts")),
     )
-    with op.batch_alter_table("attempts", schema=None) as batch_op:
-        batch_op.create_index(
-            batch_op.f("ix_attempts_person_id_created"), ["person_id", "created"], unique=False
-        )
-        batch_op.create_index(batch_op.f("ix_attempts_task_id"), ["task_id"], unique=False)
-        batch_op.create_index(batch_op.f("ix_attempts_work_id_created"), ["work_id", "created"], unique=False)
-
+    op.create_index(op.f("ix_attempts_person_id_created"), "attempts", ["person_id", "created"], unique=False)
+    op.create_index(op.f("ix_attempts_task_id"), "attempts", ["task_id"], unique=False)
+    op.create_index(op.f("ix_attempts_work_id_created"), "attempts", ["work_id", "created"], unique=False)
     op.create_table(
         "comparisons",
         sa.Column("id", sa.String(length=64), nullable=False),
@@ -259,7 +245,7 @@ def upgrade() -> None:
         sa.Column("left_id", sa.String(length=64), nullable=False),
         sa.Column("winner", sa.String(length=8), nullable=False),
         sa.Column("seconds", sa.Float(), nullable=True),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["first_id"], ["attempts.id"], name=op.f("fk_comparisons_first_id"), ondelete="CASCADE"
         ),
@@ -280,16 +266,14 @@ def upgrade() -> None:
             "judge_id", "first_id", "second_id", name=op.f("uq_comparisons_judge_id_first_id_second_id")
         ),
     )
-    with op.batch_alter_table("comparisons", schema=None) as batch_op:
-        batch_op.create_index(batch_op.f("ix_comparisons_judge_id"), ["judge_id"], unique=False)
-
+    op.create_index(op.f("ix_comparisons_judge_id"), "comparisons", ["judge_id"], unique=False)
     op.create_table(
         "teacher_marks",
         sa.Column("attempt_id", sa.String(length=64), nullable=False),
         sa.Column("teacher_id", sa.String(length=64), nullable=False),
         sa.Column("mark", sa.Float(), nullable=False),
         sa.Column("note", sa.Text(), nullable=False),
-        sa.Column("created", UtcTime(), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(
             ["attempt_id"], ["attempts.id"], name=op.f("fk_teacher_marks_attempt_id"), ondelete="CASCADE"
         ),
@@ -301,45 +285,17 @@ def upgrade() -> None:
 
 
 def downgrade() -> None:
-    """Back to the state before."""
+    """Drop the tables."""
     op.drop_table("teacher_marks")
-    with op.batch_alter_table("comparisons", schema=None) as batch_op:
-        batch_op.drop_index(batch_op.f("ix_comparisons_judge_id"))
-
     op.drop_table("comparisons")
-    with op.batch_alter_table("attempts", schema=None) as batch_op:
-        batch_op.drop_index(batch_op.f("ix_attempts_work_id_created"))
-        batch_op.drop_index(batch_op.f("ix_attempts_task_id"))
-        batch_op.drop_index(batch_op.f("ix_attempts_person_id_created"))
-
     op.drop_table("attempts")
-    with op.batch_alter_table("tasks", schema=None) as batch_op:
-        batch_op.drop_index(batch_op.f("ix_tasks_class_id"))
-
     op.drop_table("tasks")
-    with op.batch_alter_table("memberships", schema=None) as batch_op:
-        batch_op.drop_index(batch_op.f("ix_memberships_person_id"))
-
     op.drop_table("memberships")
     op.drop_table("invitations")
-    with op.batch_alter_table("annotations", schema=None) as batch_op:
-        batch_op.drop_index(batch_op.f("ix_annotations_work_id"))
-
     op.drop_table("annotations")
-    with op.batch_alter_table("works", schema=None) as batch_op:
-        batch_op.drop_index(batch_op.f("ix_works_script_position"))
-        batch_op.drop_index(batch_op.f("ix_works_collection_id_position"))
-        batch_op.drop_index(batch_op.f("ix_works_character"))
-
     op.drop_table("works")
     op.drop_table("tours")
-    with op.batch_alter_table("jobs", schema=None) as batch_op:
-        batch_op.drop_index(batch_op.f("ix_jobs_state_created"))
-
     op.drop_table("jobs")
-    with op.batch_alter_table("classes", schema=None) as batch_op:
-        batch_op.drop_index(batch_op.f("ix_classes_teacher_id"))
-
     op.drop_table("classes")
     op.drop_table("settings")
     op.drop_table("people")
