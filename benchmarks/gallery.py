@@ -1,8 +1,7 @@
-"""How quick the gallery is with 11,000 works. `python benchmarks/gallery.py [DATA]`; RUMU_DATABASE for
-PostgreSQL.
+"""Time the gallery with 11,000 works: `python benchmarks/gallery.py [DATA]`; RUMU_DATABASE for PostgreSQL.
 
-Imports the three sets of masters into a fresh gallery, twice (the second time everything is there), then asks
-for works and facets, makes derived files, and exports all of it and puts it in again.
+It imports three sets of masters into a new gallery, twice (then all works exist), queries works and
+facets, computes derived files, exports everything and imports it again.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Renders the starter gallery, once, from fonts that may be shared: src/rumu/gallery/starter/.
+"""Render the starter gallery from fonts that may be redistributed: src/rumu/gallery/starter/.
 
     .venv/bin/python scripts/make_starter.py [--fonts FOLDER]
 
 FOLDER (default: fonts/ in RUMU_DATA, or ../shared/data/fonts) holds LXGWSeal-Regular.ttf and
 TW-MOE-Li_eduli.woff2; the regular, running and cursive hands come from Debian's fonts-kouzan-mouhitsu.
-A font that lacks a character fails the script: nothing is written, and no substitute becomes a work.
+If a font lacks a character the script fails and writes nothing; no substitute glyph becomes a work.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ CHARACTERS = {
     "日": ("ri", "sun"),
     "月": ("yue", "moon"),
 }
-# The copies are made of hands in the public domain alone: a faulty glyph is a changed one, and the
-# clerical hand may not be changed (CC BY-ND).
+# Copies are simulated only of hands in the public domain: a glyph with faults is a derivative, which the
+# licence of the clerical hand (CC BY-ND) does not allow.
 SAMPLED = ("regular-shui", "regular-tian")
 SAMPLE_SEEDS = {"regular-shui": 11, "regular-tian": 5}
 SAMPLE_NOTE = Bilingual(
@@ -56,7 +56,7 @@ SAMPLE_NOTE = Bilingual(
 
 @dataclass(frozen=True)
 class Hand:
-    """A font that stands for a script, and all that is known about it from its own files."""
+    """A font for a script, with what its own files say about it."""
 
     script: str
     script_zh: str
@@ -175,7 +175,7 @@ def render_works(folder: Path, *, fonts: Path) -> list[dict[str, Any]]:
                 "licence": hand.licence,
                 "attribution": hand.attribution,
             }
-            entries.append(entry | _saved(face.picture(character), folder, f"works/{entry['id']}.png"))
+            entries.append(entry | _save(face.picture(character), folder, f"works/{entry['id']}.png"))
     return entries
 
 
@@ -209,11 +209,11 @@ def simulate_samples(folder: Path, works: list[dict[str, Any]]) -> list[dict[str
                 ],
             }
             small = gray.resize((SIDE, SIDE), Image.Resampling.BOX)
-            entries.append(entry | _saved(small, folder, f"samples/{entry['id']}.png"))
+            entries.append(entry | _save(small, folder, f"samples/{entry['id']}.png"))
     return entries
 
 
-def _saved(image: Image.Image, folder: Path, name: str) -> dict[str, str]:
+def _save(image: Image.Image, folder: Path, name: str) -> dict[str, str]:
     path = folder / name
     path.parent.mkdir(exist_ok=True)
     image.save(path, optimize=True)

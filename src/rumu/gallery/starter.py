@@ -49,7 +49,7 @@ class SampleFault:
 
     fault: name in the simulation's table. severity: 0 (none) to 5 (gross).
     size: how large, in `unit`; angles positive clockwise, pixels those of the picture.
-    region: (x0, y0, x1, y1) in fractions of the cell, origin top left, before later faults moved it.
+    region: (x0, y0, x1, y1) in fractions of the cell, origin top left, when the fault was applied.
     """
 
     fault: str

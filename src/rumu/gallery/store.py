@@ -30,7 +30,7 @@ _RENAMING = frozenset({"sftp", "ssh", "smb", "ftp", "hdfs", "webhdfs"})
 
 @dataclass(frozen=True, slots=True)
 class Store:
-    """A store. filesystem: of fsspec. root: path that keys are relative to. folder: the same if it is local."""
+    """A store. filesystem: of fsspec. root: path that keys are relative to. folder: root, if it is local."""
 
     filesystem: Any
     root: str
