@@ -61,17 +61,18 @@ def open_database(url: str | Path) -> Database:
     from alembic.util.exc import CommandError
 
     engine = _engine(_address(url))
+    shown = str(url)
+    if "://" in shown:
+        shown = make_url(shown).render_as_string(hide_password=True)
     try:
         _upgrade(engine)
     except DBAPIError as error:
         engine.dispose()
-        raise GalleryError(
-            f"{_without_password(url)}: cannot be opened ({str(error.orig).strip()})"
-        ) from error
+        raise GalleryError(f"{shown}: cannot be opened ({str(error.orig).strip()})") from error
     except CommandError as error:
         engine.dispose()
         raise GalleryError(
-            f"{_without_password(url)}: was written by a newer rumu or from before the first release; "
+            f"{shown}: was written by a newer rumu or from before the first release; "
             f"open it with that version, or start with a new database ({error})"
         ) from error
     writer = engine.execution_options(**{_WRITES: True})
@@ -151,8 +152,3 @@ def _upgrade(engine: Engine) -> None:
             connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _UPGRADE_LOCK})
         config.attributes["connection"] = connection
         command.upgrade(config, "head")
-
-
-def _without_password(url: str | Path) -> str:
-    text = str(url)
-    return make_url(text).render_as_string(hide_password=True) if "://" in text else text

@@ -32,9 +32,43 @@ def manifest(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
 
     base: of the service, e.g. 'https://example.org'. Raises GalleryError when there is no such work.
     """
+    from iiif_prezi3 import Manifest  # type: ignore[import-untyped]
+
     row = catalog.work(gallery, work_id)
     collection = catalog.collection(gallery, row.collection_id)
-    return _manifest(row, collection, annotations_of(gallery, work_id), base=base.rstrip("/"))
+    base = base.rstrip("/")
+    url = f"{base}/iiif/works/{row.id}"
+    credit = "; ".join(filter(None, (row.licence, row.attribution)))
+    facts: dict[str, Any] = {
+        "id": f"{url}/manifest.json",
+        "label": _label(*row.title),
+        "summary": _label(*HEIGHT_SOURCES[row.height_source]),
+        "metadata": _metadata(_facts(row, collection)),
+        "requiredStatement": _entry(("授權與出處", "Licence and credit", credit, credit)),
+        "thumbnail": [_image(row, base=base, size=f"!{min(256, row.width)},{min(256, row.height)}")],
+        "homepage": [
+            {
+                "id": f"{base}/#/works/{row.id}",
+                "type": "Text",
+                "label": _label("在光下看", "See it under a lamp"),
+                "format": "text/html",
+            }
+        ],
+        "rendering": [
+            {
+                "id": f"{base}/api/works/{row.id}/files/glb",
+                "type": "Model",
+                "label": _label("立體模型（glTF）", "3-D model (glTF)"),
+                "format": "model/gltf-binary",
+            }
+        ],
+        "partOf": [{"id": f"{base}/iiif/collections/{collection.id}.json", "type": "Collection"}],
+        "items": [_canvas(row, annotations_of(gallery, work_id), canvas=f"{url}/canvas", base=base)],
+    }
+    rights = next((url for name, url in _RIGHTS.items() if row.licence.startswith(name)), None)
+    model = Manifest(**facts | ({"rights": rights} if rights else {}))
+    plain: dict[str, Any] = json.loads(model.json())
+    return plain
 
 
 def collection_manifest(gallery: Gallery, collection_id: str, *, base: str) -> dict[str, Any]:
@@ -73,44 +107,8 @@ def collection_manifest(gallery: Gallery, collection_id: str, *, base: str) -> d
     if any(collection.note):
         facts["summary"] = _label(*collection.note)
     # The items are alike: only one of them is checked by the model, which takes long for thousands.
-    return _to_json(IiifCollection(**facts, items=items[:1])) | {"items": items}
-
-
-def _manifest(
-    row: Work, collection: Collection, annotations: tuple[Annotation, ...], *, base: str
-) -> dict[str, Any]:
-    from iiif_prezi3 import Manifest  # type: ignore[import-untyped]
-
-    url = f"{base}/iiif/works/{row.id}"
-    credit = "; ".join(filter(None, (row.licence, row.attribution)))
-    facts: dict[str, Any] = {
-        "id": f"{url}/manifest.json",
-        "label": _label(*row.title),
-        "summary": _label(*HEIGHT_SOURCES[row.height_source]),
-        "metadata": _metadata(_facts(row, collection)),
-        "requiredStatement": _entry(("授權與出處", "Licence and credit", credit, credit)),
-        "thumbnail": [_image(row, base=base, size=f"!{min(256, row.width)},{min(256, row.height)}")],
-        "homepage": [
-            {
-                "id": f"{base}/#/works/{row.id}",
-                "type": "Text",
-                "label": _label("在光下看", "See it under a lamp"),
-                "format": "text/html",
-            }
-        ],
-        "rendering": [
-            {
-                "id": f"{base}/api/works/{row.id}/files/glb",
-                "type": "Model",
-                "label": _label("立體模型（glTF）", "3-D model (glTF)"),
-                "format": "model/gltf-binary",
-            }
-        ],
-        "partOf": [{"id": f"{base}/iiif/collections/{collection.id}.json", "type": "Collection"}],
-        "items": [_canvas(row, annotations, canvas=f"{url}/canvas", base=base)],
-    }
-    rights = next((url for name, url in _RIGHTS.items() if row.licence.startswith(name)), None)
-    return _to_json(Manifest(**facts | ({"rights": rights} if rights else {})))
+    plain: dict[str, Any] = json.loads(IiifCollection(**facts, items=items[:1]).json())
+    return plain | {"items": items}
 
 
 def _canvas(row: Work, annotations: tuple[Annotation, ...], *, canvas: str, base: str) -> dict[str, Any]:
@@ -206,8 +204,3 @@ def _entry(fact: Fact) -> dict[str, Any]:
 def _label(zh: str, en: str) -> dict[str, list[str]]:
     texts = {language: [text] for language, text in ((_CHINESE, zh), (_ENGLISH, en)) if text}
     return texts or {"none": [""]}
-
-
-def _to_json(model: Any) -> dict[str, Any]:
-    facts: dict[str, Any] = json.loads(model.json())
-    return facts

@@ -121,12 +121,36 @@ def _hint(asked: str, known: list[str]) -> str:
 
 @functools.cache
 def _works() -> tuple[StarterWork, ...]:
-    return tuple(_work(entry) for entry in _entries("works.json"))
+    plain = ("id", "character", "script", "source", "licence", "attribution", "sha256")
+    bilingual = ("title", "hand", "period", "material")
+    works = []
+    for entry in _entries("works.json"):
+        facts: dict[str, Any] = {name: entry[name] for name in plain}
+        facts |= {name: Bilingual(**entry[name]) for name in bilingual}
+        works.append(StarterWork(**facts, path=_file(entry)))
+    return tuple(works)
 
 
 @functools.cache
 def _samples() -> tuple[Sample, ...]:
-    return tuple(_sample(entry) for entry in _entries("samples.json"))
+    plain = ("id", "work", "degree", "simulated", "licence", "attribution", "sha256")
+    return tuple(
+        Sample(
+            **{name: entry[name] for name in plain},
+            faults=tuple(_fault(fault) for fault in entry["faults"]),
+            note=Bilingual(**entry["note"]),
+            path=_file(entry),
+        )
+        for entry in _entries("samples.json")
+    )
+
+
+def _fault(entry: dict[str, Any]) -> SampleFault:
+    return SampleFault(
+        **{name: entry[name] for name in ("fault", "severity", "size", "unit")},
+        region=tuple(entry["region"]),
+        description=Bilingual(**entry["description"]),
+    )
 
 
 def _entries(name: str) -> list[dict[str, Any]]:
@@ -149,25 +173,3 @@ def _file(entry: dict[str, Any]) -> Path:
     if not path.is_file():
         raise GalleryError(f"{path}: the picture of {entry['id']} is missing from the package")
     return path
-
-
-def _work(entry: dict[str, Any]) -> StarterWork:
-    both: dict[str, Any] = {
-        name: Bilingual(**entry[name]) for name in ("title", "hand", "period", "material")
-    }
-    plain = {name: entry[name] for name in ("id", "character", "script", "source", "licence", "attribution")}
-    return StarterWork(**both, **plain, path=_file(entry), sha256=entry["sha256"])
-
-
-def _sample(entry: dict[str, Any]) -> Sample:
-    faults = tuple(
-        SampleFault(
-            **{name: fault[name] for name in ("fault", "severity", "size", "unit")},
-            region=tuple(fault["region"]),
-            description=Bilingual(**fault["description"]),
-        )
-        for fault in entry["faults"]
-    )
-    plain = {name: entry[name] for name in ("id", "work", "degree", "simulated", "licence", "attribution")}
-    note = Bilingual(**entry["note"])
-    return Sample(**plain, faults=faults, note=note, path=_file(entry), sha256=entry["sha256"])
