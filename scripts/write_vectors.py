@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Write what the front end's arithmetic must give, as rumu gives it: frontend/tests/vectors/viewer.json.
+"""Write reference values for the front end's arithmetic: frontend/tests/vectors/viewer.json.
 
-The viewer shades, decodes, colours and cuts by itself. These vectors hold it to `rumu.relight` and to other
-libraries (matplotlib for colours, scipy for sampling). Run by tests/frontend/test_vectors.py.
+The viewer computes shading, normals, colours and cross-sections itself. Its tests compare them with these
+values, which come from rumu and from other libraries (matplotlib for colours, scipy for sampling).
+tests/frontend/test_vectors.py runs this script.
 
     .venv/bin/python scripts/write_vectors.py [FILE]
 """
@@ -28,24 +29,24 @@ SIDE = 24
 
 
 def main(target: Path = TARGET) -> None:
-    """Write them all."""
+    """Write all reference values to a file."""
     rng = np.random.default_rng(20261122)
-    surface = bump(SIDE, rng)
+    surface = dome(SIDE, rng)
     vectors = {
-        "srgb": encoding(),
-        "normals": decoding(surface),
-        "relight": relighting(surface),
-        "three": mixing(surface),
-        "colours": colouring(),
-        "contours": contouring(rng),
-        "section": sampling(rng),
+        "srgb": srgb_codes(),
+        "normals": packed_normals(surface),
+        "relight": relit_images(surface),
+        "three": three_lamp_mixtures(surface),
+        "colours": height_colours(),
+        "contours": contour_levels(rng),
+        "section": section_samples(rng),
     }
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text(json.dumps(vectors))
 
 
-def bump(side: int, rng: np.random.Generator) -> Surface:
-    """A raised dome on a plane, coloured at random: x right, y up, rows downward."""
+def dome(side: int, rng: np.random.Generator) -> Surface:
+    """Return a dome on a plane with random colours; x right, y up, rows downward."""
     x, y = np.meshgrid(np.linspace(-1, 1, side), np.linspace(1, -1, side))
     radius = np.hypot(x, y)
     height = np.where(radius < 0.7, 0.5 * np.cos(np.pi * radius / 1.4) ** 2, 0.0) * side / 2
@@ -64,22 +65,22 @@ def bump(side: int, rng: np.random.Generator) -> Surface:
     )
 
 
-def encoding() -> dict[str, Any]:
-    """Linear values and the sRGB codes, 0 to 65535, that the package writes for them."""
+def srgb_codes() -> dict[str, Any]:
+    """Return linear values and the 16-bit sRGB codes that the package writes for them."""
     linear = np.linspace(0.0, 1.0, 101, dtype=np.float32)
     return {"linear": linear.tolist(), "codes": srgb(linear[None], bits=16)[0].tolist()}
 
 
-def decoding(surface: Surface) -> dict[str, Any]:
-    """Normals, and their bytes as the service sends them."""
+def packed_normals(surface: Surface) -> dict[str, Any]:
+    """Return normals and the bytes in which the service sends them."""
     from rumu.gallery.renderers import normals_8
 
     packed = normals_8(surface, SIDE).reshape(-1, 3)
     return {"bytes": packed.tolist(), "normals": surface.normals.reshape(-1, 3).tolist()}
 
 
-def relighting(surface: Surface) -> dict[str, Any]:
-    """One surface under several lamps."""
+def relit_images(surface: Surface) -> dict[str, Any]:
+    """Return a surface under several lamps."""
     lit = [rumu.relight(surface, tilt=tilt, slant=slant) for tilt, slant in LAMPS]
     return {
         "side": SIDE,
@@ -90,25 +91,25 @@ def relighting(surface: Surface) -> dict[str, Any]:
     }
 
 
-def mixing(surface: Surface, slant: float = 40.0) -> dict[str, Any]:
-    """Three photographs, and others mixed from them."""
+def three_lamp_mixtures(surface: Surface, slant: float = 40.0) -> dict[str, Any]:
+    """Return three photographs, and images under other lamps mixed from them."""
     a, b, c = (rumu.relight(surface, tilt=tilt, slant=slant)[..., 1] for tilt in (0.0, 90.0, 180.0))
-    asked = [(tilt, new) for tilt, new in LAMPS if new > 0]
-    mixed = [relight_three(a, b, c, slant=slant, tilt=tilt, new_slant=new) for tilt, new in asked]
+    lamps = [(tilt, new) for tilt, new in LAMPS if new > 0]
+    mixed = [relight_three(a, b, c, slant=slant, tilt=tilt, new_slant=new) for tilt, new in lamps]
     flat = {name: image.ravel().tolist() for name, image in zip("abc", (a, b, c), strict=True)}
-    return {"slant": slant, "lamps": asked, "mixed": [image.ravel().tolist() for image in mixed]} | flat
+    return {"slant": slant, "lamps": lamps, "mixed": [image.ravel().tolist() for image in mixed]} | flat
 
 
-def colouring() -> dict[str, Any]:
-    """Viridis, as matplotlib's table of 256 colours has it."""
+def height_colours() -> dict[str, Any]:
+    """Return matplotlib's 256 colours of viridis."""
     from matplotlib import colormaps
 
     table = np.asarray(colormaps["viridis"](np.arange(256)))[:, :3]
     return {"at": np.linspace(0, 1, 256).tolist(), "rgb": table.tolist()}
 
 
-def contouring(rng: np.random.Generator) -> dict[str, Any]:
-    """Ranges with the multiples of a round step inside them, and how far heights stand from a line."""
+def contour_levels(rng: np.random.Generator) -> dict[str, Any]:
+    """Return ranges, the multiples of a round step in them, and distances of heights from contour lines."""
     ranges = [(0.0, 22.3, 14), (-1.2, 0.9, 5), (0.003, 0.0171, 4), (120.0, 4800.0, 6)]
     heights = rng.uniform(-3, 3, 60)
     interval = 0.25
@@ -122,17 +123,20 @@ def contouring(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _multiples(low: float, high: float, count: int) -> list[float]:
-    """Of the steps 1, 2, 5 times a power of ten, the one that stands nearest to range / count on the page:
-    below 1.5 one, below 3.5 two, below 7.5 five, else ten."""
+    """Return the multiples of a round step within [low, high].
+
+    The step is about (high - low) / count, rounded to 1, 2, 5 or 10 times a power of ten: below 1.5 to one,
+    below 3.5 to two, below 7.5 to five, else to ten.
+    """
     rough = (high - low) / count
     power = 10.0 ** np.floor(np.log10(rough))
     step = power * (1, 2, 5, 10)[int(np.searchsorted([1.5, 3.5, 7.5], rough / power, side="right"))]
-    counted = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1)
-    return [float(value) for value in counted * step]
+    factors = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1)
+    return [float(value) for value in factors * step]
 
 
-def sampling(rng: np.random.Generator) -> dict[str, Any]:
-    """Heights and a line over them, in fractions; what scipy samples along it, and how far along."""
+def section_samples(rng: np.random.Generator) -> dict[str, Any]:
+    """Return heights, a line over them in fractions, and what scipy samples along it, with the distances."""
     from scipy.ndimage import map_coordinates
 
     rows, columns, spacing = 12, 20, 0.25
@@ -140,15 +144,15 @@ def sampling(rng: np.random.Generator) -> dict[str, Any]:
     x0, y0, x1, y1 = line = (0.02, 0.9, 0.97, 0.08)
     t = np.linspace(0, 1, 33)
     u, v = x0 + (x1 - x0) * t, y0 + (y1 - y0) * t
-    where: npt.NDArray[np.float64] = np.stack([v * rows - 0.5, u * columns - 0.5])
-    sampled = map_coordinates(heights.astype(np.float64), where, order=1, mode="nearest")
-    whole = float(np.hypot((x1 - x0) * columns, (y1 - y0) * rows) * spacing)
+    positions: npt.NDArray[np.float64] = np.stack([v * rows - 0.5, u * columns - 0.5])
+    sampled = map_coordinates(heights.astype(np.float64), positions, order=1, mode="nearest")
+    length = float(np.hypot((x1 - x0) * columns, (y1 - y0) * rows) * spacing)
     return {
         "heights": heights.ravel().tolist(),
         "size": [columns, rows],
         "spacing": spacing,
         "line": line,
-        "distance": (t * whole).tolist(),
+        "distance": (t * length).tolist(),
         "sampled": sampled.tolist(),
     }
 

@@ -1,4 +1,4 @@
-"""The front end, built once for the tests that look at it in a browser."""
+"""Build the front end once for the tests that open it in a browser."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from conftest import FRONTEND
 
 @pytest.fixture(scope="session")
 def standalone(node: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with standalone.js and standalone.css."""
+    """Return a folder with standalone.js and standalone.css."""
     target = tmp_path_factory.mktemp("static")
     vite = [node, "node_modules/vite/bin/vite.js"]
     build = [*vite, "build", "--config", "vite.standalone.config.ts", "--outDir", str(target)]

@@ -1,4 +1,4 @@
-"""The front end's own tests, against vectors that are written here: shading, colours, sections, addresses."""
+"""Run the front end's own tests, against reference values that rumu writes first."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def vectors() -> Path:
-    written = FRONTEND / "tests" / "vectors" / "viewer.json"
-    runpy.run_path(str(ROOT / "scripts" / "write_vectors.py"))["main"](written)
-    return written
+    path = FRONTEND / "tests" / "vectors" / "viewer.json"
+    runpy.run_path(str(ROOT / "scripts" / "write_vectors.py"))["main"](path)
+    return path
 
 
 def test_the_front_end_agrees_with_rumu(vectors: Path, node: str) -> None:

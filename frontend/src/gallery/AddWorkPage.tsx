@@ -62,7 +62,7 @@ function SendForm({ source }: { source: Source }) {
   return (
     <form onSubmit={(event) => void send(event)}>
       <FileDrop label={t(source === "addImage" ? "picture" : source === "addCapture" ? "captureZip" : "importZip")} accept={source === "addImage" ? PICTURES : ".zip,application/zip"} file={file} onFile={setFile} />
-      {source === "addImport" ? <><p class="note">{t("importNote")}</p><Collection hint={t("importCollectionHint")} /></> : <FactFields spacing={source === "addImage"}>{source === "addImage" && <Method />}<Collection /></FactFields>}
+      {source === "addImport" ? <><p class="note">{t("importNote")}</p><CollectionField hint={t("importCollectionHint")} /></> : <FactFields spacing={source === "addImage"}>{source === "addImage" && <Method />}<CollectionField /></FactFields>}
       <button type="submit" disabled={!file || sending || (job !== null && !FINISHED_STATES.has(job.state))}>{t(sending ? "sending" : "send")}</button>
       {error ? <ErrorMessage error={error} /> : null}
       {job && <JobProgress job={job} />}
@@ -105,7 +105,7 @@ function Method() {
   );
 }
 
-function Collection({ hint = "" }: { hint?: string }) {
+function CollectionField({ hint = "" }: { hint?: string }) {
   const loaded = useLoaded((signal) => get<{ id: string; title: { zh: string; en: string } }[]>("/api/collections", signal), "all");
   return (
     <Field label={t("collectionId")} hint={hint}>

@@ -10,7 +10,7 @@ import { TextWithLinks } from "./WorkFacts";
 import "./gallery.css";
 import "./work.css";
 
-const SHOWN = 4;
+const THUMB_COUNT = 4;
 
 type Collection = { id: string; title: Bilingual; note?: Bilingual; source?: string; licence?: string; works?: number };
 
@@ -26,7 +26,7 @@ export default function CollectionsPage(_: PageProps) {
         <p class="lead">{t("collectionsLead")}</p>
       </header>
       {!items.length && <p class="nothing">{t("noCollections")}</p>}
-      <ul class="rooms">
+      <ul class="collection-list">
         {items.map((item) => (
           <CollectionItem key={item.id} item={item} />
         ))}
@@ -36,12 +36,12 @@ export default function CollectionsPage(_: PageProps) {
 }
 
 function CollectionItem({ item }: { item: Collection }) {
-  const url = `/api/works?collection=${encodeURIComponent(item.id)}&limit=${SHOWN}`;
+  const url = `/api/works?collection=${encodeURIComponent(item.id)}&limit=${THUMB_COUNT}`;
   const works = useLoaded((signal) => get<Page<WorkCard>>(url, signal), item.id);
   const count = item.works ?? works.value?.total;
   return (
-    <li class="room">
-      <a class="room-works" href={`#/?collection=${encodeURIComponent(item.id)}`} aria-label={localize(item.title)}>
+    <li class="collection-card">
+      <a class="collection-works" href={`#/?collection=${encodeURIComponent(item.id)}`} aria-label={localize(item.title)}>
         {(works.value?.items ?? []).map((work) => (
           <RelitThumb key={work.id} work={work} />
         ))}

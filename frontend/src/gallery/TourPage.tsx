@@ -93,11 +93,11 @@ function StepViewer({ step, onViewer, onState }: { step: TourStep; onViewer: (vi
 function StepText({ tour, at, step, move }: { tour: Tour; at: number; step: TourStep; move: (to: number) => void }) {
   const last = at === tour.steps.length - 1;
   return (
-    <section class="telling" aria-live="polite">
+    <section class="step-panel" aria-live="polite">
       <p class="note">{t("step", { k: at + 1, n: tour.steps.length })}</p>
       <h2>{withoutNumber(localize(step.title))}</h2>
-      <p class="told">{localize(step.text)}</p>
-      <div class="walk">
+      <p class="step-text">{localize(step.text)}</p>
+      <div class="step-buttons">
         <button type="button" class="quiet" disabled={at === 0} onClick={() => move(at - 1)}><Icon name="previous" />{t("back")}</button>
         {last ? <a class="button" href="#/tours">{t("finish")}</a> : <button type="button" onClick={() => move(at + 1)}>{t("onward")}<Icon name="next" /></button>}
       </div>

@@ -33,10 +33,10 @@ export default function ToursPage(_: PageProps) {
       </header>
       {error ? <ErrorMessage error={error} /> : null}
       {!items.length && <p class="nothing">{t("noTours")}</p>}
-      <ul class="rooms">
+      <ul class="collection-list">
         {items.map((tour) => (
-          <li class="room tour-room" key={tour.id}>
-            <a class="room-works" href={`#/tours/${tour.id}`} tabIndex={-1} aria-hidden="true">
+          <li class="collection-card tour-card" key={tour.id}>
+            <a class="collection-works" href={`#/tours/${tour.id}`} tabIndex={-1} aria-hidden="true">
               {[...new Set(tour.steps.map((step) => step.work))].slice(0, 4).map((work) => (
                 <span class="thumb" key={work}><img src={`/api/works/${encodeURIComponent(work)}/files/thumb`} alt="" loading="lazy" /></span>
               ))}

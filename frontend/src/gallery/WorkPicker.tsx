@@ -7,13 +7,13 @@ import { t } from "../i18n/gallery";
 import type { Page, WorkCard } from "../types";
 import { Dialog, ErrorMessage, useLoaded } from "../ui";
 
-const SHOWN = 24;
+const MAX_RESULTS = 24;
 
 type Props = { title: string; not?: string; onClose: () => void; onChoose: (work: WorkCard) => void };
 
 export function WorkPicker({ title, not, onClose, onChoose }: Props) {
   const [q, setQ] = useState("");
-  const loaded = useLoaded((signal) => get<Page<WorkCard>>(`/api/works${query({ q: q.trim(), limit: SHOWN })}`, signal), q.trim());
+  const loaded = useLoaded((signal) => get<Page<WorkCard>>(`/api/works${query({ q: q.trim(), limit: MAX_RESULTS })}`, signal), q.trim());
   return (
     <Dialog title={title} onClose={onClose}>
       <input type="search" aria-label={t("search")} placeholder={t("searchHint")} value={q} onInput={(event) => setQ(event.currentTarget.value)} />

@@ -1,6 +1,6 @@
 // A card's picture under a lamp that follows the pointer, computed on a 2-D canvas in a few milliseconds.
 
-import { decodeNormal, lampDirection, linearToSrgb, srgbToLinear, type Vec3, warmLamp } from "../viewer/shading";
+import { decodeNormal, lampDirection, linearToSrgb, SHEEN, srgbToLinear, type Vec3, warmLamp } from "../viewer/shading";
 
 export type CardImage = { width: number; height: number; linear: Float32Array; normals: Float32Array };
 
@@ -8,7 +8,6 @@ const DECODED = Float32Array.from({ length: 256 }, (_, v) => srgbToLinear(v / 25
 const CODES = 4095;
 const ENCODED = Uint8Array.from({ length: CODES + 1 }, (_, v) => Math.round(linearToSrgb(v / CODES) * 255));
 const ABOVE: Vec3 = [0, 0, 1];
-const SHEEN = 0.34;
 
 export async function loadCardImage(thumb: string, normals: string): Promise<CardImage> {
   const [picture, normalMap] = await Promise.all([load(thumb), load(normals)]);

@@ -14,7 +14,7 @@ type Pair = { work: WorkCard; left: Attempt; right: Attempt; done: number; left_
 const MANY = 200; // newest attempts, enough to find the masters that are being copied
 
 type Winner = "left" | "right" | "same";
-const KEYS: Record<string, Winner> = { "1": "left", ArrowLeft: "left", "2": "right", ArrowRight: "right", "3": "same", ArrowDown: "same" };
+const WINNER_KEYS: Record<string, Winner> = { "1": "left", ArrowLeft: "left", "2": "right", ArrowRight: "right", "3": "same", ArrowDown: "same" };
 
 export default function ComparePage({ query: params }: PageProps) {
   return (
@@ -164,7 +164,7 @@ function useCompareKeys(judge: (winner: Winner) => void): void {
   latest.current = judge;
   useEffect(() => {
     const press = (event: KeyboardEvent) => {
-      const winner = KEYS[event.key];
+      const winner = WINNER_KEYS[event.key];
       if (!winner || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
       if ((event.target as HTMLElement).closest("input, select, textarea")) return;
       event.preventDefault();

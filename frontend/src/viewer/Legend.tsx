@@ -13,7 +13,7 @@ export function Legend({ viewer }: { viewer: Viewer }) {
   const { unit } = viewer.facts;
   const contours = viewer.state.mode === "contours";
   return (
-    <div class="legend" role="img" aria-label={t("legendSaid", { low: formatLength(min, unit), high: formatLength(max, unit) })}>
+    <div class="legend" role="img" aria-label={t("legendLabel", { low: formatLength(min, unit), high: formatLength(max, unit) })}>
       <span class="legend-title">{t("height")} ({unit})</span>
       <div class="legend-bar" style={{ "--colours": STOPS }}>
         {roundLevels(min, max, 4).map((level) => (

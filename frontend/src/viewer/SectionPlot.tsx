@@ -22,7 +22,7 @@ export function SectionPlot({ points, unit, note }: { points: ProfilePoint[]; un
   };
   return (
     <figure class="profile">
-      <svg viewBox={`0 0 ${wide} ${TALL}`} role="img" aria-label={t("profileSaid", { length: formatLength(points.at(-1)?.distance ?? 0, unit), rise: formatLength(rise, unit) })}
+      <svg viewBox={`0 0 ${wide} ${TALL}`} role="img" aria-label={t("profileLabel", { length: formatLength(points.at(-1)?.distance ?? 0, unit), rise: formatLength(rise, unit) })}
         onPointerMove={follow} onPointerLeave={() => setAt(null)}>
         {drawn.up.map((h) => (
           <g key={h}>
@@ -51,7 +51,7 @@ export function SectionPlot({ points, unit, note }: { points: ProfilePoint[]; un
         <span>
           {point
             ? `${t("distance")} ${formatLength(point.distance, unit)} · ${t("height")} ${formatLength(point.height, unit)}`
-            : t("profileSaid", { length: formatLength(points.at(-1)?.distance ?? 0, unit), rise: formatLength(rise, unit) })}
+            : t("profileLabel", { length: formatLength(points.at(-1)?.distance ?? 0, unit), rise: formatLength(rise, unit) })}
         </span>
         <small>{note}</small>
       </figcaption>

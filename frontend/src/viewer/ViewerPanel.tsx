@@ -168,7 +168,7 @@ function ViewerHost({ surface, initial, caption, onState, onPoint, onViewer, onT
   }, [surface.facts.heights.url, run]);
   return (
     <div class={sign ? "viewer-stage acting" : "viewer-stage"}>
-      <div class="viewer-host" ref={host} onPointerDown={onTouch} onFocusIn={onTouch} role="application" aria-label={`${localize(surface.title)}. ${t("hostSaid")}`} />
+      <div class="viewer-host" ref={host} onPointerDown={onTouch} onFocusIn={onTouch} role="application" aria-label={`${localize(surface.title)}. ${t("hostLabel")}`} />
       {viewer ? children(viewer) : error ? <ErrorMessage error={error} retry={() => setRun((n) => n + 1)} /> : <div class="viewer-wait"><img src={surface.facts.picture} alt="" /><Loading /></div>}
       {sign}
       {caption && <p class="viewer-caption">{localize(surface.title)}<small>{localize(surface.facts.source_text)}</small></p>}
@@ -190,7 +190,7 @@ async function toggleFull(box: HTMLElement | null): Promise<void> {
   else await box?.requestFullscreen?.();
 }
 
-const KEYS: [string, Parameters<typeof t>[0]][] = [
+const HELP_KEYS: [string, Parameters<typeof t>[0]][] = [
   ["← → ↑ ↓", "keyLight"],
   ["⇧ ← → ↑ ↓", "keyOrbit"],
   ["+ −", "keyZoom"],
@@ -200,19 +200,19 @@ const KEYS: [string, Parameters<typeof t>[0]][] = [
   ["F", "keyFull"],
   ["?", "keyHelp"],
 ];
-const GESTURES: Parameters<typeof t>[0][] = ["handLight", "handMove", "handPinch", "handOther"];
+const GESTURES: Parameters<typeof t>[0][] = ["gestureLight", "gestureOrbit", "gesturePinch", "gestureRightButton"];
 
 export function HelpDialog({ onClose }: { onClose: () => void }) {
   return (
     <Dialog title={t("help")} onClose={onClose}>
-      <ul class="hands">
+      <ul class="gestures">
         {GESTURES.map((name) => (
           <li key={name}>{t(name)}</li>
         ))}
       </ul>
       <table class="keys">
         <tbody>
-          {KEYS.map(([key, name]) => (
+          {HELP_KEYS.map(([key, name]) => (
             <tr key={key}>
               <th scope="row"><kbd>{key}</kbd></th>
               <td>{t(name)}</td>

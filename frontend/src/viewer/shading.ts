@@ -50,6 +50,9 @@ export function exposure(l: Vec3): number {
   return Math.max(l[2], 0.3) ** -0.7;
 }
 
+/** Default strength of the ink's sheen. */
+export const SHEEN = 0.34;
+
 /** Specular highlight of dark ink (Blinn-Phong): drawn for looks, not measured. `toEye` is a unit vector. */
 export function inkSheen(albedo: Vec3, n: Vec3, l: Vec3, toEye: Vec3): number {
   const dark = Math.max(1 - (0.2126 * albedo[0] + 0.7152 * albedo[1] + 0.0722 * albedo[2]), 0);

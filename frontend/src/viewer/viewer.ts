@@ -3,6 +3,7 @@
 import { Vector3 } from "three";
 import type { ViewerFacts } from "../types";
 import { type Action, listenForInput } from "./controls";
+import { SHEEN } from "./shading";
 import { HeightField, type ProfilePoint } from "./heightfield";
 import { loadHeights, loadPicture } from "./loading";
 import { enterSession } from "./webxr";
@@ -16,7 +17,6 @@ import "./viewer.css"; // imported here, so that a viewer has its size in any pa
 const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera", "look"] as const;
 const KEY_STEP = 5;
 const LENS_RADIUS = 90;
-const SHEEN = 0.34;
 /** True while one viewer passes a change to the other, which must not pass it back. */
 let syncing = false;
 
