@@ -4,9 +4,9 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import { t } from "../i18n/viewer";
 import { Icon, type IconName } from "./Icon";
-import { type SessionMode, supportedSessions } from "./webxr";
+import { supportedSessions } from "./webxr";
 import { type Lens, LENSES, type Look, LOOKS, MAX_EXAGGERATION, type Mode, MODES, type ViewState } from "./state";
-import type { Downloads, Tool, Viewer } from "./types";
+import type { Downloads, SessionMode, Tool, Viewer } from "./types";
 
 const LENS_NAMES: Record<Lens, Parameters<typeof t>[0]> = {
   none: "lensNone",

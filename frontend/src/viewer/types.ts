@@ -4,6 +4,8 @@ import type { ViewerFacts, Work } from "../types";
 import type { HeightField, ProfilePoint } from "./heightfield";
 import type { Camera, SheetLine, ViewState } from "./state";
 
+/** Kinds of WebXR session. */
+export type SessionMode = "immersive-vr" | "immersive-ar";
 export type Tool = "light" | "move" | "section" | "ruler" | "pin";
 /** x, y: fractions of the sheet, origin top left. */
 export type SheetPoint = { x: number; y: number; height: number };
@@ -46,7 +48,7 @@ export interface Viewer {
   /** Calls `listener` after each frame, until the function returned is called. */
   onDraw(listener: () => void): () => void;
   /** Enters immersive VR or AR where the browser has it. */
-  immerse(kind: "immersive-vr" | "immersive-ar"): Promise<void>;
+  immerse(kind: SessionMode): Promise<void>;
 }
 
 /** Files that the download menu offers: name to URL. `page` is the page in one file. */

@@ -11,7 +11,7 @@ import { type Camera, DEFAULT_VIEW, lightAt, normalizeView, type SheetLine, type
 import { interpolateCamera, orbit, pan, zoom } from "./camera";
 import { createPictureViewer, hasWebGL2 } from "./fallback";
 import { SheetScene } from "./scene";
-import type { SheetPoint, Tool, Viewer, ViewerOptions } from "./types";
+import type { SessionMode, SheetPoint, Tool, Viewer, ViewerOptions } from "./types";
 import "./viewer.css"; // imported here, so that a viewer has its size in any page
 
 const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera", "look"] as const;
@@ -185,7 +185,7 @@ class SheetViewer implements Viewer {
     return () => this.listeners.delete(listener);
   }
 
-  async immerse(kind: "immersive-vr" | "immersive-ar"): Promise<void> {
+  async immerse(kind: SessionMode): Promise<void> {
     await enterSession(this.scene, () => this.state, kind);
     this.resize();
   }

@@ -2,17 +2,18 @@
 
 import type { SheetScene } from "./scene";
 import type { ViewState } from "./state";
+import type { SessionMode } from "./types";
 
 type XRSystem = { requestSession(kind: SessionMode, options?: object): Promise<XRSession> };
 
 /** Shows the sheet until the session ends. Rejects if the browser or the user refuses. */
-export async function enterSession(stage: SheetScene, state: () => ViewState, kind: SessionMode): Promise<void> {
+export async function enterSession(sheetScene: SheetScene, state: () => ViewState, kind: SessionMode): Promise<void> {
   const xr = (navigator as { xr?: XRSystem }).xr;
   if (!xr) throw new Error("this browser has no WebXR");
   const session = await xr.requestSession(kind, { optionalFeatures: ["local"] });
-  const { renderer, scene, sheet, camera } = stage;
+  const { renderer, scene, sheet, camera } = sheetScene;
   const { mode } = state();
-  stage.draw({ ...state(), mode: mode === "sheet" ? "surface" : mode, lens: "none" }, null);
+  sheetScene.draw({ ...state(), mode: mode === "sheet" ? "surface" : mode, lens: "none" }, null);
   renderer.xr.enabled = true;
   renderer.xr.setReferenceSpaceType("local");
   await renderer.xr.setSession(session);
@@ -26,9 +27,9 @@ export async function enterSession(stage: SheetScene, state: () => ViewState, ki
   sheet.position.set(0, 0, 0);
 }
 
-export type SessionMode = "immersive-vr" | "immersive-ar";
 type XRSupport = { isSessionSupported(kind: SessionMode): Promise<boolean> };
 
+/** The kinds of session that the browser and its devices support. */
 export async function supportedSessions(): Promise<SessionMode[]> {
   const xr = (navigator as { xr?: XRSupport }).xr;
   if (!xr) return [];
