@@ -9,7 +9,7 @@ addEventListener("hashchange", () => (hash.value = location.hash));
 
 export const route = computed(() => parseHash(hash.value));
 
-export function parseHash(text: string): { path: string; query: URLSearchParams } {
+function parseHash(text: string): { path: string; query: URLSearchParams } {
   const [path = "", search = ""] = text.replace(/^#/, "").split("?", 2);
   return { path: path || "/", query: new URLSearchParams(search) };
 }

@@ -29,10 +29,10 @@ export function NewPassword({ password, repeated, name = "", submitted, onChange
   );
 }
 
-export const MIN_LENGTH = 8;
-export const MAX_LENGTH = 200;
+const MIN_LENGTH = 8;
+const MAX_LENGTH = 200;
 
-export type PasswordProblem = "short" | "long" | "differs" | "isName" | "sameLetter";
+type PasswordProblem = "short" | "long" | "differs" | "isName" | "sameLetter";
 
 /** What is wrong with a new password, or null. */
 export function passwordProblem(password: string, repeated: string, name = ""): PasswordProblem | null {

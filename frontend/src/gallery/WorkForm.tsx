@@ -56,7 +56,7 @@ async function saveChanges(work: Work, form: FormData): Promise<Edited> {
 const BILINGUAL_FIELDS = ["title", "hand", "period", "material"] as const;
 const PLAIN_FIELDS = ["character", "script", "dynasty", "source", "licence", "attribution"] as const;
 
-export type WorkChange = Partial<Record<(typeof BILINGUAL_FIELDS)[number], Bilingual> & Record<(typeof PLAIN_FIELDS)[number], string> & { spacing: number | null }>;
+type WorkChange = Partial<Record<(typeof BILINGUAL_FIELDS)[number], Bilingual> & Record<(typeof PLAIN_FIELDS)[number], string> & { spacing: number | null }>;
 
 /** Only the fields that differ from the work's are sent, so that two owners do not undo each other's changes. */
 export function changesOf(work: Work, form: FormData): WorkChange {

@@ -7,7 +7,7 @@ import { navigate, type PageProps } from "../router";
 import { ErrorMessage, ErrorPage, Field, Loading, useLoaded } from "../ui";
 import { RequireLogin } from "../account/RequireLogin";
 
-export type ClassCard = { id: string; name: string; pupils: number; tasks: number };
+type ClassCard = { id: string; name: string; pupils: number; tasks: number };
 
 export default function ClassesPage(_: PageProps) {
   return (

@@ -72,7 +72,7 @@ export function MarksChart({ points, title }: { points: ScorePoint[]; title: str
 }
 
 export type ScorePoint = { id: string; created: string; score: number | null; interval: [number, number] | null };
-export type ChartDot = { x: number; y: number; low: number; high: number; point: ScorePoint };
+type ChartDot = { x: number; y: number; low: number; high: number; point: ScorePoint };
 export type ChartFrame = { width: number; height: number; left: number; right: number; top: number; bottom: number };
 
 export const scoreY = (score: number, frame: ChartFrame): number =>

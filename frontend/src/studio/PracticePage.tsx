@@ -11,7 +11,7 @@ import { AttemptCard } from "./cards";
 import { MarksChart, type ScorePoint } from "./MarksChart";
 import { RequireLogin } from "../account/RequireLogin";
 
-export type Practised = { work: WorkCard; count: number; best: number | null; last: number | null; first: number | null; curve: ScorePoint[] };
+type Practised = { work: WorkCard; count: number; best: number | null; last: number | null; first: number | null; curve: ScorePoint[] };
 
 export default function PracticePage({ query: params }: PageProps) {
   return (

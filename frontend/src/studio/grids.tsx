@@ -2,7 +2,7 @@
 
 import type { Grid } from "../types";
 
-export type GridLine = readonly [x0: number, y0: number, x1: number, y1: number];
+type GridLine = readonly [x0: number, y0: number, x1: number, y1: number];
 
 const CROSS: GridLine[] = [[0.5, 0, 0.5, 1], [0, 0.5, 1, 0.5]];
 const DIAGONALS: GridLine[] = [[0, 0, 1, 1], [1, 0, 0, 1]];

@@ -6,7 +6,7 @@ import type { Grid } from "../types";
 
 /** size: radius of the brush, fraction of the cell. ink: 0 dry to 1 wet. ghost: opacity of the master to trace. auto: mark without asking. */
 export type WritingSettings = { size: number; ink: number; grid: Grid; ghost: number; auto: boolean };
-export const DEFAULT_SETTINGS: WritingSettings = { size: 0.042, ink: 0.5, grid: "mi", ghost: 0.35, auto: false };
+const DEFAULT_SETTINGS: WritingSettings = { size: 0.042, ink: 0.5, grid: "mi", ghost: 0.35, auto: false };
 export const BRUSH_SIZES = { min: 0.012, max: 0.09 }; // radius of the fully pressed brush, as a fraction of the cell
 
 const SETTINGS = "rumu.writing";

@@ -202,7 +202,7 @@ const HELP_KEYS: [string, Parameters<typeof t>[0]][] = [
 ];
 const GESTURES: Parameters<typeof t>[0][] = ["gestureLight", "gestureOrbit", "gesturePinch", "gestureRightButton"];
 
-export function HelpDialog({ onClose }: { onClose: () => void }) {
+function HelpDialog({ onClose }: { onClose: () => void }) {
   return (
     <Dialog title={t("help")} onClose={onClose}>
       <ul class="gestures">

@@ -1,7 +1,7 @@
 // Turns pointer, wheel, pinch and key events into calls of a few handlers, which the caller provides.
 
 export type Action = "light" | "orbit" | "pan" | "line" | "point";
-export type InputHandlers = {
+type InputHandlers = {
   /** What dragging with one finger or the main button does at present. */
   action(): Action;
   /** The lamp is moved to (x, y) over the picture, in CSS pixels from its top left. */

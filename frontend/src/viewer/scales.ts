@@ -29,7 +29,7 @@ export function formatLength(value: number, unit: Unit): string {
   return `${value.toFixed(digits)} ${unit}`;
 }
 
-export type Plot = { path: string; area: string; x: (distance: number) => number; y: (height: number) => number; across: number[]; up: number[] };
+type Plot = { path: string; area: string; x: (distance: number) => number; y: (height: number) => number; across: number[]; up: number[] };
 
 /** A cross-section laid out in a box: x along the line, y upward, ticks at round values. */
 export function layoutPlot(points: ProfilePoint[], box: { left: number; right: number; top: number; bottom: number }): Plot {

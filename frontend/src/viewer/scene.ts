@@ -60,7 +60,7 @@ const CONTOUR_COUNT = 14;
 /** The viewing position for the flat sheet: so far away that it is straight above every point. */
 const DISTANT_EYE: Vec3 = [0, 0, 1e4];
 
-export type LensPosition = { u: number; v: number; radius: number };
+type LensPosition = { u: number; v: number; radius: number };
 
 export class SheetScene {
   readonly renderer: WebGLRenderer;

@@ -46,7 +46,7 @@ export const DEFAULT_VIEW: ViewState = {
 /** Highest exaggeration that the slider offers. */
 export const MAX_EXAGGERATION = 10;
 /** Degrees; a lower lamp would light only edges. */
-export const MAX_SLANT = 88;
+const MAX_SLANT = 88;
 
 /** A valid state from any numbers: angles are wrapped, other values clamped. */
 export function normalizeView(state: ViewState): ViewState {

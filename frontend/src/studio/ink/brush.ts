@@ -57,7 +57,7 @@ const pathLength = (points: readonly Sample[]): number =>
   points.reduce((sum, [x, y], k) => sum + (k ? Math.hypot(x - points[k - 1]![0], y - points[k - 1]![1]) : 0), 0);
 
 /** One pass of a 1-2-1 filter over the positions, against sensor noise; ends and corners stay. */
-export function smoothPoints(points: readonly Sample[]): Sample[] {
+function smoothPoints(points: readonly Sample[]): Sample[] {
   return points.map((point, k) => {
     const before = points[k - 1];
     const after = points[k + 1];
@@ -184,7 +184,7 @@ function taperEnds(track: PathPoint[], stroke: Stroke): PathPoint[] {
 }
 
 /** How fast the brush leaves at the end: 0 at rest to 1 in full flight. */
-export function exitFlight(track: readonly { speed: number }[]): number {
+function exitFlight(track: readonly { speed: number }[]): number {
   const end = track.slice(-12);
   const mean = end.reduce((sum, point) => sum + point.speed, 0) / Math.max(1, end.length);
   return smooth((mean - 0.35) / 1.6);

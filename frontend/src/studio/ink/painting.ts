@@ -6,7 +6,7 @@ import type { Stroke } from "./strokes";
 type Context = CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D;
 
 /** side: pixels of the cell. */
-export function paintStamps(context: Context, stamps: readonly Stamp[], side: number): void {
+function paintStamps(context: Context, stamps: readonly Stamp[], side: number): void {
   context.beginPath();
   for (const { x, y, a, b, angle } of stamps) {
     context.moveTo(x * side + a * side * Math.cos(angle), y * side + a * side * Math.sin(angle));

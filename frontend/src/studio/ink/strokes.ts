@@ -7,7 +7,7 @@ export type PointerKind = "pen" | "mouse" | "touch";
 /** size: radius of the fully pressed brush, fraction of the cell. ink: 0 dry, 1 wet. */
 export type Stroke = { hand: PointerKind; size: number; ink: number; points: Sample[] };
 
-export type SheetData = { version: 1; strokes: Stroke[] };
+type SheetData = { version: 1; strokes: Stroke[] };
 
 /** Whether the pointer measures pressure: a mouse always reports 0.5, many touch screens 0 or 1. */
 export function hasPressure(points: readonly Sample[]): boolean {

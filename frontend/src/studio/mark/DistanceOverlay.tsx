@@ -145,9 +145,9 @@ function DistanceLegend() {
 type Rgb = readonly [number, number, number];
 
 export const STOPS: readonly Rgb[] = [[168, 188, 196], [226, 196, 122], [222, 128, 56], [176, 34, 26]];
-export const UNCOVERED = "rgb(36 84 164)";
+const UNCOVERED = "rgb(36 84 164)";
 /** Distance from which a point of the master counts as left uncovered: 0.12 rms radii of the 0.3 that are r = 1. */
-export const UNCOVERED_FROM = 0.4;
+const UNCOVERED_FROM = 0.4;
 
 export function distanceColour(r: number): Rgb {
   const at = Math.min(1, Math.max(0, r)) * (STOPS.length - 1);
@@ -156,4 +156,4 @@ export function distanceColour(r: number): Rgb {
   return [mix(0), mix(1), mix(2)];
 }
 
-export const cssRgb = ([r, g, b]: Rgb): string => `rgb(${r} ${g} ${b})`;
+const cssRgb = ([r, g, b]: Rgb): string => `rgb(${r} ${g} ${b})`;

@@ -2,7 +2,7 @@
 
 /** x' = a x + c y + e, y' = b x + d y + f, in the order of a canvas's setTransform. */
 export type Matrix = readonly [a: number, b: number, c: number, d: number, e: number, f: number];
-export type Point = readonly [x: number, y: number];
+type Point = readonly [x: number, y: number];
 
 export const IDENTITY: Matrix = [1, 0, 0, 1, 0, 0];
 

@@ -2,7 +2,7 @@
 
 import type { Remark } from "../../types";
 
-export type Badge = { x: number; y: number };
+type Badge = { x: number; y: number };
 type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];
 
 /** Bounding box of what a remark is about, in fractions of the cell; null if it is about the whole character. */
