@@ -6,23 +6,23 @@ import { language } from "../../src/i18n";
 import { lampDirection } from "../../src/viewer/shading";
 
 describe("filters in the address", () => {
-  it("come back as they were", () => {
+  it("survive a round trip", () => {
     const filters = { script: "regular", hand: "顏真卿", q: "天 地" };
     expect(readFilters(new URLSearchParams(writeFilters(filters).toString()))).toEqual(filters);
   });
 
-  it("forget what is empty or unknown", () => {
+  it("ignore empty and unknown values", () => {
     expect(readFilters(new URLSearchParams("script=&colour=red&q=%20"))).toEqual({});
     expect(writeFilters(without({ q: "a", script: "seal" }, "q")).toString()).toBe("script=seal");
   });
 });
 
-describe("what the gallery says", () => {
-  it("numbers a list once", () => {
+describe("labels", () => {
+  it("lose a number of their own in a numbered list", () => {
     expect(["1. The upright", "一、豎", "12) Last", "一個水", "3 steles", "2."].map(withoutNumber)).toEqual(["The upright", "豎", "Last", "一個水", "3 steles", "2."]);
   });
 
-  it("speaks one language, though the service sends both", () => {
+  it("are in one language, though the service sends both", () => {
     language.value = "zh";
     expect([messageInOneLanguage("重建表面 Reconstructing"), licenceName("none stated"), licenceName("CC0-1.0")]).toEqual(["重建表面", "未註明", "CC0-1.0"]);
     language.value = "en";

@@ -8,10 +8,10 @@ import { returnPath } from "../../src/account/RequireLogin";
 import { markForm } from "../../src/studio/marking";
 import { replayDuration, strokesUntil } from "../../src/studio/Replay";
 
-describe("the curve", () => {
+describe("the chart of marks", () => {
   const frame: ChartFrame = { width: 640, height: 240, left: 34, right: 16, top: 12, bottom: 30 };
   const point = (id: string, score: number | null): ScorePoint => ({ id, created: "2026-01-01T00:00:00Z", score, interval: score === null ? null : [score - 10, score + 10] });
-  it("leaves out what was refused, and spans the frame", () => {
+  it("omits refused attempts and spans the frame", () => {
     const found = chartDots([point("a", 20), point("b", null), point("c", 60)], frame);
     expect(found.map((dot) => dot.point.id)).toEqual(["a", "c"]);
     expect(found.map((dot) => dot.x)).toEqual([34, 624]);
@@ -20,26 +20,26 @@ describe("the curve", () => {
     expect(linePath(found).startsWith("M34.0")).toBe(true);
     expect(intervalBand(found).split("L")).toHaveLength(4);
   });
-  it("holds one attempt, and none", () => {
+  it("works with one attempt and with none", () => {
     expect(chartDots([point("a", 50)], frame)[0]!.x).toBeGreaterThan(34);
     expect(intervalBand(chartDots([point("a", 50)], frame))).toBe("");
     expect(linePath([])).toBe("");
   });
-  it("never leaves the scale", () => {
+  it("clamps to the scale", () => {
     expect(scoreY(140, frame)).toBe(scoreY(100, frame));
     expect(scoreY(-3, frame)).toBe(scoreY(0, frame));
   });
 });
 
 describe("after a login", () => {
-  it("one comes back to a page of this place alone", () => {
+  it("only a page of this site is opened", () => {
     expect(returnPath("/studio/regular-shui?task=1")).toBe("/studio/regular-shui?task=1");
     for (const elsewhere of [null, "", "//evil.example", "https://evil.example", "javascript:alert(1)"]) expect(returnPath(elsewhere)).toBe("/");
   });
 });
 
 describe("a new password", () => {
-  it("is told what is wrong with it", () => {
+  it("is refused with a reason", () => {
     expect(passwordProblem("short", "short")).toBe("short");
     expect(passwordProblem("x".repeat(201), "x".repeat(201))).toBe("long");
     expect(passwordProblem("aaaaaaaaaa", "aaaaaaaaaa")).toBe("sameLetter");
@@ -49,10 +49,10 @@ describe("a new password", () => {
   });
 });
 
-describe("the writing once more", () => {
+describe("a replay", () => {
   const stroke = (ms: number): Stroke => ({ hand: "pen", size: 0.04, ink: 0.5, points: [[0, 0, 0, 1, 0, 0], [0.5, 0, ms / 2, 1, 0, 0], [1, 0, ms, 1, 0, 0]] });
   const strokes = [stroke(400), stroke(200)];
-  it("shows what was written by then", () => {
+  it("shows what had been written at a time", () => {
     expect(strokesUntil(strokes, 0).map((s) => s.points.length)).toEqual([1]);
     expect(strokesUntil(strokes, 250).map((s) => s.points.length)).toEqual([2]);
     expect(strokesUntil(strokes, 655).map((s) => s.points.length)).toEqual([3, 1]);
@@ -60,17 +60,17 @@ describe("the writing once more", () => {
   });
 });
 
-describe("what can be compared", () => {
-  it("are masters with two marked copies, each named once", () => {
+describe("works to compare", () => {
+  it("have at least two marked copies, and are listed once", () => {
     const one = (id: string, score: number | null) => ({ work: { id }, mark: { score } }) as Attempt;
     expect(worksToCompare([one("a", 50), one("b", 60), one("a", 40), one("c", null), one("c", 70), one("a", 30)]).map((work) => work.id)).toEqual(["a"]);
     expect(worksToCompare([])).toEqual([]);
   });
 });
 
-describe("what is sent", () => {
+describe("the form of a copy", () => {
   const copy = { kind: "pen" as const, picture: new Blob(["x"], { type: "image/png" }), strokes: "{}", grid: "mi" as const };
-  it("names the work, keeps only when told, and a task only when there is one", () => {
+  it("has the work, whether to save, and the task if there is one", () => {
     const form = markForm(copy, "regular-shui", null, false);
     expect([form.get("work"), form.get("keep"), form.get("grid"), form.has("task")]).toEqual(["regular-shui", "false", "mi", false]);
     expect(markForm(copy, "regular-shui", "t1", true).get("task")).toBe("t1");

@@ -13,7 +13,7 @@ function cone(): HeightField {
 }
 
 describe("the mesh", () => {
-  it("turns its faces to the eye and its rows downward", () => {
+  it("has faces towards the camera, and rows that go down", () => {
     const mesh = grid({ wide: 1, tall: 0.5 }, 8);
     const [at, uv, faces] = [mesh.getAttribute("position"), mesh.getAttribute("uv"), mesh.getIndex()!];
     for (let k = 0; k < faces.count; k += 3) {
@@ -25,8 +25,8 @@ describe("the mesh", () => {
   });
 });
 
-describe("a ray from the eye", () => {
-  it("meets the flat sheet where it points", () => {
+describe("a ray from the camera", () => {
+  it("meets the flat sheet", () => {
     const rows = cone().intersectRay([0.25, -0.125, 2], [0, 0, -1], 0);
     expect(rows).toEqual({ u: 0.75, v: 0.75 });
     expect(cone().intersectRay([0.75, 0, 2], [0, 0, -1], 0)).toBeNull();
@@ -45,7 +45,7 @@ describe("a ray from the eye", () => {
 });
 
 describe("the lamp under a pointer", () => {
-  it("stands above in the middle and leans to where the pointer is", () => {
+  it("is straight above in the middle, and tilted towards the pointer elsewhere", () => {
     const box = { width: 200, height: 100 };
     expect(lightAt(100, 50, box).slant).toBe(0);
     expect(lightAt(100, 25, box)).toEqual({ tilt: 90, slant: 30.000000000000004 });
@@ -54,11 +54,11 @@ describe("the lamp under a pointer", () => {
   });
 });
 
-describe("the eye", () => {
+describe("the camera", () => {
   const start: Camera = [0, 0, 2, 0, 0, 0];
   const distance = ([x, y, z, a, b, c]: Camera) => Math.hypot(x - a, y - b, z - c);
 
-  it("keeps its distance in orbit and never gets behind the sheet", () => {
+  it("orbits at the same distance and never gets behind the sheet", () => {
     let camera = start;
     for (let k = 0; k < 50; k++) camera = orbit(camera, 0.3, 0.2);
     expect(distance(camera)).toBeCloseTo(2);
@@ -73,7 +73,7 @@ describe("the eye", () => {
     expect(nearer[4]).toBeCloseTo(0.1 * field * 0.5);
   });
 
-  it("pans along the picture", () => {
+  it("pans in the image plane", () => {
     const moved = pan(start, 0.1, 0);
     expect(moved[3]).toBeGreaterThan(0);
     expect(distance(moved)).toBeCloseTo(2);
@@ -87,7 +87,7 @@ describe("the eye", () => {
     expect(Math.tan((14 * Math.PI) / 180) * far * 0.5).toBeGreaterThan(0.5);
   });
 
-  it.each(["sheet", "surface", "mesh", "heights"] as const)("sees every corner at first: %s", (mode) => {
+  it.each(["sheet", "surface", "mesh", "heights"] as const)("sees every corner by default: %s", (mode) => {
     for (const aspect of [0.4, 1, 1.6, 3]) {
       for (const sheet of [{ wide: 1, tall: 1 }, { wide: 1, tall: 0.2 }, { wide: 0.3, tall: 1 }]) {
         const eye = new PerspectiveCamera(FIELD_OF_VIEW, aspect);
@@ -105,7 +105,7 @@ describe("the eye", () => {
 });
 
 describe("a plotted section", () => {
-  it("puts higher points higher and later points to the right", () => {
+  it("plots height upward and distance to the right", () => {
     const drawn = layoutPlot([{ distance: 0, height: 0 }, { distance: 10, height: 5 }], { left: 0, right: 100, top: 0, bottom: 50 });
     expect(drawn.x(10)).toBe(100);
     expect(drawn.y(5)).toBeLessThan(drawn.y(0));

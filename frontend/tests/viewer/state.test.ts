@@ -15,23 +15,23 @@ const turned: ViewState = {
 };
 
 describe("a permalink", () => {
-  it("brings back the view", () => {
+  it("restores the view", () => {
     expect(stateFromQuery(new URLSearchParams(stateToQuery(turned).toString()))).toEqual(turned);
   });
 
-  it("is empty at the start", () => {
+  it("is empty for the default view", () => {
     expect(stateToQuery(DEFAULT_VIEW).toString()).toBe("");
     expect(stateFromQuery(new URLSearchParams())).toEqual(DEFAULT_VIEW);
   });
 
-  it("that was cut or bent still opens", () => {
+  it("that is damaged still opens", () => {
     const query = new URLSearchParams("mode=horse&tilt=abc&slant=400&ex=-3&cam=1,2,3&sec=0,0,7,x&lens=&look=gold");
     expect(stateFromQuery(query)).toEqual({ ...DEFAULT_VIEW, slant: 88, exaggeration: 0 });
   });
 });
 
 describe("a state", () => {
-  it("turns angles into one round", () => {
+  it("wraps angles", () => {
     expect(normalizeView({ ...DEFAULT_VIEW, tilt: -90 }).tilt).toBe(270);
     expect(normalizeView({ ...DEFAULT_VIEW, tilt: 725 }).tilt).toBe(5);
   });

@@ -1,4 +1,4 @@
-// The viewer's arithmetic against numbers that Python wrote (scripts/write_vectors.py).
+// The viewer's arithmetic, compared with reference values from Python (scripts/write_vectors.py).
 
 import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
@@ -16,16 +16,16 @@ type Vectors = {
   section: { heights: number[]; size: [number, number]; spacing: number; line: [number, number, number, number]; distance: number[]; sampled: number[] };
 };
 
-// Missing vectors fail the run: `python scripts/write_vectors.py` writes them.
+// Without the file the tests fail; `python scripts/write_vectors.py` writes it.
 const given = JSON.parse(readFileSync("tests/vectors/viewer.json", "utf8")) as Vectors;
 
-/** The largest difference of two rows of numbers. */
+/** The largest difference between two lists of numbers. */
 const apart = (found: number[], wanted: number[]): number => {
   expect(found.length).toBe(wanted.length);
   return Math.max(...found.map((value, k) => Math.abs(value - wanted[k]!)));
 };
 
-describe("arithmetic as in rumu", () => {
+describe("arithmetic, compared with rumu", () => {
   it("encodes and decodes sRGB", () => {
     const codes = given.srgb.linear.map((value) => linearToSrgb(value) * 65535);
     expect(apart(codes, given.srgb.codes)).toBeLessThan(1);
@@ -63,7 +63,7 @@ describe("arithmetic as in rumu", () => {
     expect(apart(heights.map((height) => contourDistance(height, interval)), distance)).toBeLessThan(1e-9);
   });
 
-  it("cuts a section as scipy samples it", () => {
+  it("samples a cross-section as scipy does", () => {
     const { heights, size: [width, height], spacing, line, distance, sampled } = given.section;
     const field = new HeightField(Float32Array.from(heights), width, height, -5, 5, { width, height, spacing, unit: "mm" });
     const found = field.section(line, distance.length);
@@ -76,7 +76,7 @@ describe("a raised dome", () => {
   const { side, albedo, normals } = given.relight;
   const around = (row: number, column: number) => normals[row * side + column]!;
 
-  it("is brighter on the side of the lamp: upper left", () => {
+  it("is brighter on the lamp's side, the upper left", () => {
     const light = lampDirection(135, 45);
     const [quarter, far] = [Math.round(side * 0.35), Math.round(side * 0.65)];
     const grey: Vec3 = [0.5, 0.5, 0.5];

@@ -23,17 +23,17 @@ function form(values: Record<string, string>): FormData {
   return made;
 }
 
-describe("what an owner changes of a work", () => {
-  it("is nothing when the form is sent as it was", () => {
+describe("the changes that a form sends", () => {
+  it("are none if the form was not edited", () => {
     const asItWas = { title_zh: "楷書「日」", title_en: "", material_en: "ink on paper\r\nmounted ", script: "regular", licence: licenceField(work.licence), spacing: "0.25" };
     expect(changesOf(work, form(asItWas))).toEqual({});
   });
 
-  it("is a text in both languages when one of them changed", () => {
+  it("include both languages of a text of which one changed", () => {
     expect(changesOf(work, form({ title_zh: "楷書「日」", title_en: "Sun" }))).toEqual({ title: { zh: "楷書「日」", en: "Sun" } });
   });
 
-  it("is taken back when a field is emptied, the size of a pixel too", () => {
+  it("clear a field that was emptied, the pixel size too", () => {
     expect(changesOf(work, form({ material_zh: "", material_en: "", dynasty: " ", spacing: "" }))).toEqual({ material: { zh: "", en: "" }, dynasty: "", spacing: null });
     expect(changesOf({ ...work, spacing: null }, form({ spacing: "" }))).toEqual({});
     expect(changesOf(work, form({ spacing: "0.5", licence: "CC0-1.0" }))).toEqual({ spacing: 0.5, licence: "CC0-1.0" });

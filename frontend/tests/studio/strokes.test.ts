@@ -7,45 +7,45 @@ const touch = (pointerId: number, pointerType: string, isPrimary = true) => ({ p
 
 describe("undo and redo", () => {
   const two = addStroke(addStroke(EMPTY_HISTORY, stroke(0.1)), stroke(0.2));
-  it("go back and forth", () => {
+  it("step back and forth", () => {
     expect(undo(two).done).toEqual([stroke(0.1)]);
     expect(redo(undo(two)).done).toEqual(two.done);
     expect(canUndo(undo(undo(two)))).toBe(false);
     expect(undo(EMPTY_HISTORY)).toBe(EMPTY_HISTORY);
     expect(redo(two)).toBe(two);
   });
-  it("forget what was undone once something new is written", () => {
+  it("drop undone strokes when a new one is written", () => {
     expect(canRedo(addStroke(undo(two), stroke(0.3)))).toBe(false);
   });
-  it("take a clearing back whole", () => {
+  it("restore everything that was cleared", () => {
     const cleared = clearStrokes(two);
     expect(cleared.done).toEqual([]);
     expect(undo(cleared).done).toEqual(two.done);
     expect(canUndo(clearStrokes(EMPTY_HISTORY))).toBe(false);
   });
-  it("begin from what was kept", () => expect(historyOf([stroke(1)]).done).toHaveLength(1));
+  it("start from saved strokes", () => expect(historyOf([stroke(1)]).done).toHaveLength(1));
 });
 
-describe("palms", () => {
-  it("write while no pen was seen, with one finger at a time", () => {
+describe("touches", () => {
+  it("write until a pen is used, with one finger at a time", () => {
     const first = acceptPointer(NO_POINTER, touch(1, "touch"));
     expect(first.begins).toBe(true);
     expect(acceptPointer(first.pointers, touch(2, "touch", false)).begins).toBe(false);
     expect(acceptPointer(releasePointer(first.pointers, 1), touch(3, "touch")).begins).toBe(true);
   });
-  it("are nothing once a pen was seen", () => {
+  it("are ignored once a pen has been used", () => {
     const pen = acceptPointer(NO_POINTER, touch(1, "pen"));
     expect(acceptPointer(releasePointer(pen.pointers, 1), touch(2, "touch")).begins).toBe(false);
     expect(acceptPointer(releasePointer(pen.pointers, 1), touch(3, "pen")).begins).toBe(true);
   });
-  it("give way to the first pen that comes after them", () => {
+  it("give way to the first pen", () => {
     const palm = acceptPointer(NO_POINTER, touch(1, "touch"));
     const pen = acceptPointer(palm.pointers, touch(2, "pen"));
     expect(pen).toMatchObject({ begins: true, takesOver: true });
     expect(pen.pointers.active).toBe(2);
     expect(releasePointer(pen.pointers, 1).active).toBe(2);
   });
-  it("leave the mouse its main button alone", () => {
+  it("of a mouse write with the main button only", () => {
     expect(acceptPointer(NO_POINTER, { ...touch(1, "mouse"), button: 2 }).begins).toBe(false);
     expect(acceptPointer(NO_POINTER, touch(1, "mouse")).begins).toBe(true);
   });
