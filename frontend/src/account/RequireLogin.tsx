@@ -1,4 +1,4 @@
-// Shows a page only to people who are logged in; others are sent to the login, which leads back to the page.
+// Shows a page only to people who are logged in; others see a link to the login, which leads back to the page.
 
 import type { ComponentChildren } from "preact";
 import { session } from "../api";

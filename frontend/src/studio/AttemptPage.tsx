@@ -1,4 +1,4 @@
-// One saved attempt: its mark, a replay of its strokes, and the teacher's isOwn mark.
+// One saved attempt: its mark, a replay of its strokes, and the teacher's own mark.
 
 import { useState } from "preact/hooks";
 import { get, put, remove, session } from "../api";
@@ -15,7 +15,7 @@ import "./studio.css";
 
 export default function AttemptPage({ params }: PageProps) {
   const id = params["id"] ?? "";
-  const viewer = session.value?.person?.id ?? ""; // loaded again once it is known who looks at it
+  const viewer = session.value?.person?.id ?? ""; // loaded again once it is known who is logged in
   const loaded = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), `${id} ${viewer}`);
   const [error, setError] = useState<unknown>(null);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;

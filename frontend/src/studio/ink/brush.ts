@@ -41,7 +41,7 @@ export function brushStamps(stroke: Stroke, brush: BrushSettings = BRUSH): Stamp
   return spaceStamps(taperEnds(track, stroke), stroke, brush);
 }
 
-/** Merges points at the same point into one, with the later time and the firmer pressure. */
+/** Merges points in the same place into one, with the later time and the firmer pressure. */
 export function mergeRepeated(points: readonly Sample[]): Sample[] {
   const merged: Sample[] = [];
   for (const point of points) {
@@ -224,7 +224,7 @@ export function penTilt(tiltX: number, tiltY: number): { lean: number; turn: num
   return { lean: Math.sin(Math.atan(Math.hypot(x, y))), turn: Math.atan2(y, x) };
 }
 
-/** A dot (點): the brush put down and lifted in one point; longer than wide, and larger the longer it stayed. */
+/** A dot (點): the brush put down and lifted in one place; longer than wide, and larger the longer it stayed. */
 function dotStamps(stroke: Stroke, points: readonly Sample[], dwell: number, brush: BrushSettings): Stamp[] {
   const [first, last] = [points[0]!, points.at(-1)!];
   const firm = hasPressure(stroke.points) ? fromPressure(Math.max(...points.map((point) => point[3]))) : 0;

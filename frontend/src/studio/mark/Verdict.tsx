@@ -1,4 +1,4 @@
-// Level, score, parts of the mark and what it is based on; or reason there is no mark.
+// Level, score, parts of the mark and what it is based on; or why there is no mark.
 
 import { language, localize } from "../../i18n";
 import { t } from "../../i18n/studio";
