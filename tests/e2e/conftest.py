@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import absent
 from playwright.sync_api import Browser, BrowserContext, Page, Response, expect
+
+from conftest import absent
 
 STATIC = Path(__file__).parents[2] / "src" / "rumu" / "web" / "static"
 PATIENCE = 30_000  # milliseconds: the lamp is drawn by a processor here

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import absent
 from playwright.sync_api import Page, expect
 from tests.e2e.brush import write
 from tests.e2e.conftest import Arrive, Visitor
+
+from conftest import absent
 
 AXE = Path(__file__).parents[2] / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}

@@ -5,11 +5,12 @@ from __future__ import annotations
 import io
 
 import numpy as np
-from conftest import FRONTEND
 from PIL import Image
 from playwright.sync_api import Page
 from tests.e2e.conftest import Visitor
 from tests.e2e.test_walk import opened
+
+from conftest import FRONTEND
 
 EMULATOR = FRONTEND / "node_modules" / "iwer" / "build" / "iwer.min.js"
 PUT_ON = """

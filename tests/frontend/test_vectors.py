@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+
 from conftest import FRONTEND
 
 ROOT = Path(__file__).parents[2]
