@@ -74,7 +74,7 @@ def with_open3d(source: np.ndarray, target: np.ndarray, *, voxel: float | None =
     if voxel:
         clouds = [cloud.voxel_down_sample(voxel) for cloud in clouds]
     best = None
-    for start in IcpSettings().starts:
+    for start in IcpSettings().start_angles:
         T = np.eye(4)
         T[:3, :3] = o3d.geometry.get_rotation_matrix_from_xyz((0.0, 0.0, np.deg2rad(start)))
         found = registration.registration_icp(

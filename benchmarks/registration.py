@@ -1,7 +1,8 @@
-"""ICP on ink: rumu beside Open3D and small_gicp, same points, same start, same run.
+"""ICP on ink: rumu, with OpenCV's k-d tree and with SciPy's, beside Open3D and small_gicp, in one run.
 
 `python benchmarks/registration.py` prints time and pose error, medians over random poses of several works.
-Peers come from the `bench` extra; one that is not installed is left out and said so.
+All get the same points and the same start. Peers come from the `bench` extra; one that is not installed is
+left out, and a line says so.
 """
 
 from __future__ import annotations
@@ -10,14 +11,17 @@ import importlib
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from unittest import mock
 
 import cv2
 import numpy as np
 from PIL import Image
+from scipy.spatial import cKDTree
 
 import rumu
 from rumu.gallery.starter import find_work
-from rumu.registration.icp import IcpSettings, register_points
+from rumu.registration import icp
+from rumu.registration.icp import IcpSettings, Search, register_points
 from rumu.registration.points import sample_points
 from rumu.values import PointSet, Surface
 
@@ -77,8 +81,24 @@ def cases() -> Iterator[Case]:
 
 
 def with_rumu(case: Case) -> np.ndarray:
-    settings = IcpSettings(starts=(0.0,))
+    settings = IcpSettings(start_angles=(0.0,))
     return register_points(case.probe, case.reference, settings=settings).T_reference_probe
+
+
+def with_scipy(case: Case, *, workers: int) -> np.ndarray:
+    """rumu with SciPy's k-d tree in place of OpenCV's."""
+
+    def kd_tree(points: np.ndarray, *, with_second: bool) -> Search:
+        tree = cKDTree(points)
+
+        def search(queries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            apart, index = tree.query(queries, k=[1, 2] if with_second else [1], workers=workers)
+            return index[:, 0], apart[:, 1] if with_second else np.zeros(len(queries))
+
+        return search
+
+    with mock.patch.object(icp, "kd_tree", kd_tree):
+        return with_rumu(case)
 
 
 def with_open3d(case: Case, *, whole_sheet: bool = False) -> np.ndarray:
@@ -119,6 +139,8 @@ def measured(run: Callable[[Case], np.ndarray], every: list[Case]) -> tuple[floa
 
 RUNS: tuple[tuple[str, str | None, Callable[[Case], np.ndarray]], ...] = (
     ("rumu, ink points, both ways, trimmed", None, with_rumu),
+    ("rumu, SciPy's cKDTree, one thread", None, lambda c: with_scipy(c, workers=1)),
+    ("rumu, SciPy's cKDTree, two threads", None, lambda c: with_scipy(c, workers=2)),
     ("Open3D point-to-point, the same ink points", "open3d", with_open3d),
     ("small_gicp ICP, the same ink points", "small_gicp", with_small_gicp),
     ("Open3D, whole sheet with its blank paper", "open3d", lambda c: with_open3d(c, whole_sheet=True)),

@@ -1,7 +1,7 @@
 """What `likeness` and `beyond_others` know of writing: `python scripts/describe_mean.py [DATA]`.
 
 Writes into src/rumu/registration, from the 6,590 characters of the regular masters: mean_description.npy, the
-mean of `describe`, which `likeness` takes away; and other_characters.npz, one description of each character
+mean of `describe`, which `likeness` subtracts; and other_characters.npz, one description of each character
 in one half of them. The half is chosen by a hash of the name, as in benchmarks/refusal.py, so that the other
 half tells what this is worth on characters that it does not hold.
 """

@@ -15,7 +15,7 @@ import numpy as np
 
 import rumu
 from rumu.assessment.edges import COMPONENTS, KINDS, edge_patches
-from rumu.registration.points import canvas_ink
+from rumu.registration.points import canvas_of, ink_mask
 
 HOME = Path(__file__).parents[1]
 CHARACTERS, EACH = 250, 40
@@ -38,7 +38,9 @@ def bases(data: Path) -> dict[str, np.ndarray]:
     rng = np.random.default_rng(0)
     taken: list[list[np.ndarray]] = [[] for _ in KINDS]
     for name in rng.choice(names, CHARACTERS, replace=False):
-        for pile, found in zip(taken, edge_patches(canvas_ink(rumu.relief(folder / name))), strict=True):
+        for pile, found in zip(
+            taken, edge_patches(canvas_of(ink_mask(rumu.relief(folder / name))).ink), strict=True
+        ):
             pile.append(found[rng.choice(len(found), EACH)])
     return {
         f"{kind.frame}_{name}": array.astype(np.float32)

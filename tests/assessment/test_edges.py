@@ -20,14 +20,14 @@ from rumu.assessment.edges import (
     edge_patches,
     sense,
 )
-from rumu.registration.points import canvas_ink
+from rumu.registration.points import canvas_of
 
 WORK = "regular-shu"
 
 
 @pytest.fixture(scope="module")
 def canvas(surface):
-    return lambda mask: canvas_ink(surface(mask))
+    return lambda mask: canvas_of(surface(mask).mask).ink
 
 
 def distance(a, b) -> float:

@@ -14,8 +14,8 @@ from rumu.registration.descriptor import (
     beyond_others,
     describe,
     likeness,
-    mirrored,
-    turned,
+    mirror,
+    turn_upside_down,
 )
 from rumu.registration.points import sample_points
 from rumu_lab.simulation import faults
@@ -83,7 +83,7 @@ def test_likeness_is_one_for_the_same_and_about_nothing_for_others():
     assert float(likeness(vectors[0], vectors[1])) == pytest.approx(each[0, 1], abs=1e-6)
 
 
-@pytest.mark.parametrize(("change", "steps"), [(mirrored, (1, -1)), (turned, (-1, -1))])
+@pytest.mark.parametrize(("change", "steps"), [(mirror, (1, -1)), (turn_upside_down, (-1, -1))])
 def test_points_reversed_are_the_points_of_the_reversed_picture(change, steps):
     ink = ink_of("regular-shu")
     page = [np.rint(245 - 225 * i).astype(np.uint8) for i in (ink, ink[:: steps[0], :: steps[1]])]

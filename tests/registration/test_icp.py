@@ -12,7 +12,14 @@ from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
 from rumu.errors import RegistrationError
-from rumu.registration.icp import IcpSettings, Neighbours, closest_points, register_points, trimmed_share
+from rumu.registration.icp import (
+    IcpSettings,
+    NearestPoint,
+    Neighbours,
+    closest_points,
+    register_points,
+    trimmed_share,
+)
 from rumu.registration.points import Sampling, sample_points
 from rumu.registration.quaternion import Pose, unit_quaternion
 from rumu.values import PointSet
@@ -96,7 +103,7 @@ def test_clockwise_is_positive(points, glyph, moved, shui):
     """Turned by indexing alone, so that no sign of a library enters: a quarter turn clockwise is k=-1."""
     ink = glyph("regular-shui")
     quarter = points(np.ascontiguousarray(np.rot90(ink > 0.5, k=-1)))
-    wide = IcpSettings(starts=(90.0, -90.0))
+    wide = IcpSettings(start_angles=(90.0, -90.0))
     assert register_points(quarter, shui, settings=wide).angle == pytest.approx(90.0, abs=0.3)
     assert register_points(points(moved(ink, lean=8.0)), shui).angle == pytest.approx(8.0, abs=0.3)
 
@@ -162,7 +169,7 @@ def test_swapped_roles_give_the_inverse_pose(*, points, glyph, moved, copy, mast
     P, X = points(moved(glyph(copy), lean=lean)), points(glyph(master) > 0.5)
     there, back = register_points(P, X), register_points(X, P)
     # another hand's writing: when its size is taken anew, each way has the unit of its own reference
-    exact = there.overlap > IcpSettings().whole
+    exact = there.overlap > IcpSettings().complete_overlap
     np.testing.assert_allclose(
         there.T_reference_probe @ back.T_reference_probe, np.eye(4), atol=1e-6 if exact else 2e-3
     )
@@ -175,7 +182,7 @@ def test_swapped_roles_give_the_inverse_pose(*, points, glyph, moved, copy, mast
 def test_several_starts_find_what_one_does_not(points, glyph):
     upright = reference = points(glyph("regular-shu") > 0.5)
     one, several = (
-        register_points(upright, reference, settings=IcpSettings(starts=starts))
+        register_points(upright, reference, settings=IcpSettings(start_angles=starts))
         for starts in ((170.0,), (170.0, 15.0, -170.0))
     )
     assert abs(one.angle) > 45.0
@@ -196,7 +203,45 @@ def test_directions_keep_a_stroke_off_one_that_crosses_it(shui):
 
 def test_no_start_is_no_registration(shui):
     with pytest.raises(RegistrationError, match="at least one starting angle, got none"):
-        register_points(shui, shui, settings=IcpSettings(starts=()))
+        register_points(shui, shui, settings=IcpSettings(start_angles=()))
+
+
+# nearest points
+
+
+@pytest.mark.parametrize("small_steps", [False, True])
+@pytest.mark.parametrize("count", [1, 2, 40, 512, 513, 1500])
+@pytest.mark.parametrize("step", [0.3, 0.01, 0.0])  # far, near, and not at all
+def test_every_answer_is_that_of_brute_force(small_steps, count, step):
+    rng = np.random.default_rng(count)
+    cloud, asking = rng.normal(size=(count, 5)), rng.normal(size=(700, 5))
+    nearest = NearestPoint(cloud, small_steps=small_steps)
+    for _ in range(6):
+        squared, index = nearest(asking)
+        apart = cdist(asking, cloud)
+        np.testing.assert_allclose(np.sqrt(squared), apart.min(axis=1), atol=2e-6)
+        np.testing.assert_allclose(apart[np.arange(700), index], np.sqrt(squared), atol=1e-12)
+        asking = asking + step * rng.normal(size=asking.shape)
+
+
+def test_what_was_answered_before_stays():
+    """An answer is a value: the next search does not write into it."""
+    rng = np.random.default_rng(0)
+    cloud, asking = rng.normal(size=(900, 5)), rng.normal(size=(50, 5))
+    nearest = NearestPoint(cloud, small_steps=True)
+    _, first = nearest(asking)
+    before = first.copy()
+    nearest(asking + 1.0)
+    np.testing.assert_array_equal(first, before)
+
+
+def test_other_points_may_ask():
+    rng = np.random.default_rng(1)
+    cloud = rng.normal(size=(900, 5))
+    nearest = NearestPoint(cloud, small_steps=True)
+    for n in (50, 80, 50):
+        asking = rng.normal(size=(n, 5))
+        np.testing.assert_array_equal(nearest(asking)[1], cdist(asking, cloud).argmin(axis=1))
 
 
 # the loop

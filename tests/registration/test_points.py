@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from rumu.errors import RegistrationError, SurfaceError
-from rumu.registration.points import CANVAS, RADIUS, Sampling, full_ink, normalise_height, sample_points
+from rumu.registration.points import CANVAS, RADIUS, Sampling, canvas_of, normalise_height, sample_points
 
 CANVAS_PIXEL = 1.0 / RADIUS
 
@@ -222,7 +222,7 @@ def test_directions_have_length_one_or_nought(surface, glyph):
 def test_every_pixel_of_ink_on_the_canvas_is_a_point(surface, glyph):
     """So no choice of points moves a mark."""
     ink = glyph("regular-shu") > 0.5
-    points, full = sample_points(surface(ink)), full_ink(ink)
+    points, full = sample_points(surface(ink)), canvas_of(ink).solid
     at = np.rint((CANVAS - 1) / 2 + points.xyz[:, :2] * (RADIUS, -RADIUS)).astype(int)
     assert len(at) == np.count_nonzero(full)
     assert full[at[:, 1], at[:, 0]].all()

@@ -19,12 +19,11 @@ from rumu.registration.descriptor import (
     describe,
     describe_canvas,
     likeness,
-    mirrored,
-    turned,
+    mirror,
+    turn_upside_down,
 )
-from rumu.registration.icp import pose_probe
-from rumu.registration.nearest import Nearest
-from rumu.registration.points import INFLATION_TOP, full_ink, ink_mask
+from rumu.registration.icp import NearestPoint, pose_probe
+from rumu.registration.points import INFLATION_TOP, canvas_of, ink_mask
 from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
 
 NEAR = 0.1
@@ -50,12 +49,12 @@ class MasterOutline:
     @cached_property
     def mirrored(self) -> FloatArray:
         """The same of the master seen from behind."""
-        return describe(mirrored(self.points))
+        return describe(mirror(self.points))
 
     @cached_property
     def turned(self) -> FloatArray:
         """The same of the master upside down."""
-        return describe(turned(self.points))
+        return describe(turn_upside_down(self.points))
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +135,7 @@ class RefusalFigures:
         gained). Hollow strokes become the strokes; a square written with a thin pen becomes a blot."""
         ink = ink_mask(self.copy)
         full = filled(ink)
-        vector = describe_canvas(full_ink(full))
+        vector = describe_canvas(canvas_of(full).solid)
         gained = float(likeness(vector, self.master.vector)) - self.likeness
         return 1.0 - float(np.count_nonzero(ink) / np.count_nonzero(full)), gained
 
@@ -160,7 +159,7 @@ class RefusalFigures:
         best = -1.0
         for part in parts_of(ink_mask(self.copy)):
             try:
-                vector = describe_canvas(full_ink(part))
+                vector = describe_canvas(canvas_of(part).solid)
             except RumuError:
                 continue
             best = max(best, float(likeness(vector, self.master.vector)))
@@ -180,7 +179,7 @@ class RefusalFigures:
 
 def _covered(points: FloatArray, ink: FloatArray, reach: float) -> float:
     """Share of the points, (N, 2), that have a point of the ink, (M, 2), nearer than `reach`."""
-    return float(np.mean(Nearest(ink, follows=False)(points)[0] < reach**2))
+    return float(np.mean(NearestPoint(ink)(points)[0] < reach**2))
 
 
 def filled(ink: BoolArray) -> BoolArray:

@@ -13,7 +13,7 @@ from rumu.assessment.features import Features, measure_features
 from rumu.assessment.refusal import Refusal, RefusalLimits, check_copy
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.registration.icp import register_points
-from rumu.registration.points import canvas_ink, sample_points
+from rumu.registration.points import Canvas, canvas_of, ink_mask, sample_points
 from rumu.strokes.correspondence import MasterStrokes
 from rumu.strokes.omissions import MasterInk
 from rumu.values import FloatArray, PointSet, Registration, Surface
@@ -32,17 +32,22 @@ class PreparedMaster:
     surface: Surface
 
     @cached_property
+    def canvas(self) -> Canvas:
+        """Its ink on the common canvas."""
+        return canvas_of(ink_mask(self.surface))
+
+    @cached_property
     def points(self) -> PointSet:
         """Ink points: what copies are registered to."""
         try:
-            return sample_points(self.surface)
+            return sample_points(self.surface, canvas=self.canvas)
         except RefusedImage as refusal:
             raise RegistrationError(f"the master cannot be compared with: {refusal}") from refusal
 
     @cached_property
     def edges(self) -> FloatArray:
         """(NUMBERS,) description of the edge of its ink, see `edges.describe`."""
-        return describe(canvas_ink(self.surface))
+        return describe(self.canvas.ink)
 
     @cached_property
     def outline(self) -> MasterOutline:
@@ -85,13 +90,14 @@ def measure(copy: Surface, master: PreparedMaster, *, limits: RefusalLimits | No
     """
     reference, edges = master.points, master.edges
     try:
-        probe = sample_points(copy)
+        canvas = canvas_of(ink_mask(copy))
+        probe = sample_points(copy, canvas=canvas)
     except RegistrationError as error:
         raise RefusedImage(str(error), reason="too small") from error
     except SurfaceError as error:
         raise RefusedImage(f"{error}; mark the ink of one image instead", reason="flat") from error
     registration = register_points(probe, reference)
-    edges = describe(canvas_ink(copy), lean=registration.angle) - edges
+    edges = describe(canvas.ink, lean=registration.angle) - edges
     features = measure_features(registration, edges=edges, ink=master.ink)
     figures = RefusalFigures(copy, master.outline, registration)
     refusal, highest = check_copy(figures, limits=limits)

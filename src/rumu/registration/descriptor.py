@@ -1,4 +1,4 @@
-"""Points -> one vector that is alike for one character by many hands: to find candidates before registering.
+"""Points -> one feature vector, similar for one character by many hands: finds candidates to register.
 
 The outline's directions are counted on a grid over the character, twice: as it stands, and with its rows and
 columns stretched so that strokes are evenly dense, which forgives a radical written too wide or too low.
@@ -24,9 +24,9 @@ VERSION = 1
 """Raised whenever `describe` changes, so that no vector is compared with one of another kind."""
 
 _STEPS = 1000.0
-"""A number of a vector is kept as a byte: value times this; hardly any is above .255."""
-MOST_ALIKE = 10
-"""So many of the other characters tell what shapes that are not the same reach."""
+"""A number of a vector is stored as a byte: value times this; hardly any is above .255."""
+COHORT_SIZE = 10
+"""How many of the most similar other characters say what likeness different shapes reach."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class DescriptorSettings:
     """How a character is described.
 
     side: of the square, in pixels, on which directions are taken. cells: of the grid along each side.
-    reach: half the width of what is looked at, in rms radii, or in standard deviations of rows and columns.
+    reach: half the width of the part described, in rms radii, or standard deviations of rows and columns.
     evenness: how far strokes are spread evenly; 0 only evens out width and height, 1 is all line density.
     spread: blur of the grid's cells, as a share of a cell, so that a small shift costs little.
     """
@@ -54,16 +54,31 @@ class DescriptorSettings:
 def describe(points: PointSet, *, settings: DescriptorSettings | None = None) -> FloatArray:
     """The vector of one character: (settings.length,) float32, of unit length, all 0 or more.
 
-    How alike two are is told by `likeness`.
+    How alike two are is computed by `likeness`.
     """
-    return describe_canvas(_canvas(points), settings=settings)
+    half = (CANVAS - 1) / 2
+    at = np.rint(half + points.xyz[:, :2] * (RADIUS, -RADIUS)).astype(int)
+    column, row = np.clip(at, 0, CANVAS - 1).T
+    ink = np.zeros((CANVAS, CANVAS), np.float32)
+    ink[row, column] = 1.0
+    return describe_canvas(ink, settings=settings)
 
 
 def describe_canvas(ink: FloatArray | BoolArray, *, settings: DescriptorSettings | None = None) -> FloatArray:
     """The same vector from (CANVAS, CANVAS) ink, 1 where points lie and 0 elsewhere."""
     settings = settings or DescriptorSettings()
     ink = ink.astype(np.float32)
-    views = (_as_it_stands(ink, settings), _evened(ink, settings))
+    evenly = RADIUS * settings.reach * (2 * (np.arange(settings.side) + 0.5) / settings.side - 1)
+    at = (CANVAS - 1) / 2 + evenly
+    rows, columns = np.nonzero(ink)
+    views = (
+        _sample_canvas(ink, rows=at, columns=at),
+        _sample_canvas(
+            ink,
+            rows=_even_density(rows, np.abs(np.diff(ink, axis=0, prepend=0)).sum(axis=1), settings),
+            columns=_even_density(columns, np.abs(np.diff(ink, axis=1, prepend=0)).sum(axis=0), settings),
+        ),
+    )
     vector = np.concatenate([_directions_on_grid(view, settings) for view in views])
     return np.asarray(vector / np.linalg.norm(vector), dtype=np.float32)
 
@@ -71,91 +86,69 @@ def describe_canvas(ink: FloatArray | BoolArray, *, settings: DescriptorSettings
 def likeness(vector: FloatArray, vectors: FloatArray) -> FloatArray:
     """How alike one vector is to others, (L,) and (N, L) -> (N,); (L,) and (L,) -> a number.
 
-    The cosine after the mean of 6,590 characters in regular script is taken away, since what all writing
-    shares tells nothing: 1 for the same outline, about 0 for any two characters.
+    The cosine after the mean of 6,590 characters in regular script is subtracted, since what all writing
+    shares distinguishes nothing: 1 for the same outline, about 0 for any two characters.
     """
-    own, others = vector - _mean(), vectors - _mean()
+    own, others = vector - _mean_vector(), vectors - _mean_vector()
     lengths = np.sqrt(np.einsum("...j,...j->...", others, others))
     return np.asarray(others @ own / np.maximum(lengths * np.linalg.norm(own), 1e-6))
 
 
 def to_bytes(vectors: FloatArray) -> npt.NDArray[np.uint8]:
-    """Vectors (..., L) as they are kept; see `from_bytes`."""
+    """Vectors (..., L) as they are stored; see `from_bytes`."""
     return np.asarray(np.clip(np.rint(vectors * _STEPS), 0, 255), dtype=np.uint8)
 
 
-def from_bytes(kept: npt.NDArray[np.uint8]) -> FloatArray:
+def from_bytes(stored: npt.NDArray[np.uint8]) -> FloatArray:
     """(..., L) float32, what `to_bytes` made bytes of, to half a thousandth."""
-    return np.asarray(kept / np.float32(_STEPS))
+    return np.asarray(stored / np.float32(_STEPS))
 
 
 def beyond_others(vector: FloatArray, other: FloatArray) -> float:
-    """Likeness of two vectors, (L,) each, beyond what other characters reach: most pairs of one character are
-    above -0.1, most of two below.
+    """Likeness of two vectors, (L,) each, beyond what other characters reach.
 
-    What is taken away is half of what either reaches, on average, with the ten that are most like it of 973
-    characters in regular script: some shapes are like many. Known from telling speakers apart, as adaptive
-    score normalisation (Karam et al. 2011, "Towards reduced false-alarms using cohorts").
+    Most pairs of one character are above -0.1, most of two below. What is subtracted is half of what either
+    reaches, on average, with the ten that are most like it of 973 characters in regular script: some shapes
+    are like many. Known from speaker verification as adaptive score normalisation (Karam et al. 2011,
+    "Towards reduced false-alarms using cohorts").
     """
-    return float(likeness(vector, other)) - 0.5 * (_reach(vector) + _reach(other))
+    usual = []
+    for one in (vector, other):
+        centred = one - _mean_vector()
+        most_alike = np.sort(_other_characters() @ centred)[-COHORT_SIZE:]
+        usual.append(float(most_alike.mean() / max(float(np.linalg.norm(centred)), 1e-6)))
+    return float(likeness(vector, other)) - 0.5 * sum(usual)
 
 
-def _reach(vector: FloatArray) -> float:
-    own = vector - _mean()
-    return float(np.sort(_others() @ own)[-MOST_ALIKE:].mean() / max(float(np.linalg.norm(own)), 1e-6))
-
-
-def mirrored(points: PointSet) -> PointSet:
+def mirror(points: PointSet) -> PointSet:
     """The same ink seen from behind the paper."""
     return replace(points, xyz=points.xyz * (-1.0, 1.0, 1.0), direction=points.direction * (1.0, -1.0))
 
 
-def turned(points: PointSet) -> PointSet:
-    """The same ink upside down; a direction is the same after half a turn."""
+def turn_upside_down(points: PointSet) -> PointSet:
+    """The same ink after half a turn in its plane, which leaves directions as they are."""
     return replace(points, xyz=points.xyz * (-1.0, -1.0, 1.0))
 
 
 @lru_cache(maxsize=1)
-def _others() -> FloatArray:
+def _other_characters() -> FloatArray:
     """(N, L) float32, each of unit length once the mean is taken away."""
-    with (files("rumu.registration") / "other_characters.npz").open("rb") as stream, np.load(stream) as kept:
-        vectors = from_bytes(kept["vectors"]) - _mean()
+    with (
+        (files("rumu.registration") / "other_characters.npz").open("rb") as stream,
+        np.load(stream) as stored,
+    ):
+        vectors = from_bytes(stored["vectors"]) - _mean_vector()
     return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True), dtype=np.float32)
 
 
 @lru_cache(maxsize=1)
-def _mean() -> FloatArray:
+def _mean_vector() -> FloatArray:
     with (files("rumu.registration") / "mean_description.npy").open("rb") as stream:
         return np.asarray(np.load(stream), dtype=np.float32)
 
 
-def _canvas(points: PointSet) -> FloatArray:
-    """(CANVAS, CANVAS) float32: 1 where the points lie."""
-    half = (CANVAS - 1) / 2
-    at = np.rint(half + points.xyz[:, :2] * (RADIUS, -RADIUS)).astype(int)
-    column, row = np.clip(at, 0, CANVAS - 1).T
-    ink = np.zeros((CANVAS, CANVAS), np.float32)
-    ink[row, column] = 1.0
-    return ink
-
-
-def _as_it_stands(ink: FloatArray, settings: DescriptorSettings) -> FloatArray:
-    edges = RADIUS * settings.reach * (2 * (np.arange(settings.side) + 0.5) / settings.side - 1)
-    at = (CANVAS - 1) / 2 + edges
-    return _taken(ink, rows=at, columns=at)
-
-
-def _evened(ink: FloatArray, settings: DescriptorSettings) -> FloatArray:
-    rows, columns = np.nonzero(ink)
-    return _taken(
-        ink,
-        rows=_even_places(rows, np.abs(np.diff(ink, axis=0, prepend=0)).sum(axis=1), settings),
-        columns=_even_places(columns, np.abs(np.diff(ink, axis=1, prepend=0)).sum(axis=0), settings),
-    )
-
-
-def _even_places(at: IntArray, crossings: FloatArray, settings: DescriptorSettings) -> FloatArray:
-    """(side,) where to take rows (or columns), so that each holds as many crossings of the outline.
+def _even_density(at: IntArray, crossings: FloatArray, settings: DescriptorSettings) -> FloatArray:
+    """(side,) at which rows (or columns) to sample, so that each holds as many crossings of the outline.
 
     at: the row of each ink pixel. crossings: (CANVAS,) changes between paper and ink in each row.
     """
@@ -165,12 +158,12 @@ def _even_places(at: IntArray, crossings: FloatArray, settings: DescriptorSettin
     inside = np.abs(np.arange(CANVAS) - middle) <= reach
     share = settings.evenness * density / max(float(density[inside].sum()), 1e-6)
     share = np.where(inside, share + (1 - settings.evenness) / inside.sum(), 0.0)
-    risen = np.cumsum(share)
+    total = np.cumsum(share)
     wanted = (np.arange(settings.side) + 0.5) / settings.side
-    return np.asarray(np.interp(wanted, risen / risen[-1], np.arange(CANVAS) + 0.5) - 0.5)
+    return np.asarray(np.interp(wanted, total / total[-1], np.arange(CANVAS) + 0.5) - 0.5)
 
 
-def _taken(ink: FloatArray, *, rows: FloatArray, columns: FloatArray) -> FloatArray:
+def _sample_canvas(ink: FloatArray, *, rows: FloatArray, columns: FloatArray) -> FloatArray:
     """(side, side) float32: the canvas at these rows and columns, (side,) each."""
     import cv2
 

@@ -7,7 +7,6 @@ fits. The size of the writing is divided out here, and recorded, so that registr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from rumu.errors import RegistrationError, SurfaceError
 from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Surface
 
 CANVAS = 172
-"""Side of the square, in pixels, to which the ink of every surface is brought."""
+"""Side of the square, in pixels, to which the ink of every surface is scaled."""
 RADIUS = 32.0
 """Rms radius of the ink on that canvas, in pixels."""
 INFLATION_TOP = 0.1
@@ -54,36 +53,72 @@ def normalise_height(
     return np.where(mask, (height - low) / (high - low), 0.0).astype(np.float32)
 
 
-def sample_points(surface: Surface, *, settings: Sampling | None = None) -> PointSet:
+@dataclass(frozen=True, slots=True, eq=False)
+class Canvas:
+    """The ink of one surface on the common canvas, where all ink has one size and one centre.
+
+    mask: (H, W) bool, the ink in the surface's own pixels. centre: (2,) its centroid, (column, row), and
+    radius: its rms radius, in those pixels. ink: (CANVAS, CANVAS) float32 in [0, 1].
+    """
+
+    mask: BoolArray
+    centre: FloatArray
+    radius: float
+    ink: FloatArray
+
+    @property
+    def solid(self) -> BoolArray:
+        """(CANVAS, CANVAS) bool: the pixels that may become points. Hairlines pale when they shrink."""
+        return np.asarray(self.ink > 0.5 * min(float(self.ink.max()), 1.0))
+
+
+def canvas_of(mask: BoolArray) -> Canvas:
+    """(H, W) ink -> the same on the common canvas, its size and position taken out.
+
+    Raises RegistrationError when there is too little ink.
+    """
+    rows, columns = np.nonzero(mask)
+    if len(rows) < 20:
+        raise RegistrationError(f"expected a surface with at least 20 pixels of ink, got {len(rows)}")
+    radius = float(np.hypot(columns.std(), rows.std()))
+    if radius < 2.0:
+        raise RegistrationError(f"expected ink with an rms radius of 2 pixels or more, got {radius:.2f}")
+    centre = np.array([columns.mean(), rows.mean()])
+    return Canvas(mask, centre, radius, _warp_to_canvas(mask, centre=centre, radius=radius))
+
+
+def sample_points(
+    surface: Surface, *, canvas: Canvas | None = None, settings: Sampling | None = None
+) -> PointSet:
     """Ink points of a surface, taken on the common canvas, with the direction of the stroke at each.
 
+    canvas: of the surface's ink, where it is known already.
     An inflated height has the unit of the page, so its bounds are the paper and a tenth of the rms radius
     for copy and master alike, and a stroke twice as wide stays twice as high; other sources are
     normalised each by its own range.
     Raises RegistrationError when the surface holds too little ink to compare, SurfaceError when its height
     was measured and is flat, as ink on paper is.
     """
-    mask = ink_mask(surface)
-    centre, radius, ink = _brought_ink(surface)
+    settings, canvas = settings or Sampling(), canvas or canvas_of(ink_mask(surface))
+    mask, centre, radius = canvas.mask, canvas.centre, canvas.radius
     height = surface.height / surface.spacing
     bounds, noise = (0.0, INFLATION_TOP * radius), 0.0
     if surface.source != "inflation":
-        bounds, noise = _own_bounds(height, ink=mask, paper=surface.mask & ~mask)
+        bounds, noise = _height_bounds(height, ink=mask, paper=surface.mask & ~mask)
     relief = normalise_height(height, mask=mask, bounds=bounds, noise=noise)
-    relief = _canvas(relief, centre=centre, radius=radius)
-    rows_in_all, columns_in_all = surface.height.shape
-    longer = max(rows_in_all, columns_in_all)
-    settings = settings or Sampling()
-    y, x = _one_per_square(ink, settings=settings)
+    relief = _warp_to_canvas(relief, centre=centre, radius=radius)
+    h, w = surface.height.shape
+    longer = max(h, w)
+    y, x = _one_per_square(canvas.solid, count=settings.count)
     half = (CANVAS - 1) / 2
     z = settings.height_weight * relief[y, x]
     return PointSet(
         xyz=np.column_stack([(x - half) / RADIUS, (half - y) / RADIUS, z]).astype(float),
-        direction=stroke_direction(ink, rows=y, columns=x).astype(float),
-        centre=np.array([centre[0] + 0.5 - columns_in_all / 2, rows_in_all / 2 - centre[1] - 0.5]) / longer,
+        direction=stroke_direction(canvas.ink, rows=y, columns=x).astype(float),
+        centre=np.array([centre[0] + 0.5 - w / 2, h / 2 - centre[1] - 0.5]) / longer,
         radius=radius / longer,
         pixel=1.0 / radius,
-        cell=(columns_in_all / longer, rows_in_all / longer),
+        cell=(w / longer, h / longer),
     )
 
 
@@ -96,8 +131,10 @@ def ink_mask(surface: Surface) -> BoolArray:
     return find_ink(surface.albedo, linear=True).mask & surface.mask
 
 
-def _own_bounds(height: FloatArray, *, ink: BoolArray, paper: BoolArray) -> tuple[tuple[float, float], float]:
-    """Bounds from the ink's own range and the level of the paper, and how much the height wanders there.
+def _height_bounds(
+    height: FloatArray, *, ink: BoolArray, paper: BoolArray
+) -> tuple[tuple[float, float], float]:
+    """Bounds from the range of the ink and the level of the paper, and how much the height varies on it.
 
     Ink on flat paper has no relief: what is measured is then noise, which normalising would blow up.
     """
@@ -110,7 +147,7 @@ def _own_bounds(height: FloatArray, *, ink: BoolArray, paper: BoolArray) -> tupl
 
 
 def stroke_direction(ink: FloatArray, *, rows: IntArray, columns: IntArray) -> FloatArray:
-    """(H, W) ink in [0, 1], N places -> (N, 2) float32: (cos 2t, sin 2t) of the stroke direction t, y up.
+    """(H, W) ink in [0, 1], N pixels -> (N, 2) float32: (cos 2t, sin 2t) of the stroke direction t, y up.
 
     From the structure tensor at a 24th and a 16th of the rms radius; t and t + 180 are one, hence 2t.
     """
@@ -127,52 +164,8 @@ def stroke_direction(ink: FloatArray, *, rows: IntArray, columns: IntArray) -> F
     return np.asarray(double / np.maximum(length, 1e-6), dtype=np.float32)
 
 
-def canvas_ink(surface: Surface) -> FloatArray:
-    """(CANVAS, CANVAS) float32 in [0, 1]: ink on the common canvas, size and place taken out.
-
-    Raises RegistrationError when the surface holds too little ink.
-    """
-    return _brought_ink(surface)[2]
-
-
-def full_ink(mask: BoolArray) -> BoolArray:
-    """(H, W) ink -> (CANVAS, CANVAS) bool: where `sample_points` takes points of a surface of that ink.
-
-    Raises RegistrationError when there is too little ink.
-    """
-    return _full(_brought(mask)[2])
-
-
-def _full(ink: FloatArray) -> BoolArray:
-    return np.asarray(ink > 0.5 * min(float(ink.max()), 1.0))  # hairlines pale when they shrink
-
-
-@lru_cache(maxsize=4)  # points and edges of one surface follow each other
-def _brought_ink(surface: Surface) -> tuple[FloatArray, float, FloatArray]:
-    return _brought(ink_mask(surface))
-
-
-def _brought(mask: BoolArray) -> tuple[FloatArray, float, FloatArray]:
-    """Centre and radius of the ink, see `_place`, and the ink on the common canvas, not to be written to."""
-    centre, radius = _place(mask)
-    ink = _canvas(mask, centre=centre, radius=radius)
-    ink.flags.writeable = False
-    return centre, radius, ink
-
-
-def _place(mask: BoolArray) -> tuple[FloatArray, float]:
-    """Centroid (column, row) and rms radius of the ink, in pixels."""
-    rows, columns = np.nonzero(mask)
-    if len(rows) < 20:
-        raise RegistrationError(f"expected a surface with at least 20 pixels of ink, got {len(rows)}")
-    radius = float(np.hypot(columns.std(), rows.std()))
-    if radius < 2.0:
-        raise RegistrationError(f"expected ink with an rms radius of 2 pixels or more, got {radius:.2f}")
-    return np.array([columns.mean(), rows.mean()]), radius
-
-
-def _canvas(image: BoolArray | FloatArray, *, centre: FloatArray, radius: float) -> FloatArray:
-    """Ink in [0, 1] or relief brought to the common canvas, (CANVAS, CANVAS) float32."""
+def _warp_to_canvas(image: BoolArray | FloatArray, *, centre: FloatArray, radius: float) -> FloatArray:
+    """Ink in [0, 1] or relief on the common canvas, (CANVAS, CANVAS) float32."""
     import cv2
 
     scale = RADIUS / radius
@@ -184,10 +177,10 @@ def _canvas(image: BoolArray | FloatArray, *, centre: FloatArray, radius: float)
     return np.asarray(cv2.warpAffine(image, M, (CANVAS, CANVAS), flags=cv2.INTER_LINEAR), np.float32)
 
 
-def _one_per_square(ink: FloatArray, *, settings: Sampling) -> tuple[IntArray, IntArray]:
+def _one_per_square(solid: BoolArray, *, count: int) -> tuple[IntArray, IntArray]:
     """Rows and columns of one ink pixel in each square of a grid: the one nearest the square's centre."""
-    rows, columns = np.nonzero(_full(ink))
-    side = np.sqrt(len(rows) / settings.count)
+    rows, columns = np.nonzero(solid)
+    side = np.sqrt(len(rows) / count)
     if side <= 1.0:  # a square holds no more than one
         return rows, columns
     v, u = rows / side, columns / side

@@ -58,8 +58,8 @@ def rotation_matrix(q: FloatArray) -> FloatArray:
 
 def mean_squared_distance(P: FloatArray, X: FloatArray, *, pose: Pose) -> float:
     """Eq. (20): f(q) = 1/N sum |x_i - R p_i - t|^2 over matched pairs P, X of (N, 3)."""
-    left = X - P @ rotation_matrix(pose.quaternion).T - pose.translation
-    return float(np.mean(np.sum(left * left, axis=1)))
+    residual = X - P @ rotation_matrix(pose.quaternion).T - pose.translation
+    return float(np.mean(np.sum(residual * residual, axis=1)))
 
 
 def cross_covariance(P: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -156,9 +156,9 @@ def write_table(marks: Sequence[ImpostorMark], path: Path) -> None:
 
 
 def _is_its_own(trial: Trial) -> bool:
-    from rumu.registration.descriptor import describe, likeness, mirrored, turned
+    from rumu.registration.descriptor import describe, likeness, mirror, turn_upside_down
 
-    change = {"mirrored": mirrored, "upside_down": turned}.get(trial.kind)
+    change = {"mirrored": mirror, "upside_down": turn_upside_down}.get(trial.kind)
     if change is None:
         return False
     points = master_at(trial.master).points
