@@ -1,8 +1,8 @@
-"""Which master is a copy of: hits and time among all masters at hand. `python benchmarks/find.py [DATA]`.
+"""Time the search for the master of a copy and count its hits: `python benchmarks/find.py [DATA]`.
 
-Every E3C copy, whose characters the masters contain, is sought among the regular masters alone, among 8,000,
-and among all (regular, running and cursive). The copies took no part in making the description; its few
-settings (grid, share of line density) were chosen from four variants with these copies in view.
+Each E3C copy whose character the masters contain is searched for among the regular masters, among 8,000, and
+among all (regular, running and cursive). The description was made without the copies; only its few settings
+(grid, share of line density) were chosen from four variants by their results on these copies.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ MANY = 8000
 
 
 def hits(copies: list[Copy], index: MasterIndex) -> None:
-    """Print how often the right character comes first and in the first ten, and how long one search takes."""
+    """Print how often the right character is first and among the first ten, and the time of a search."""
     ranks, seconds = [], []
     for copy in copies:
         began = time.perf_counter()
-        found = find(copy.image, index, top=10)
+        results = find(copy.image, index, top=10)
         seconds.append(time.perf_counter() - began)
-        names = [match.master.character for match in found]
+        names = [result.master.character for result in results]
         ranks.append(names.index(copy.character) if copy.character in names else 10)
-    place = np.array(ranks)
-    own = np.array([copy.character for copy in copies])
-    worst = min((float(np.mean(place[own == c] < 10)), c) for c in np.unique(own))
+    rank = np.array(ranks)
+    character = np.array([copy.character for copy in copies])
+    worst = min((float(np.mean(rank[character == c] < 10)), c) for c in np.unique(character))
     print(
-        f"{len(index.masters):6d} masters: first {np.mean(place < 1):.3f}, in the first five "
-        f"{np.mean(place < 5):.3f}, in the first ten {np.mean(place < 10):.3f} "
+        f"{len(index.masters):6d} masters: first {np.mean(rank < 1):.3f}, in the first five "
+        f"{np.mean(rank < 5):.3f}, in the first ten {np.mean(rank < 10):.3f} "
         f"(worst character {worst[1]} {worst[0]:.2f}); from file to answer "
         f"{1e3 * np.median(seconds):.0f} ms, longest {1e3 * np.max(seconds):.0f} ms"
     )
@@ -46,12 +46,12 @@ def hits(copies: list[Copy], index: MasterIndex) -> None:
 def main() -> None:
     data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("RUMU_DATA", "../shared/data"))
     cv2.setNumThreads(2)
-    places = [data / "masters" / name / "labels.csv" for name in SETS]
+    paths = [data / "masters" / name / "labels.csv" for name in SETS]
     began = time.perf_counter()
-    index_masters(places, jobs=2)
+    index_masters(paths, jobs=2)
     described = time.perf_counter() - began
     began = time.perf_counter()
-    index = index_masters(places)
+    index = index_masters(paths)
     print(
         f"rumu {rumu.__version__}; described in {described:.0f} s, read again in "
         f"{time.perf_counter() - began:.2f} s, {len(index.left_out)} without writing left out"

@@ -61,15 +61,15 @@ def timed(work: Callable[[], object], *, times: int = 9) -> str:
 
 def queries(gallery: Gallery) -> None:
     for asked in ASKED:
-        told = ", ".join(f"{name} {value}" for name, value in asked.items()) or "everything"
-        print(f"  {told}: {works(gallery, **asked).total} works")  # type: ignore[arg-type]
+        query = ", ".join(f"{name} {value}" for name, value in asked.items()) or "everything"
+        print(f"  {query}: {works(gallery, **asked).total} works")  # type: ignore[arg-type]
         print(f"    works  {timed(lambda asked=asked: works(gallery, **asked))}")  # type: ignore[misc]
         print(f"    facets {timed(lambda asked=asked: count_facets(gallery, Filters(**asked)))}")  # type: ignore[misc]
     print(f"  the last page: {timed(lambda: works(gallery, offset=11_200))}")
 
 
 def files(gallery: Gallery) -> None:
-    """Print how long derived files take, and how large the meshes of the starter works are."""
+    """Print how long derived files of the starter works take, and how large they are."""
     for kind in ("thumb", "thumb-normals", "normals", "heights", "glb"):
         taken, sizes = [], []
         for work in starter_works():
@@ -80,15 +80,15 @@ def files(gallery: Gallery) -> None:
             f"  {kind:<13} first {np.median(taken):6.1f} ms; {np.median(sizes) / 1e3:7.1f} kB, "
             f"at most {max(sizes)} bytes"
         )
-    print(f"  kept thumb    {timed(lambda: derived(gallery, 'regular-shui', 'thumb'))}")
+    print(f"  stored thumb   {timed(lambda: derived(gallery, 'regular-shui', 'thumb'))}")
     tile = ("128,128,256,256", "256,256", "0", "default", "jpg")
     print(f"  IIIF tile     {timed(lambda: image_response(gallery, 'regular-shui', *tile))}")
 
 
 def main() -> None:
     data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("RUMU_DATA", "../shared/data"))
-    with tempfile.TemporaryDirectory(prefix="rumu-bench-") as place:
-        home = Path(place)
+    with tempfile.TemporaryDirectory(prefix="rumu-bench-") as folder:
+        home = Path(folder)
         database = os.environ.get("RUMU_DATABASE") or home / "one.sqlite"
         gallery = open_gallery(database=database, files=home / "one")
         kind = gallery.database.engine.dialect.name
@@ -103,7 +103,7 @@ def main() -> None:
         other = open_gallery(database=home / "two.sqlite", files=home / "two", starter=False)
         began = time.perf_counter()
         done = import_folder(other, home / "out")
-        print(f"put in again: {done.added} works in {time.perf_counter() - began:.1f} s")
+        print(f"imported again: {done.added} works in {time.perf_counter() - began:.1f} s")
         for one in (gallery, other):
             one.database.close()
 

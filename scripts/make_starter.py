@@ -147,7 +147,7 @@ MATERIAL = Bilingual(
 
 
 class Face(Drawn):
-    """A font of the starter gallery; one of Debian's that is missing is told with its package."""
+    """A font of the starter gallery; the error for a missing one names its Debian package."""
 
     def __init__(self, path: Path) -> None:
         package = " (Debian: apt install fonts-kouzan-mouhitsu)" if path.parent == KOUZAN else ""

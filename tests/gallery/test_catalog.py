@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import threading
 
-import numpy as np
 import pytest
 from tests.gallery.conftest import surface
 
@@ -154,23 +153,6 @@ def test_a_file_that_another_work_shares_stays(gallery):
     assert not gallery.store.exists(first.picture)
     with pytest.raises(GalleryError, match="no work"):
         work(gallery, second)
-
-
-def test_the_surface_of_a_picture_is_its_relief(gallery):
-    from rumu.pipeline import surface_of
-
-    ours = surface(gallery, "regular-tian")
-    assert ours.source == "inflation"
-    assert np.array_equal(ours.height, surface_of(find_work("regular-tian").path).height)
-    assert surface(gallery, "regular-tian") is ours
-
-
-def test_a_spacing_makes_millimetres(gallery):
-    pixels = surface(gallery, "seal-yue")
-    change_work(gallery, "seal-yue", {"spacing": 0.25})
-    millimetres = surface(gallery, "seal-yue")
-    assert (millimetres.unit, millimetres.spacing) == ("mm", 0.25)
-    assert np.allclose(millimetres.height, pixels.height * 0.25)
 
 
 def test_many_threads_may_open_one_gallery_at_once(database_url, tmp_path):

@@ -1,1 +1,1 @@
-"""What rumu remembers: tables, the engine that reaches them, and their migrations."""
+"""The database: its tables, the engine and the migrations."""

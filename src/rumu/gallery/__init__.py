@@ -1,1 +1,1 @@
-"""Works that are kept and shown."""
+"""The gallery: a catalogue of works with their files."""

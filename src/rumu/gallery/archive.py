@@ -39,7 +39,7 @@ MANIFEST, WORKS, FILES = "gallery.json", "works.jsonl", "files"
 KIND, FORMAT = "rumu gallery", 1
 BATCH = 250  # works of one transaction
 _FOLDERS = ("pictures", "captures", "surfaces")
-_NOT_EXPORTED = {"author_id", "search"}  # logins stay here; the text for searches is computed anew
+_NOT_EXPORTED = {"author_id", "search"}  # users are not exported; the text for searches is computed again
 _LABELS = ("file", "id", "character", "script", "hand_zh", "hand_en", "title_zh", "title_en", "dynasty")
 _MORE_LABELS = ("period", "medium", "source", "licence", "attribution", "calligrapher_zh", "work")
 
@@ -86,7 +86,7 @@ def export_gallery(
     collections: Sequence[str] | None = None,
     progress: Progress | None = None,
 ) -> int:
-    """Write the works of the gallery, or of some collections, as a folder; it appears whole or not at all.
+    """Write the works of the gallery, or of some collections, as a folder, completely or not at all.
 
     collections: ids; None for all. A tour is exported when all of its works are. progress: called with (done,
     total). Returns the number of works. Raises GalleryError for an unknown collection or a missing file,
@@ -197,9 +197,9 @@ def import_archive(
     collection: CollectionMetadata | None = None,
     progress: Progress | None = None,
 ) -> ImportResult:
-    """Import an exported folder. A work that is there already is updated only if nobody has changed it here.
+    """Import an exported folder. An existing work is updated only if nobody has changed it here.
 
-    collection: for new works, in place of their own; works that are there stay as they are.
+    collection: for new works, instead of their own; existing works stay as they are.
     Raises GalleryError when the folder is not complete: a line that is no work, a missing file or one whose
     content does not match its name.
     """

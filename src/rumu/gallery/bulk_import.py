@@ -41,8 +41,8 @@ def import_folder(
 
     folder: with a labels.csv (see rumu.gallery.labels), or written by `export_gallery`. shared: metadata for
         all works, which take effect where the labels say nothing and before those of collection.json; for an
-        archive only the id counts: the collection that works go to, in place of their own. progress: called
-        with (done, total) when a batch is stored.
+        archive only the id counts: the collection that works are added to, instead of their own. progress:
+        called with (done, total) when a batch is stored.
     A picture that is missing or broken is left out with the reason, and the import goes on.
     Raises GalleryError when there is nothing to import, or none of the pictures can be read.
     """

@@ -13,7 +13,7 @@ from rumu.errors import GalleryError
 LABELS = "labels.csv"
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp"})
 
-Places = str | Path | Sequence[str | Path]
+MasterPaths = str | Path | Sequence[str | Path]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,31 +26,31 @@ class Master:
     work: str | None = None
 
 
-def read_masters(places: Places) -> tuple[Master, ...]:
-    """The masters of one place or of several, in the order of the labels or file names.
+def read_masters(paths: MasterPaths) -> tuple[Master, ...]:
+    """The masters of one path or of several, in the order of the labels or file names.
 
-    places: a labels.csv with the columns file and, where known, character, calligrapher_zh (or calligrapher)
+    paths: a labels.csv with the columns file and, where known, character, calligrapher_zh (or calligrapher)
         and work; or a folder, with a labels.csv or with pictures only.
-    Raises GalleryError when there is no such place, no picture in it, or no column `file`.
+    Raises GalleryError when there is no such file or folder, no picture in it, or no column `file`.
     """
-    one = (places,) if isinstance(places, str | Path) else tuple(places)
-    masters = [master for place in one for master in _read_place(Path(place))]
+    several = (paths,) if isinstance(paths, str | Path) else tuple(paths)
+    masters = [master for path in several for master in _read_path(Path(path))]
     if not masters:
-        raise GalleryError(f"expected pictures of masters in {', '.join(map(str, one)) or 'nothing'}")
+        raise GalleryError(f"expected pictures of masters in {', '.join(map(str, several)) or 'nothing'}")
     return tuple(dict.fromkeys(masters))
 
 
-def _read_place(place: Path) -> Iterator[Master]:
-    if place.is_dir():
-        if (place / LABELS).is_file():
-            yield from _read_labels(place / LABELS)
+def _read_path(path: Path) -> Iterator[Master]:
+    if path.is_dir():
+        if (path / LABELS).is_file():
+            yield from _read_labels(path / LABELS)
             return
-        pictures = (Path(folder) / name for folder, _, names in os.walk(place) for name in names)
-        yield from (Master(path) for path in sorted(pictures) if path.suffix.lower() in PICTURES)
-    elif place.suffix.lower() == ".csv" and place.is_file():
-        yield from _read_labels(place)
+        pictures = (Path(folder) / name for folder, _, names in os.walk(path) for name in names)
+        yield from (Master(one) for one in sorted(pictures) if one.suffix.lower() in PICTURES)
+    elif path.suffix.lower() == ".csv" and path.is_file():
+        yield from _read_labels(path)
     else:
-        raise GalleryError(f"{place}: expected a folder of pictures or a {LABELS}, found neither")
+        raise GalleryError(f"{path}: expected a folder of pictures or a {LABELS}, found neither")
 
 
 def label_rows(table: Path) -> Iterator[dict[str, str | None]]:

@@ -21,7 +21,7 @@ import numpy as np
 from rumu.errors import GalleryError, OutputError, RumuError
 from rumu.executors import in_order
 from rumu.gallery.gallery import user_home
-from rumu.gallery.masters import Master, Places, read_masters
+from rumu.gallery.masters import Master, MasterPaths, read_masters
 from rumu.registration.descriptor import (
     VERSION,
     DescriptorSettings,
@@ -71,7 +71,7 @@ class MasterIndex:
 
 
 def find(
-    copy: SurfaceLike, masters: Places | MasterIndex, *, top: int = 10, progress: Progress | None = None
+    copy: SurfaceLike, masters: MasterPaths | MasterIndex, *, top: int = 10, progress: Progress | None = None
 ) -> tuple[SearchResult, ...]:
     """Find the masters that a copy is most like.
 
@@ -116,23 +116,23 @@ def find(
     return tuple(SearchResult(index.masters[k], float(alike[k])) for k in best)
 
 
-def index_masters(places: Places, *, jobs: int = 1, progress: Progress | None = None) -> MasterIndex:
-    """Describe the masters of a place (see `read_masters`), or read the descriptions that are stored.
+def index_masters(paths: MasterPaths, *, jobs: int = 1, progress: Progress | None = None) -> MasterIndex:
+    """Describe masters (see `read_masters` for their paths), or read the descriptions that are stored.
 
     jobs: processes; more than one needs a script that can be imported, as multiprocessing does.
     Raises GalleryError when there are none, or none that holds writing. Where RUMU_HOME cannot be written a
     warning says so and nothing is stored.
     """
-    masters = read_masters(places)
-    paths = [str(master.path.resolve()) for master in masters]
-    name = hashlib.sha256("\n".join(paths).encode()).hexdigest()[:16]
-    file = user_home() / "indices" / f"{name}.npz"
-    table = _IndexTable.read(file)
-    stats = np.array([_size_and_time(path) for path in paths], dtype=np.int64)
-    if table is None or not table.matches(paths, stats):
-        table = _describe_masters(paths, stats, stored=table, jobs=jobs, progress=progress)
+    masters = read_masters(paths)
+    files = [str(master.path.resolve()) for master in masters]
+    name = hashlib.sha256("\n".join(files).encode()).hexdigest()[:16]
+    index_file = user_home() / "indices" / f"{name}.npz"
+    table = _IndexTable.read(index_file)
+    stats = np.array([_size_and_time(file) for file in files], dtype=np.int64)
+    if table is None or not table.matches(files, stats):
+        table = _describe_masters(files, stats, stored=table, jobs=jobs, progress=progress)
         try:
-            table.write(file)
+            table.write(index_file)
         except OutputError as error:
             warnings.warn(f"the descriptions of the masters are not kept: {error}", UserWarning, stacklevel=2)
     return _index(masters, table)
