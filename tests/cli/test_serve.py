@@ -57,7 +57,7 @@ def test_place_and_calibration_are_handed_on(rumu, not_run, tmp_path):
     rumu(
         "serve", "--port", 0, "--database", database, "--files", files, "--calibration", own, "--processes", 1
     )
-    place = not_run[0].app.state.service.settings.place
+    place = not_run[0].app.state.service.settings.storage
     assert (place.database, place.files, place.calibration) == (str(database), str(files), own)
 
 

@@ -13,19 +13,19 @@ from rumu.gallery.catalog import open_gallery
 from rumu.gallery.gallery import Gallery
 from rumu.gallery.starter import starter_samples
 from rumu.studio.people import Identity, create_person, identity
-from rumu.studio.place import Place
+from rumu.studio.storage import Storage
 
 PASSWORD = "a long password"
 
 
 @pytest.fixture
-def place(tmp_path: Path) -> Place:
-    return Place(database=str(tmp_path / "rumu.sqlite"), files=str(tmp_path / "files"))
+def storage(tmp_path: Path) -> Storage:
+    return Storage(database=str(tmp_path / "rumu.sqlite"), files=str(tmp_path / "files"))
 
 
 @pytest.fixture
-def gallery(place: Place) -> Gallery:
-    return open_gallery(database=place.database, files=place.files)
+def gallery(storage: Storage) -> Gallery:
+    return open_gallery(database=storage.database, files=storage.files)
 
 
 @pytest.fixture

@@ -7,23 +7,23 @@ import json
 import pytest
 
 from rumu.database.tables import Attempt, Membership, SchoolClass, Work
-from rumu.studio import attempts, worker
-from rumu.studio.access import seen_attempt
-from rumu.studio.classes import add_task, create_class, found
+from rumu.studio import attempts, worker_tasks
+from rumu.studio.access import find_visible_attempt
+from rumu.studio.classes import add_task, create_class, find_row
 from rumu.studio.errors import Missing, NotAllowed, Unusable
 
 
 @pytest.fixture
-def marked(place, gallery, copy_of):
+def marked(storage, gallery, copy_of):
     with gallery.database.reading() as session:
         row = session.get_one(Work, "regular-tian")
-    return worker.mark(place, data=copy_of(), work_id=row.id, digest=row.digest, script=row.script)
+    return worker_tasks.mark(storage, data=copy_of(), work_id=row.id, digest=row.digest, script=row.script)
 
 
 @pytest.fixture
 def kept(gallery, marked):
     def keep(who, **more):
-        return attempts.keep(
+        return attempts.add_attempt(
             gallery, marked, work_id="regular-tian", person_id=who and who.id, kind="photo", **more
         )
 
@@ -32,7 +32,7 @@ def kept(gallery, marked):
 
 def seen(gallery, attempt, who):
     with gallery.database.reading() as session:
-        return seen_attempt(session, attempt.id, who=who)
+        return find_visible_attempt(session, attempt.id, who=who)
 
 
 def test_what_was_kept_is_all_there(gallery, kept, marked, person):
@@ -72,7 +72,7 @@ def test_who_sees_and_who_deletes(gallery, kept, person):
     with pytest.raises(NotAllowed):
         attempts.delete(gallery, attempt.id, who=own)
     with gallery.database.reading() as session:
-        listed = {who.name: attempts.listed(session, who)[1] for who in (lin, wu, own, other, owner)}
+        listed = {who.name: attempts.list_attempts(session, who)[1] for who in (lin, wu, own, other, owner)}
     assert listed == {"林": 1, "吳": 0, "師": 1, "師二": 0, "館主": 1}
 
 
@@ -95,7 +95,7 @@ def test_a_teacher_s_mark_replaces_their_own_and_stands_beside_another_s(gallery
     with gallery.database.writing() as session:
         for who, mark in ((one, 50), (one, 60), (two, 80)):
             attempts.mark_by_teacher(session, attempt.id, who=who, mark=mark, note="")
-        (shown,) = attempts.shown(session, [attempt])
+        (shown,) = attempts.attempt_details(session, [attempt])
         assert sorted((p.name, m.mark) for p, m in shown.teacher_marks) == [("師", 60), ("館主", 80)]
         with pytest.raises(NotAllowed):
             attempts.mark_by_teacher(session, attempt.id, who=lin, mark=100, note="")
@@ -107,7 +107,7 @@ def test_a_task_is_for_its_class_and_its_work(gallery, person):
         class_id = create_class(session, teacher, name="a").id
         session.add(Membership(class_id=class_id, person_id=lin.id))
         session.flush()
-        taught = found(session, SchoolClass, class_id, who=teacher)
+        taught = find_row(session, SchoolClass, class_id, who=teacher)
         task = add_task(session, taught, work_id="regular-tian", title="")
         assert attempts.task_for(session, task.id, who=lin, work_id="regular-tian").id == task.id
         for who, work, refusal in (
@@ -123,7 +123,7 @@ def test_a_task_is_for_its_class_and_its_work(gallery, person):
     "text", ["[]", "[[]]", '[{"points":[[1,2,0.5,0]],"tool":"pen"}]', '{"strokes":[[[1,2]]]}']
 )
 def test_strokes(text):
-    assert json.loads(attempts.checked_strokes(text)) == json.loads(text)
+    assert json.loads(attempts.check_strokes(text)) == json.loads(text)
 
 
 @pytest.mark.parametrize(
@@ -132,4 +132,4 @@ def test_strokes(text):
 )
 def test_what_are_no_strokes(text):
     with pytest.raises(Unusable):
-        attempts.checked_strokes(text)
+        attempts.check_strokes(text)

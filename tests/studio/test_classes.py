@@ -9,9 +9,9 @@ from rumu.database.tables import Attempt, Invitation, Membership, SchoolClass, T
 from rumu.gallery.catalog import open_gallery
 from rumu.studio import attempts, classes, invitations
 from rumu.studio.errors import Missing, NotAllowed
+from rumu.studio.marking import MarkedCopy
 from rumu.studio.people import create_person, identity
-from rumu.studio.pictures import Kept
-from rumu.studio.worker import Marked
+from rumu.studio.pictures import UprightPicture
 
 MARK = {"score": 60.0, "level": "good", "remarks": []}
 
@@ -23,7 +23,7 @@ def gallery(database_url, tmp_path):
 
 @pytest.fixture
 def marked():
-    return Marked(facts=MARK, residual=None, picture=Kept(b"png", "png", 1, 1))
+    return MarkedCopy(facts=MARK, residual=None, picture=UprightPicture(b"png", "png", 1, 1))
 
 
 @pytest.fixture
@@ -56,7 +56,7 @@ def test_a_class_is_renamed_by_those_who_may(gallery, school):
 def test_a_deleted_class_leaves_what_its_pupils_wrote(gallery, school, marked):
     teacher, other, _, pupil, class_id, task_id = school
     about = {"work_id": "regular-tian", "person_id": pupil.id, "kind": "photo"}
-    attempt = attempts.keep(gallery, marked, task_id=task_id, **about)
+    attempt = attempts.add_attempt(gallery, marked, task_id=task_id, **about)
     with gallery.database.writing() as session:
         attempts.mark_by_teacher(session, attempt.id, who=teacher, mark=71, note="好")
     for who, refusal in ((other, Missing), (pupil, NotAllowed)):
@@ -70,8 +70,8 @@ def test_a_deleted_class_leaves_what_its_pupils_wrote(gallery, school, marked):
         kept = session.get_one(Attempt, attempt.id)
         assert (kept.person_id, kept.task_id, kept.score) == (pupil.id, None, 60.0)
         assert session.get_one(TeacherMark, (attempt.id, teacher.id)).note == "好"
-        assert [shown.attempt.id for shown in attempts.listed(session, pupil)[0]] == [attempt.id]
-        assert attempts.listed(session, teacher)[1] == 0
+        assert [shown.attempt.id for shown in attempts.list_attempts(session, pupil)[0]] == [attempt.id]
+        assert attempts.list_attempts(session, teacher)[1] == 0
     assert gallery.store.exists(attempt.picture)
 
 
@@ -80,6 +80,6 @@ def test_a_copy_is_kept_when_its_task_went_while_it_was_marked(gallery, school, 
     with gallery.database.writing() as session:
         classes.delete_class(session, class_id, who=teacher)
     about = {"work_id": "regular-tian", "person_id": pupil.id, "kind": "photo"}
-    attempt = attempts.keep(gallery, marked, task_id=task_id, **about)
+    attempt = attempts.add_attempt(gallery, marked, task_id=task_id, **about)
     with gallery.database.reading() as session:
         assert session.get_one(Attempt, attempt.id).task_id is None

@@ -1,4 +1,4 @@
-"""Pairs: of one master, the least judged first, never twice for a judge, drawn in place."""
+"""Pairs: of one master, the least judged first, never twice for a judge, drawn in storage."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def test_a_password_is_kept_as_an_argon2_hash(gallery, person):
 def test_width_case_and_spaces_make_no_other_person(gallery, person, name):
     person("Lin")
     with gallery.database.reading() as session:
-        assert people.known_by(session, name=name, password=PASSWORD) is not None
+        assert people.authenticate(session, name=name, password=PASSWORD) is not None
     with pytest.raises(Clash, match="taken"):
         person(name)
 
@@ -36,11 +36,11 @@ def test_a_name_that_will_not_do(person, name):
 def test_who_comes_in(gallery, person):
     lin = person("林")
     with gallery.database.writing() as session:
-        assert people.known_by(session, name="林", password="another password") is None
-        assert people.known_by(session, name="nobody", password=PASSWORD) is None
+        assert people.authenticate(session, name="林", password="another password") is None
+        assert people.authenticate(session, name="nobody", password=PASSWORD) is None
         session.get(Person, lin.id).active = False
         session.flush()
-        assert people.known_by(session, name="林", password=PASSWORD) is None
+        assert people.authenticate(session, name="林", password=PASSWORD) is None
 
 
 def test_a_short_password_is_refused(gallery):
@@ -51,10 +51,10 @@ def test_a_short_password_is_refused(gallery):
 def test_a_new_password_ends_older_sessions(gallery, person):
     lin = person("林")
     with gallery.database.writing() as session:
-        assert people.current(session, person_id=lin.id, epoch=0) == lin
+        assert people.identify_session(session, person_id=lin.id, epoch=0) == lin
         people.change_password(session, lin.id, old=PASSWORD, new="quite another one")
-        assert people.current(session, person_id=lin.id, epoch=0) is None
-        assert people.current(session, person_id=lin.id, epoch=1) == lin
+        assert people.identify_session(session, person_id=lin.id, epoch=0) is None
+        assert people.identify_session(session, person_id=lin.id, epoch=1) == lin
         with pytest.raises(NotAllowed):
             people.change_password(session, lin.id, old=PASSWORD, new="a third password")
 

@@ -11,12 +11,12 @@ import pytest
 from PIL import Image
 
 from rumu.studio.errors import Unusable
-from rumu.studio.pictures import KEPT_SIDE, format_of, kept, looked_at
+from rumu.studio.pictures import MAX_SIDE, check_picture, format_of, normalise_picture
 
 
 def test_a_picture_is_known_by_what_it_holds(packed, cross):
-    assert kept(packed(cross())).ending == "png"
-    assert kept(packed(cross(), "JPEG")).ending == "jpg"
+    assert normalise_picture(packed(cross())).ending == "png"
+    assert normalise_picture(packed(cross(), "JPEG")).ending == "jpg"
     for no_picture in (
         b"",
         b"x",
@@ -26,14 +26,14 @@ def test_a_picture_is_known_by_what_it_holds(packed, cross):
         packed(cross(), "BMP"),
     ):
         with pytest.raises(Unusable):
-            looked_at(no_picture)
+            check_picture(no_picture)
 
 
 def test_a_cut_picture_is_none(packed, cross):
     whole = packed(cross(400, 400))
-    looked_at(whole[: len(whole) // 2])  # its head is fine
+    check_picture(whole[: len(whole) // 2])  # its head is fine
     with pytest.raises(Unusable, match="whole"):
-        kept(whole[: len(whole) // 2])
+        normalise_picture(whole[: len(whole) // 2])
 
 
 def test_pixels_are_counted_before_they_are_decoded():
@@ -44,13 +44,13 @@ def test_pixels_are_counted_before_they_are_decoded():
     body = zlib.compress(b"\0" * 1000)
     data += struct.pack(">I", len(body)) + b"IDAT" + body + struct.pack(">I", zlib.crc32(b"IDAT" + body))
     with pytest.raises(Unusable) as refused:
-        looked_at(data)
+        check_picture(data)
     assert refused.value.code in ("too_many_pixels", "no_picture")
 
 
 def test_too_many_bytes(packed, cross):
     with pytest.raises(Unusable) as refused:
-        looked_at(packed(cross()), most_bytes=100)
+        check_picture(packed(cross()), max_bytes=100)
     assert refused.value.code == "too_large"
 
 
@@ -62,7 +62,7 @@ def test_what_a_camera_wrote_of_place_and_time_is_left_behind_and_the_picture_st
     exif[0x010E] = "secret place"
     data = packed(page, "JPEG", exif=exif, quality=95)
     assert b"secret" in data
-    told = kept(data)
+    told = normalise_picture(data)
     assert b"secret" not in told.data and (told.width, told.height) == (60, 120)
     upright = np.asarray(Image.open(io.BytesIO(told.data)).convert("L"))
     assert upright[:25].mean() < 60  # now at the top
@@ -73,19 +73,19 @@ def test_what_a_camera_wrote_of_place_and_time_is_left_behind_and_the_picture_st
 def test_all_modes_keep_ink_dark_and_paper_pale(packed, cross, mode):
     deep = Image.fromarray(np.asarray(cross(), np.uint16) * 257)
     image = deep if mode == "I;16" else cross().convert(mode)
-    told = np.asarray(Image.open(io.BytesIO(kept(packed(image)).data)).convert("L"))
+    told = np.asarray(Image.open(io.BytesIO(normalise_picture(packed(image)).data)).convert("L"))
     assert told[100, 100] < 60 and told[5, 5] > 240
 
 
 def test_what_is_clear_is_paper(packed):
     clear = Image.new("RGBA", (50, 50), (0, 0, 0, 0))
-    told = np.asarray(Image.open(io.BytesIO(kept(packed(clear)).data)).convert("L"))
+    told = np.asarray(Image.open(io.BytesIO(normalise_picture(packed(clear)).data)).convert("L"))
     assert told.min() == 255
 
 
 def test_a_large_photograph_is_reduced(packed, cross):
-    told = kept(packed(cross(4000, 3000), "JPEG"))
-    assert (told.width, told.height) == (KEPT_SIDE, KEPT_SIDE * 3 // 4)
+    told = normalise_picture(packed(cross(4000, 3000), "JPEG"))
+    assert (told.width, told.height) == (MAX_SIDE, MAX_SIDE * 3 // 4)
 
 
 def test_works_may_have_more_formats(packed, cross):
@@ -93,4 +93,4 @@ def test_works_may_have_more_formats(packed, cross):
     with pytest.raises(Unusable):
         format_of(packed(cross(), "GIF"))
     with pytest.raises(Unusable):
-        format_of(packed(cross(300, 300)), most_pixels=1000)
+        format_of(packed(cross(300, 300)), max_pixels=1000)

@@ -56,7 +56,7 @@ def test_curves_by_work_the_latest_first(gallery, written):
 
 def test_the_table_is_one_row_an_attempt(gallery, written):
     with gallery.database.reading() as session:
-        rows = list(csv.DictReader(io.StringIO(practice.as_csv(session, written.id))))
+        rows = list(csv.DictReader(io.StringIO(practice.attempts_csv(session, written.id))))
     assert [row["score"] for row in rows] == ["40.0", "", "62.5", "30.0"]
     assert (
         rows[1]["refused"] == "blank"
@@ -68,10 +68,8 @@ def test_the_table_is_one_row_an_attempt(gallery, written):
 
 @pytest.mark.parametrize("cell", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1"])
 def test_no_cell_is_a_formula(cell):
-    assert (
-        next(csv.reader(io.StringIO(practice.written(("a",), [[cell]]).split("\n", 1)[1])))[0] == f"'{cell}"
-    )
+    assert next(csv.reader(io.StringIO(practice.to_csv(("a",), [[cell]]).split("\n", 1)[1])))[0] == f"'{cell}"
 
 
 def test_numbers_stay_numbers():
-    assert practice.written(("a", "b"), [[-1.5, "x"]]) == "a,b\n-1.5,x\n"
+    assert practice.to_csv(("a", "b"), [[-1.5, "x"]]) == "a,b\n-1.5,x\n"

@@ -10,14 +10,14 @@ from rumu.studio.tickets import Tickets, open_tickets
 
 def test_a_ticket_comes_back_as_it_was_written():
     tickets = Tickets("key")
-    ticket = tickets.fresh(person_id="p", epoch=3)
-    assert tickets.read(tickets.written(ticket)) == ticket
+    ticket = tickets.create(person_id="p", epoch=3)
+    assert tickets.read(tickets.serialise(ticket)) == ticket
 
 
 @pytest.mark.parametrize("spoil", [lambda t: t[:-2], lambda t: "x" + t, lambda t: t.replace(".", "", 1)])
 def test_a_spoilt_ticket_is_none(spoil):
     tickets = Tickets("key")
-    assert tickets.read(spoil(tickets.written(tickets.fresh(person_id="p")))) is None
+    assert tickets.read(spoil(tickets.serialise(tickets.create(person_id="p")))) is None
 
 
 @pytest.mark.parametrize("text", [None, "", "x", "é" * 400, "a.b.c", "W10.x.y"])
@@ -27,8 +27,8 @@ def test_nonsense_is_none(text):
 
 def test_another_key_reads_nothing():
     one, other = Tickets("key"), Tickets("another")
-    ticket = one.fresh(person_id="p")
-    assert other.read(one.written(ticket)) is None
+    ticket = one.create(person_id="p")
+    assert other.read(one.serialise(ticket)) is None
     assert one.csrf(ticket) != other.csrf(ticket)
 
 
@@ -40,7 +40,7 @@ def test_a_signed_value_of_another_shape_is_none():
 
 def test_an_old_ticket_is_none(monkeypatch):
     tickets = Tickets("key")
-    text = tickets.written(tickets.fresh())
+    text = tickets.serialise(tickets.create())
     from itsdangerous import timed
 
     now = timed.time.time()
@@ -50,13 +50,13 @@ def test_an_old_ticket_is_none(monkeypatch):
 
 def test_the_csrf_token_belongs_to_one_session():
     tickets = Tickets("key")
-    one, other = tickets.fresh(), tickets.fresh()
-    assert tickets.says(one, tickets.csrf(one))
+    one, other = tickets.create(), tickets.create()
+    assert tickets.has_csrf_token(one, tickets.csrf(one))
     for token in (tickets.csrf(other), "", None, "é"):
-        assert not tickets.says(one, token)
+        assert not tickets.has_csrf_token(one, token)
 
 
 def test_the_key_stays_with_the_database(gallery):
-    ticket = open_tickets(gallery.database).fresh(person_id="p")
-    text = open_tickets(gallery.database).written(ticket)
+    ticket = open_tickets(gallery.database).create(person_id="p")
+    text = open_tickets(gallery.database).serialise(ticket)
     assert open_tickets(gallery.database).read(text) == ticket

@@ -15,7 +15,7 @@ from rumu.database.tables import Membership, Person
 from rumu.gallery.starter import starter_samples
 from rumu.studio.classes import create_class
 from rumu.studio.people import create_person, identity
-from rumu.studio.place import Place
+from rumu.studio.storage import Storage
 from rumu.web.app import create_app
 from rumu.web.security import COOKIE
 from rumu.web.settings import ServiceSettings
@@ -37,7 +37,7 @@ class Browser:
     def let_in(self, tickets: Any, person_id: str) -> Browser:
         """With a session of the service's own making: passwords take long, and have a test of their own."""
         self.client.cookies.clear()
-        self.client.cookies.set(COOKIE, tickets.written(tickets.fresh(person_id=person_id)))
+        self.client.cookies.set(COOKIE, tickets.serialise(tickets.create(person_id=person_id)))
         self.facts = self.client.get("/api/session").json()
         assert self.facts["person"]["id"] == person_id
         return self
@@ -63,8 +63,8 @@ class World:
 
 
 def settings_in(folder: Path, **more: Any) -> ServiceSettings:
-    place = Place(database=more.pop("database", str(folder / "rumu.sqlite")), files=str(folder / "files"))
-    return ServiceSettings(place, processes=0, prepare=False, **more)
+    storage = Storage(database=more.pop("database", str(folder / "rumu.sqlite")), files=str(folder / "files"))
+    return ServiceSettings(storage, processes=0, prepare=False, **more)
 
 
 def populated(app: Any) -> dict[str, str]:

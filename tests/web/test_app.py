@@ -9,7 +9,7 @@ import zipfile
 import pytest
 
 from rumu.database.tables import Work
-from rumu.studio.samples import put_samples
+from rumu.studio.job_handlers import add_samples
 from rumu.web.responses import IMMUTABLE
 
 
@@ -180,7 +180,7 @@ def test_from_the_owner_s_link_to_the_marks_of_a_class(own_world, copy_of):
 
 def test_the_simulated_samples_are_judged(own_world):
     world = own_world()
-    put_samples(world.service.gallery, place=world.service.settings.place, advance=lambda done, total: None)
+    add_samples(world.service.gallery, storage=world.service.settings.storage)
     pupil = world.browser("吳")
     pair = pupil("GET", "/api/comparisons/next").json()
     assert pair["left"]["simulated"] and pair["right"]["kind"] == "simulated" and pair["left_over"] == 12

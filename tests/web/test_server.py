@@ -22,9 +22,9 @@ from PIL import Image, ImageDraw
 from rumu.database.tables import Job
 from rumu.errors import RumuError
 from rumu.gallery.catalog import open_gallery
-from rumu.studio import jobs
+from rumu.studio import job_queue
 from rumu.studio.people import create_person
-from rumu.studio.place import Place
+from rumu.studio.storage import Storage
 from rumu.web.server import is_loopback, listen, serve
 from rumu.web.settings import ServiceSettings
 
@@ -199,7 +199,7 @@ def test_an_upload_that_was_cut_off_leaves_nothing(start, tmp_path):
 
 def test_a_queued_job_waits_for_the_next_server(start):
     with start.gallery.database.writing() as session:
-        job_id = jobs.add(session, "prepare", {}, person_id=None).id
+        job_id = job_queue.add(session, "prepare", {}, person_id=None).id
     server = start()
     assert awaited(start.gallery, job_id, seconds=200).result["works"] >= 30
     server.end(signal.SIGTERM)
@@ -207,7 +207,7 @@ def test_a_queued_job_waits_for_the_next_server(start):
 
 
 def test_others_reach_nothing_that_nobody_owns(tmp_path):
-    settings = ServiceSettings(Place(str(tmp_path / "a.sqlite"), str(tmp_path / "files")), processes=0)
+    settings = ServiceSettings(Storage(str(tmp_path / "a.sqlite"), str(tmp_path / "files")), processes=0)
     with pytest.raises(RumuError, match="expected an owner"):
         serve(settings, host="0.0.0.0", port=0, says=lambda listening: pytest.fail("it listens"))
 

@@ -67,15 +67,15 @@ def _show(port: int, *, opens: bool) -> None:
     from rumu.errors import RumuError
     from rumu.gallery.catalog import open_gallery
     from rumu.gallery.gallery import user_home
-    from rumu.studio.handlers import make_thumbnails
-    from rumu.studio.place import Place
+    from rumu.studio.job_handlers import make_thumbnails
+    from rumu.studio.storage import Storage
     from rumu.web.server import listen, serve
     from rumu.web.settings import ServiceSettings
 
     home = user_home() if os.environ.get("RUMU_HOME") else user_home() / "demo"
-    place = Place(database=str(home / "rumu.sqlite"), files=str(home / "files"))
+    storage = Storage(database=str(home / "rumu.sqlite"), files=str(home / "files"))
     with bar("Hanging the gallery") as advance:
-        gallery = open_gallery(database=place.database, files=place.files)
+        gallery = open_gallery(database=storage.database, files=storage.files)
         make_thumbnails(gallery, advance)
         gallery.database.close()
     try:
@@ -83,7 +83,7 @@ def _show(port: int, *, opens: bool) -> None:
     except RumuError:
         port = 0  # somebody else serves there; a demo takes what is free
     serve(
-        ServiceSettings(place),
+        ServiceSettings(storage),
         host="127.0.0.1",
         port=port,
         says=announce,

@@ -46,7 +46,7 @@ def serve(
     as_json: AsJson = False,
 ) -> Outcome:
     """Serve the gallery, the viewer and the studio to browsers until Ctrl-C."""
-    from rumu.studio.place import Place
+    from rumu.studio.storage import Storage
     from rumu.web.server import serve as run
     from rumu.web.settings import ServiceSettings
 
@@ -54,8 +54,10 @@ def serve(
         from rumu.assessment.calibration import load_calibration
 
         load_calibration(calibration)  # what is wrong with it is said now
-    place = Place.chosen(database=database, files=files, calibration=calibration and calibration.resolve())
-    settings = ServiceSettings(place, processes=processes)
+    storage = Storage.chosen(
+        database=database, files=files, calibration=calibration and calibration.resolve()
+    )
+    settings = ServiceSettings(storage, processes=processes)
     run(settings, host=host, port=port, says=lambda listening: announce(listening, as_json=as_json))
     raise typer.Exit
 

@@ -1,4 +1,4 @@
-"""Who sees what: a pupil their own, a teacher those of the pupils of their classes, an owner all."""
+"""Access rights: pupils see their own, teachers also what their pupils wrote, owners everything."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rumu.studio.people import Identity
 
 
 def pupils_of(teacher_id: str) -> Select[Any]:
-    """The ids of all pupils in the classes of a teacher."""
+    """Return a query of the ids of all pupils in the classes of a teacher."""
     return (
         select(Membership.person_id)
         .join(SchoolClass, SchoolClass.id == Membership.class_id)
@@ -22,19 +22,18 @@ def pupils_of(teacher_id: str) -> Select[Any]:
 
 
 def people_of(who: Identity) -> ColumnElement[bool]:
-    """A condition on Person: whom this person may look at."""
+    """Return a condition on Person: those that this person may see."""
     return _within(who, Person.id)
 
 
 def attempts_of(who: Identity, *, simulated: bool = True) -> ColumnElement[bool]:
-    """A condition on Attempt: which this person may see. Nobody wrote the simulated ones; they are for
-    all."""
+    """Return a condition on Attempt: those that this person may see; the simulated ones are for all."""
     seen = _within(who, Attempt.person_id)
     return or_(seen, Attempt.kind == "simulated") if simulated else seen
 
 
 def classes_of(who: Identity) -> ColumnElement[bool]:
-    """A condition on SchoolClass: those that this person teaches or learns in; an owner sees all."""
+    """Return a condition on SchoolClass: those in which this person teaches or learns; an owner sees all."""
     if who.owns:
         return true()
     if who.teaches:
@@ -43,20 +42,20 @@ def classes_of(who: Identity) -> ColumnElement[bool]:
 
 
 def tasks_of(who: Identity) -> ColumnElement[bool]:
-    """A condition on Task: those of the classes that this person sees."""
+    """Return a condition on Task: those of the classes that this person may see."""
     return Task.class_id.in_(select(SchoolClass.id).where(classes_of(who)))
 
 
-def seen_person(session: Session, person_id: str, *, who: Identity) -> Person:
-    """Raises Missing also where the person exists but is not for these eyes: an id tells nothing."""
+def find_visible_person(session: Session, person_id: str, *, who: Identity) -> Person:
+    """Return a person. Raises Missing also where they exist but may not be seen: an id reveals nothing."""
     person = session.scalar(select(Person).where(Person.id == person_id, people_of(who)))
     if person is None:
         raise Missing("沒有這個人。", "There is no such person.")
     return person
 
 
-def seen_attempt(session: Session, attempt_id: str, *, who: Identity | None) -> Attempt:
-    """Raises Missing also where the attempt exists but is not for these eyes."""
+def find_visible_attempt(session: Session, attempt_id: str, *, who: Identity | None) -> Attempt:
+    """Return an attempt. Raises Missing also where it exists but may not be seen."""
     allowed = Attempt.kind == "simulated" if who is None else attempts_of(who)
     attempt = session.scalar(select(Attempt).where(Attempt.id == attempt_id, allowed))
     if attempt is None:

@@ -1,4 +1,4 @@
-"""Attempts: a copy that somebody wrote, kept with its mark."""
+"""Attempts: copies that people wrote, stored with their marks."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from rumu.database.tables import Attempt, Membership, Person, Task, TeacherMark,
 from rumu.gallery.assets import derived_folder, picture_assets
 from rumu.gallery.gallery import Gallery
 from rumu.gallery.store import Store
-from rumu.studio.access import attempts_of, seen_attempt
-from rumu.studio.classes import found
+from rumu.studio.access import attempts_of, find_visible_attempt
+from rumu.studio.classes import find_row
 from rumu.studio.errors import NotAllowed, Unusable
+from rumu.studio.marking import MarkedCopy
 from rumu.studio.people import Identity
-from rumu.studio.worker import Marked
 
 KINDS = ("pen", "photo")
 GRIDS = ("", "mi", "jiu", "tian")
-MOST_STROKES = 2**20  # characters of JSON
+MAX_STROKES = 2**20  # characters of JSON
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
-    """An attempt with what stands around it. person: None where nobody wrote it."""
+class AttemptDetails:
+    """An attempt with its work, its writer (None for a simulated one) and its teachers' marks."""
 
     attempt: Attempt
     work: Work
@@ -36,21 +36,20 @@ class Shown:
     teacher_marks: tuple[tuple[Person, TeacherMark], ...]
 
 
-def checked_strokes(text: str) -> str:
-    """The pen's path as it will be kept: a list of strokes, each an object with a list of points of 2 to 5
-    numbers.
+def check_strokes(text: str) -> str:
+    """Return the pen's path as it will be stored: a list of strokes, each a list of points of 2 to 6 numbers.
 
     Raises Unusable.
     """
     try:
-        held = json.loads(text)
-        strokes = held["strokes"] if isinstance(held, dict) else held
+        parsed = json.loads(text)
+        strokes = parsed["strokes"] if isinstance(parsed, dict) else parsed
         whole = isinstance(strokes, list) and all(_is_stroke(stroke) for stroke in strokes)
     except (ValueError, KeyError, RecursionError, TypeError):
         whole = False
-    if not whole or len(text) > MOST_STROKES:
+    if not whole or len(text) > MAX_STROKES:
         raise Unusable("strokes", zh="筆跡的格式不對。", en="Expected strokes as a list of lists of points.")
-    return json.dumps(held, separators=(",", ":"), allow_nan=False)
+    return json.dumps(parsed, separators=(",", ":"), allow_nan=False)
 
 
 def _is_stroke(stroke: Any) -> bool:
@@ -68,9 +67,11 @@ def _is_point(point: Any) -> bool:
 
 
 def task_for(session: Session, task_id: str, *, who: Identity, work_id: str) -> Task:
-    """The task an attempt is for. Raises Missing, NotAllowed for somebody outside of the class, Unusable for
-    another work than the task's."""
-    task = found(session, Task, task_id, who=who)
+    """Return the task that an attempt is for.
+
+    Raises Missing, NotAllowed for somebody outside of the class, Unusable for another work than the task's.
+    """
+    task = find_row(session, Task, task_id, who=who)
     if session.get(Membership, (task.class_id, who.id)) is None:
         raise NotAllowed("這項作業是給班上學生的。", "This task is for the pupils of the class.")
     if task.work_id != work_id:
@@ -78,9 +79,9 @@ def task_for(session: Session, task_id: str, *, who: Identity, work_id: str) -> 
     return task
 
 
-def keep(
+def add_attempt(
     gallery: Gallery,
-    marked: Marked,
+    copy: MarkedCopy,
     *,
     work_id: str,
     person_id: str | None,
@@ -90,13 +91,13 @@ def keep(
     task_id: str | None = None,
     attempt_id: str | None = None,
 ) -> Attempt:
-    """Files first, then the row: what is listed is whole, and what was answered for is kept."""
+    """Store an attempt: its files first, then its row, so that whatever is listed is complete."""
     one = attempt_id or new_id()
     folder = f"attempts/{one}"
-    picture = f"{folder}/picture.{marked.picture.ending}"
-    gallery.store.write(picture, marked.picture.data)
-    if marked.residual is not None:
-        gallery.store.write(f"{folder}/residual.json", json.dumps(marked.residual).encode())
+    picture = f"{folder}/picture.{copy.picture.ending}"
+    gallery.store.write(picture, copy.picture.data)
+    if copy.residual is not None:
+        gallery.store.write(f"{folder}/residual.json", json.dumps(copy.residual).encode())
     if strokes is not None:
         gallery.store.write(f"{folder}/strokes.json", strokes.encode())
     attempt = Attempt(
@@ -108,34 +109,34 @@ def keep(
         grid=grid,
         picture=picture,
         strokes=None if strokes is None else f"{folder}/strokes.json",
-        score=marked.facts["score"],
-        level=marked.facts["level"],
-        mark=marked.facts,
+        score=copy.facts["score"],
+        level=copy.facts["level"],
+        mark=copy.facts,
         version=__version__,
         created=now(),
     )
     with gallery.database.writing() as session:
-        if task_id is not None and not _still_given(session, task_id):
-            attempt.task_id = None  # taken back while we marked: the copy is its writer's all the same
+        if task_id is not None and not _task_exists(session, task_id):
+            attempt.task_id = None  # deleted while the copy was marked: it stays its writer's
         session.add(attempt)
     return attempt
 
 
-def _still_given(session: Session, task_id: str) -> bool:
-    """Whether there is such a task; PostgreSQL then keeps it until this transaction has ended."""
+def _task_exists(session: Session, task_id: str) -> bool:
+    """Whether a task exists; PostgreSQL then locks it until the end of this transaction."""
     return session.get(Task, task_id, with_for_update={"read": True, "key_share": True}) is not None
 
 
 def residual(store: Store, attempt: Attempt) -> dict[str, Any] | None:
-    """The residual points of an attempt, see marking.residual_facts; None when it was refused."""
+    """Return the residuals of an attempt (see `marking.residual_facts`); None when it was refused."""
     key = f"attempts/{attempt.id}/residual.json"
     if not store.exists(key):
         return None
-    held: dict[str, Any] = json.loads(store.read(key))
-    return held
+    parsed: dict[str, Any] = json.loads(store.read(key))
+    return parsed
 
 
-def listed(
+def list_attempts(
     session: Session,
     who: Identity,
     *,
@@ -144,8 +145,8 @@ def listed(
     task_id: str | None = None,
     offset: int = 0,
     limit: int = 60,
-) -> tuple[list[Shown], int]:
-    """(attempts of people that this person sees, newest first; how many there are)."""
+) -> tuple[list[AttemptDetails], int]:
+    """Return the attempts of people that this person may see, newest first, and how many there are."""
     asked = [attempts_of(who, simulated=False)]
     for column, value in (
         (Attempt.work_id, work_id),
@@ -156,11 +157,11 @@ def listed(
             asked.append(column == value)
     total = session.scalar(select(func.count()).select_from(Attempt).where(*asked)) or 0
     wanted = select(Attempt).where(*asked).order_by(Attempt.created.desc(), Attempt.id)
-    return shown(session, session.scalars(wanted.offset(offset).limit(limit)).all()), total
+    return attempt_details(session, session.scalars(wanted.offset(offset).limit(limit)).all()), total
 
 
-def shown(session: Session, attempts: Sequence[Attempt]) -> list[Shown]:
-    """Attempts with their works, writers and teachers' marks, in few questions to the database."""
+def attempt_details(session: Session, attempts: Sequence[Attempt]) -> list[AttemptDetails]:
+    """Return attempts with their works, writers and teachers' marks, by few queries."""
     ids = [attempt.id for attempt in attempts]
     marks = session.execute(
         select(TeacherMark, Person)
@@ -171,7 +172,7 @@ def shown(session: Session, attempts: Sequence[Attempt]) -> list[Shown]:
     works = _by_id(session, Work, {attempt.work_id for attempt in attempts})
     people = _by_id(session, Person, {attempt.person_id for attempt in attempts if attempt.person_id})
     return [
-        Shown(
+        AttemptDetails(
             attempt,
             works[attempt.work_id],
             people.get(attempt.person_id or ""),
@@ -186,9 +187,9 @@ def _by_id(session: Session, table: Any, ids: set[str]) -> dict[str, Any]:
 
 
 def delete(gallery: Gallery, attempt_id: str, *, who: Identity) -> None:
-    """By who wrote it, or by an owner. Raises Missing, or NotAllowed for a simulated one and for teachers."""
+    """Delete an attempt (by its writer or an owner). Raises Missing; NotAllowed for a simulated one."""
     with gallery.database.writing() as session:
-        attempt = seen_attempt(session, attempt_id, who=who)
+        attempt = find_visible_attempt(session, attempt_id, who=who)
         if attempt.kind == "simulated" or not (who.owns or attempt.person_id == who.id):
             raise NotAllowed()
         session.delete(attempt)
@@ -199,9 +200,8 @@ def delete(gallery: Gallery, attempt_id: str, *, who: Identity) -> None:
 def mark_by_teacher(
     session: Session, attempt_id: str, *, who: Identity, mark: float, note: str
 ) -> TeacherMark:
-    """Keep or change a teacher's own mark. Raises Missing, or NotAllowed for a pupil or a simulated
-    attempt."""
-    attempt = seen_attempt(session, attempt_id, who=who)
+    """Set a teacher's own mark. Raises Missing, or NotAllowed for a pupil or a simulated attempt."""
+    attempt = find_visible_attempt(session, attempt_id, who=who)
     if not who.teaches or attempt.kind == "simulated":
         raise NotAllowed()
     row = session.get(TeacherMark, (attempt_id, who.id))

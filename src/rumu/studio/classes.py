@@ -1,4 +1,4 @@
-"""Classes: who teaches whom, what is to be written, and how it went."""
+"""Classes: their teacher and pupils, their tasks, and the results."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from rumu.studio.access import attempts_of, classes_of, tasks_of
 from rumu.studio.errors import Missing, NotAllowed
 from rumu.studio.people import Identity
 
-Given = TypeVar("Given", SchoolClass, Task)
-_SEEN: dict[type[Any], tuple[Callable[[Identity], ColumnElement[bool]], str, str]] = {
+ClassOrTask = TypeVar("ClassOrTask", SchoolClass, Task)
+_CONDITIONS: dict[type[Any], tuple[Callable[[Identity], ColumnElement[bool]], str, str]] = {
     SchoolClass: (classes_of, "個班", "class"),
     Task: (tasks_of, "項作業", "task"),
 }
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class PupilRow:
     """One pupil in the table of a task. attempts: how many; best, last: scores, None where none was marked;
     last_id: the newest attempt; teacher_mark: the teacher's newest mark of this pupil's attempts."""
 
@@ -45,7 +45,7 @@ class CommonRemark:
 
 
 def create_class(session: Session, who: Identity, *, name: str) -> SchoolClass:
-    """A class of this teacher. Raises NotAllowed for a pupil."""
+    """Add a class of this teacher. Raises NotAllowed for a pupil."""
     if not who.teaches:
         raise NotAllowed()
     school_class = SchoolClass(name=name, teacher_id=who.id)
@@ -55,16 +55,18 @@ def create_class(session: Session, who: Identity, *, name: str) -> SchoolClass:
 
 
 def classes(session: Session, who: Identity) -> list[SchoolClass]:
-    """Those that this person teaches or learns in."""
+    """Return the classes in which this person teaches or learns."""
     return list(session.scalars(select(SchoolClass).where(classes_of(who)).order_by(SchoolClass.created)))
 
 
-def found(
-    session: Session, table: type[Given], row_id: str, *, who: Identity, to_teach: bool = False
-) -> Given:
-    """A class or a task. Raises Missing where there is none that this person sees, NotAllowed for a pupil
-    where `to_teach`."""
-    seen, zh, en = _SEEN[table]
+def find_row(
+    session: Session, table: type[ClassOrTask], row_id: str, *, who: Identity, to_teach: bool = False
+) -> ClassOrTask:
+    """Return a class or a task.
+
+    Raises Missing where there is none that this person may see, NotAllowed for a pupil where `to_teach`.
+    """
+    seen, zh, en = _CONDITIONS[table]
     row = session.scalar(select(table).where(table.id == row_id, seen(who)))
     if row is None:
         raise Missing(f"沒有這{zh}。", f"There is no such {en}.")
@@ -74,35 +76,35 @@ def found(
 
 
 def rename_class(session: Session, class_id: str, *, who: Identity, name: str) -> None:
-    """By its teacher or an owner. Raises Missing, NotAllowed for a pupil."""
-    found(session, SchoolClass, class_id, who=who, to_teach=True).name = name
+    """Rename a class (by its teacher or an owner). Raises Missing, NotAllowed for a pupil."""
+    find_row(session, SchoolClass, class_id, who=who, to_teach=True).name = name
 
 
 def delete_class(session: Session, class_id: str, *, who: Identity) -> None:
-    """The class goes with its tasks, its list of pupils and the links into it.
+    """Delete a class with its tasks, its list of pupils and its invitations.
 
-    What pupils wrote stays theirs, with every mark given to it; it is for no task any more. Raises Missing,
-    NotAllowed for a pupil.
+    What pupils wrote stays theirs, with every mark given to it, but belongs to no task any more. Raises
+    Missing, NotAllowed for a pupil.
     """
-    gone = found(session, SchoolClass, class_id, who=who, to_teach=True)
-    session.delete(gone)  # the rest falls by foreign keys
+    school_class = find_row(session, SchoolClass, class_id, who=who, to_teach=True)
+    session.delete(school_class)  # foreign keys delete the rest
 
 
 def pupils(session: Session, class_id: str) -> list[Person]:
-    """The pupils of a class, by name."""
+    """Return the pupils of a class, by name."""
     members = select(Membership.person_id).where(Membership.class_id == class_id)
     return list(session.scalars(select(Person).where(Person.id.in_(members)).order_by(Person.name_key)))
 
 
-def take_out(session: Session, class_id: str, person_id: str) -> None:
-    """A pupil leaves a class; what they wrote stays theirs."""
+def remove_pupil(session: Session, class_id: str, person_id: str) -> None:
+    """Remove a pupil from a class; what they wrote stays theirs."""
     session.execute(
         delete(Membership).where(Membership.class_id == class_id, Membership.person_id == person_id)
     )
 
 
 def tasks(session: Session, class_id: str) -> list[Task]:
-    """What a class is to write, newest first."""
+    """Return the tasks of a class, newest first."""
     return list(session.scalars(select(Task).where(Task.class_id == class_id).order_by(Task.created.desc())))
 
 
@@ -115,7 +117,7 @@ def add_task(
     note: str = "",
     due: datetime | None = None,
 ) -> Task:
-    """Raises Missing for an unknown work."""
+    """Add a task to a class. Raises Missing for an unknown work."""
     if session.get(Work, work_id) is None:
         raise Missing("沒有這件作品。", "There is no such work.")
     task = Task(class_id=school_class.id, work_id=work_id, title=title, note=note, due=due)
@@ -125,13 +127,13 @@ def add_task(
 
 
 def attempts_at(session: Session, task: Task, *, who: Identity) -> list[Attempt]:
-    """The attempts at a task that this person sees, oldest first."""
+    """Return the attempts at a task that this person may see, oldest first."""
     wanted = select(Attempt).where(Attempt.task_id == task.id, attempts_of(who, simulated=False))
     return list(session.scalars(wanted.order_by(Attempt.created)))
 
 
-def table(session: Session, task: Task, *, who: Identity) -> list[Row]:
-    """One row a pupil; to a pupil their own alone."""
+def task_table(session: Session, task: Task, *, who: Identity) -> list[PupilRow]:
+    """Return one row for each pupil of a task; to a pupil only their own."""
     people = [p for p in pupils(session, task.class_id) if who.teaches or p.id == who.id]
     attempts = attempts_at(session, task, who=who)
     here = {person.id for person in people}
@@ -141,10 +143,10 @@ def table(session: Session, task: Task, *, who: Identity) -> list[Row]:
     return [_row(person, [a for a in attempts if a.person_id == person.id], marks) for person in people]
 
 
-def _row(person: Person, attempts: Sequence[Attempt], marks: dict[str, TeacherMark]) -> Row:
+def _row(person: Person, attempts: Sequence[Attempt], marks: dict[str, TeacherMark]) -> PupilRow:
     scores = [attempt.score for attempt in attempts if attempt.score is not None]
     given = sorted((marks[a.id] for a in attempts if a.id in marks), key=lambda mark: mark.created)
-    return Row(
+    return PupilRow(
         person=person,
         attempts=len(attempts),
         best=max(scores, default=None),
@@ -155,7 +157,7 @@ def _row(person: Person, attempts: Sequence[Attempt], marks: dict[str, TeacherMa
 
 
 def common_remarks(session: Session, task: Task, *, who: Identity) -> list[CommonRemark]:
-    """What many got wrong: kinds of remarks in each pupil's latest attempt, the commonest first."""
+    """Count the kinds of remarks in each pupil's latest attempt, the most frequent first."""
     latest = {attempt.person_id: attempt for attempt in attempts_at(session, task, who=who)}
     kinds: Counter[str] = Counter()
     for attempt in latest.values():
@@ -163,8 +165,8 @@ def common_remarks(session: Session, task: Task, *, who: Identity) -> list[Commo
     return [CommonRemark(kind, count) for kind, count in kinds.most_common()]
 
 
-def counts(session: Session, class_ids: Sequence[str]) -> dict[str, tuple[int, int]]:
-    """(pupils, tasks) of each class."""
+def count_members(session: Session, class_ids: Sequence[str]) -> dict[str, tuple[int, int]]:
+    """Return (number of pupils, number of tasks) of each class."""
     members = select(Membership.class_id, func.count()).where(Membership.class_id.in_(class_ids))
     given = select(Task.class_id, func.count()).where(Task.class_id.in_(class_ids))
     many = dict(session.execute(members.group_by(Membership.class_id)).all())  # type: ignore[arg-type]

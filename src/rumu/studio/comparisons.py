@@ -1,5 +1,4 @@
-"""Which of two copies is better: pairs of copies of one master, the least judged first, shown in a drawn
-order."""
+"""Comparisons of two copies of one master: the least judged pairs first, shown in random order."""
 
 from __future__ import annotations
 
@@ -14,17 +13,19 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from rumu.database.tables import Attempt, Comparison, Person
-from rumu.studio.access import attempts_of, pupils_of, seen_attempt
+from rumu.studio.access import attempts_of, find_visible_attempt, pupils_of
 from rumu.studio.errors import Clash, Unusable
 from rumu.studio.people import Identity
 
-_LOOKED_AT = 60  # attempts of a work among which a pair is sought: the least judged
+_MAX_CANDIDATES = 60  # attempts of a work among which a pair is sought: the least judged
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
-    """left, right: drawn at random. done: pairs that this judge has judged; left_over: pairs still to
-    judge."""
+class AttemptPair:
+    """Two attempts to compare.
+
+    left, right: in random order. done: pairs that this judge has judged; left_over: pairs still to judge.
+    """
 
     left: Attempt
     right: Attempt
@@ -32,25 +33,25 @@ class Pair:
     left_over: int
 
 
-def next_pair(session: Session, who: Identity, *, work_id: str | None = None) -> Pair | None:
-    """A pair of this judge's that they have not judged yet, of one work if given; None when none is left."""
+def next_pair(session: Session, who: Identity, *, work_id: str | None = None) -> AttemptPair | None:
+    """Return a pair that this judge has not judged yet, of one work if given; None when none is left."""
     attempts = _candidates(session, who, work_id)
     judged = _judged_by(session, who.id)
     by_work: dict[str, list[Attempt]] = {}
     for attempt in attempts:
         by_work.setdefault(attempt.work_id, []).append(attempt)
-    open_pairs = {work: _left_over(group, judged) for work, group in by_work.items()}
+    open_pairs = {work: _count_open_pairs(group, judged) for work, group in by_work.items()}
     works = [work for work, left in open_pairs.items() if left]
     if not works:
         return None
-    times = _times(session, [attempt.id for attempt in attempts])
+    times = _count_judgements(session, [attempt.id for attempt in attempts])
     chosen = min((_least_judged(by_work[work], times, judged) for work in works), key=lambda found: found[0])[
         1
     ]
     left, right = random.sample(chosen, 2)
     ids = {attempt.id for attempt in attempts}
     done = sum(1 for pair in judged if pair <= ids)
-    return Pair(left, right, done, sum(open_pairs.values()))
+    return AttemptPair(left, right, done, sum(open_pairs.values()))
 
 
 def _candidates(session: Session, who: Identity, work_id: str | None) -> Sequence[Attempt]:
@@ -65,13 +66,13 @@ def _judged_by(session: Session, judge_id: str) -> set[frozenset[str]]:
     return {frozenset((first, second)) for first, second in session.execute(wanted)}
 
 
-def _left_over(group: Sequence[Attempt], judged: set[frozenset[str]]) -> int:
+def _count_open_pairs(group: Sequence[Attempt], judged: set[frozenset[str]]) -> int:
     ids = {attempt.id for attempt in group}
     return len(group) * (len(group) - 1) // 2 - sum(1 for pair in judged if pair <= ids)
 
 
-def _times(session: Session, ids: Sequence[str]) -> Counter[str]:
-    """How often each attempt has been judged, by anybody."""
+def _count_judgements(session: Session, ids: Sequence[str]) -> Counter[str]:
+    """Count how often each attempt has been judged, by anybody."""
     among = or_(Comparison.first_id.in_(ids), Comparison.second_id.in_(ids))
     pairs = session.execute(select(Comparison.first_id, Comparison.second_id).where(among))
     return Counter(attempt for first, second in pairs for attempt in (first, second))
@@ -80,10 +81,10 @@ def _times(session: Session, ids: Sequence[str]) -> Counter[str]:
 def _least_judged(
     group: Sequence[Attempt], times: Counter[str], judged: set[frozenset[str]]
 ) -> tuple[tuple[int, float], list[Attempt]]:
-    """((how often its two were judged, a lot), the pair) for the least judged open pair of one work."""
+    """Return ((judgements of its two, random number), the pair) for the least judged open pair of a work."""
     # drawn before they are sorted, so that attempts judged alike often do not always meet in one order
     order = sorted(random.sample(list(group), len(group)), key=lambda attempt: times[attempt.id])
-    for some in (order[:_LOOKED_AT], order):
+    for some in (order[:_MAX_CANDIDATES], order):
         pairs = (
             ((times[a.id] + times[b.id], random.random()), [a, b])
             for a, b in itertools.combinations(some, 2)
@@ -98,9 +99,12 @@ def _least_judged(
 def judge(
     session: Session, who: Identity, *, left: str, right: str, winner: str, seconds: float | None
 ) -> Comparison:
-    """Keep a verdict: winner 'left', 'right' or 'same'. Raises Missing for attempts that this judge does not
-    see, Unusable for two that cannot be compared, Clash for a pair that they judged before."""
-    a, b = (seen_attempt(session, one, who=who) for one in (left, right))
+    """Store a judgement: winner 'left', 'right' or 'same'.
+
+    Raises Missing for attempts that this judge may not see, Unusable for two that cannot be compared, Clash
+    for a pair that they judged before.
+    """
+    a, b = (find_visible_attempt(session, one, who=who) for one in (left, right))
     if a.id == b.id or a.work_id != b.work_id:
         raise Unusable(zh="要比的是同一範字的兩張臨作。", en="Expected two different copies of one master.")
     first, second = sorted((a.id, b.id))
@@ -122,8 +126,10 @@ def judge(
 
 
 def verdicts(session: Session, who: Identity) -> list[tuple[str, str, str, str, str, float | None]]:
-    """(judge, work, left, right, winner, seconds) with ids: all to an owner; to a teacher their own and those
-    of their pupils."""
+    """Return (judge, work, left, right, winner, seconds) with ids.
+
+    All judgements to an owner; to a teacher their own and those of their pupils.
+    """
     wanted = select(Comparison).join(Person, Person.id == Comparison.judge_id).order_by(Comparison.created)
     if not who.owns:
         wanted = wanted.where(or_(Comparison.judge_id == who.id, Comparison.judge_id.in_(pupils_of(who.id))))

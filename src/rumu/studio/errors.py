@@ -1,5 +1,4 @@
-"""What the studio refuses: each refusal has a code for programs and a sentence in both languages for a
-person."""
+"""Errors of the studio: each has a code for programs and a sentence in both languages for people."""
 
 from __future__ import annotations
 
@@ -16,31 +15,31 @@ class StudioError(RumuError):
         self.code, self.zh, self.en = code, zh, en
 
     def __reduce__(self) -> Any:
-        return _again, (type(self), self.__dict__)  # as it comes back from another process
+        return _restore, (type(self), self.__dict__)  # pickled between processes
 
 
-def _again(kind: type[StudioError], told: dict[str, Any]) -> StudioError:
-    error = kind.__new__(kind, told["en"])
-    error.__dict__.update(told)
+def _restore(kind: type[StudioError], state: dict[str, Any]) -> StudioError:
+    error = kind.__new__(kind, state["en"])
+    error.__dict__.update(state)
     return error
 
 
-class Missing(StudioError):  # noqa: N818  what it is, not that it went wrong
-    """There is no such thing, or it is not this person's to know of."""
+class Missing(StudioError):  # noqa: N818
+    """There is no such thing, or this person may not know of it."""
 
     def __init__(self, zh: str = "沒有這個項目。", en: str = "There is no such thing.") -> None:
         super().__init__("not_found", zh=zh, en=en)
 
 
 class NotAllowed(StudioError):  # noqa: N818
-    """Somebody else may do this, this person may not."""
+    """This person may not do this."""
 
     def __init__(self, zh: str = "您沒有這個權限。", en: str = "You may not do this.") -> None:
         super().__init__("not_allowed", zh=zh, en=en)
 
 
 class Clash(StudioError):  # noqa: N818
-    """It cannot be done now: something of the kind is there already."""
+    """It conflicts with something that exists already."""
 
     def __init__(self, code: str = "conflict", *, zh: str, en: str) -> None:
         super().__init__(code, zh=zh, en=en)
@@ -54,7 +53,7 @@ class Unusable(StudioError):  # noqa: N818
 
 
 class Busy(StudioError):  # noqa: N818
-    """Too much is waiting; later it will do."""
+    """Too many requests are waiting; it can be tried again later."""
 
     def __init__(self) -> None:
         super().__init__(

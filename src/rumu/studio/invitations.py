@@ -1,4 +1,4 @@
-"""Links that make one login, once: the owner's at the first start, a teacher's for a class."""
+"""Invitation links, each for one login: the first owner's at the first start, a teacher's for a class."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from sqlalchemy import delete, update
 from sqlalchemy.orm import Session
 
 from rumu.database.tables import Invitation, Membership, Person, SchoolClass, now
-from rumu.studio.classes import found
+from rumu.studio.classes import find_row
 from rumu.studio.errors import Clash, Missing, NotAllowed
-from rumu.studio.people import Identity, Role, create_person, known_by, owner_exists
+from rumu.studio.people import Identity, Role, authenticate, create_person, owner_exists
 
-DAYS = 14
+DAYS_VALID = 14
 
 
 def first_owner(session: Session) -> str | None:
-    """The token of a link for the first owner, or None when there is one. Earlier such links end."""
+    """Return the token of a new link for the first owner, None when there is one; earlier links expire."""
     if owner_exists(session):
         return None
     session.execute(delete(Invitation).where(Invitation.role == "owner", Invitation.author_id.is_(None)))
-    return _written(session, role="owner", class_id=None, author_id=None)[0]
+    return _add_invitation(session, role="owner", class_id=None, author_id=None)[0]
 
 
 def invite(
     session: Session, who: Identity, *, role: Role, class_id: str | None = None
 ) -> tuple[str, Invitation]:
-    """(token, row). An owner invites anybody, a teacher pupils into a class of theirs.
+    """Add an invitation and return (token, row). Owners invite anybody, teachers pupils into their classes.
 
     Raises NotAllowed, or Missing for a class that is not theirs.
     """
@@ -37,13 +37,13 @@ def invite(
             "老師只能邀請學生進自己的班。", "A teacher may invite pupils into their own classes only."
         )
     if class_id is not None:
-        found(session, SchoolClass, class_id, who=who, to_teach=True)
+        find_row(session, SchoolClass, class_id, who=who, to_teach=True)
         if role != "pupil":
             raise NotAllowed("班級只收學生。", "Only pupils are invited into a class.")
-    return _written(session, role=role, class_id=class_id, author_id=who.id)
+    return _add_invitation(session, role=role, class_id=class_id, author_id=who.id)
 
 
-def _written(
+def _add_invitation(
     session: Session, *, role: Role, class_id: str | None, author_id: str | None
 ) -> tuple[str, Invitation]:
     token = secrets.token_urlsafe(24)
@@ -52,15 +52,15 @@ def _written(
         role=role,
         class_id=class_id,
         author_id=author_id,
-        expires=now() + timedelta(days=DAYS),
+        expires=now() + timedelta(days=DAYS_VALID),
     )
     session.add(row)
     session.flush()
     return token, row
 
 
-def looked_at(session: Session, token: str) -> tuple[Invitation, SchoolClass | None]:
-    """The open invitation and its class. Raises Missing when it is unknown, used or too old."""
+def find_invitation(session: Session, token: str) -> tuple[Invitation, SchoolClass | None]:
+    """Return an open invitation and its class. Raises Missing when it is unknown, used or expired."""
     row = session.get(Invitation, _digest(token))
     if row is None or row.used is not None or row.expires < now():
         raise Missing(
@@ -72,17 +72,17 @@ def looked_at(session: Session, token: str) -> tuple[Invitation, SchoolClass | N
 
 
 def accept(session: Session, token: str, *, name: str, password: str) -> Person:
-    """Make the login of an invitation, or let a pupil with a login into one more class.
+    """Add the login of an invitation, or add a pupil who has a login to one more class.
 
-    Raises Missing, Clash when the name is taken, Unusable for a name or password that will not do.
+    Raises Missing, Clash when the name is taken, Unusable for an invalid name or password.
     """
-    row, school_class = looked_at(session, token)
+    row, school_class = find_invitation(session, token)
     taken = update(Invitation).where(Invitation.token == row.token, Invitation.used.is_(None))
     if session.execute(taken.values(used=now())).rowcount != 1:  # type: ignore[attr-defined]
         raise Missing("這個邀請連結已經用過了。", "This invitation has been used.")
     person = None
     if school_class is not None:
-        person = known_by(session, name=name, password=password)
+        person = authenticate(session, name=name, password=password)
         if person is not None and person.role != "pupil":
             raise Clash("name_taken", zh="這個名字不是學生。", en="That name is not a pupil's.")
     if person is None:

@@ -1,21 +1,60 @@
-"""A mark as the service tells it: in both languages, with where the copy lies on the master and how far it
-strays."""
+"""Mark a copy, and describe the mark for pages: both languages, alignment with the master, residuals."""
 
 from __future__ import annotations
 
+import io
+import time
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from rumu import pipeline
 from rumu.assessment.calibration import LEVELS as CUTS
+from rumu.assessment.calibration import Calibration, load_calibration
+from rumu.assessment.measurement import PreparedMaster
 from rumu.registration.points import RADIUS
 from rumu.report.overlay import OverlaySettings
 from rumu.report.wording import LEVELS, PARTS, SOURCES, kind_name
+from rumu.studio.pictures import UprightPicture, normalise_picture
+from rumu.studio.storage import Storage
 from rumu.values import Assessment, FloatArray, IntArray, PointSet, Registration, Remark
 
 POINTS = 1500  # of a cell, in what is sent
-_LOUDEST = OverlaySettings().full  # rms radii at which a point counts as far off
+_FAR = OverlaySettings().full  # rms radii at which a point counts as far off
+
+
+@dataclass(frozen=True, slots=True)
+class MarkedCopy:
+    """A copy's picture as it is stored, its mark (see `mark_facts`), and its residuals, None when refused."""
+
+    picture: UprightPicture
+    facts: dict[str, Any]
+    residual: dict[str, list[list[float]]] | None
+
+
+def mark_copy(
+    data: bytes, master: PreparedMaster, *, script: str, calibration: Calibration | None
+) -> MarkedCopy:
+    """Mark an encoded picture against a master. Raises Unusable for what is no picture."""
+    from PIL import Image
+
+    started = time.perf_counter()
+    picture = normalise_picture(data)
+    with Image.open(io.BytesIO(picture.data)) as image:
+        samples = np.asarray(image, dtype=np.float32) / np.float32(255)
+    assessment = pipeline.assess(samples, master, script=script or None, calibration=calibration)
+    registration = assessment.registration
+    residual = None if registration is None else residual_facts(registration)
+    return MarkedCopy(picture, mark_facts(assessment, seconds=time.perf_counter() - started), residual)
+
+
+@lru_cache(maxsize=2)
+def load_calibration_of(storage: Storage) -> Calibration | None:
+    """Return the calibration that a storage names, None for the one that ships with rumu."""
+    return None if storage.calibration is None else load_calibration(storage.calibration)
 
 
 def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
@@ -56,7 +95,7 @@ def residual_facts(registration: Registration) -> dict[str, list[list[float]]]:
     told = {}
     for name, points, own, other in sides:
         chosen = _spread(own)
-        stray = np.clip(cKDTree(other).query(own[chosen])[0] / _LOUDEST, 0, 1)
+        stray = np.clip(cKDTree(other).query(own[chosen])[0] / _FAR, 0, 1)
         at = in_cell(points)[chosen]
         told[name] = np.round(np.column_stack([at, stray]), 4).tolist()
     return told

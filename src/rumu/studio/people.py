@@ -1,26 +1,36 @@
-"""People with a login: who they are, what they are called, what they may be."""
+"""People with a login: names, roles, and passwords as Argon2id hashes.
+
+Passwords are hashed two at a time, so that many logins at once do not take all the memory.
+"""
 
 from __future__ import annotations
 
+import functools
+import threading
 import unicodedata
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from argon2 import PasswordHasher
+from argon2.exceptions import InvalidHashError, VerificationError
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from rumu.database.tables import Person
 from rumu.studio.errors import Clash, Missing, NotAllowed, Unusable
-from rumu.studio.passwords import fits, hashed, outdated
 
 Role = Literal["owner", "teacher", "pupil"]
 LANGUAGES = ("zh", "en")
-_LONGEST_NAME = 80
+_MAX_NAME = 80  # characters
+MIN_PASSWORD, MAX_PASSWORD = 8, 200  # characters
+
+HASHER = PasswordHasher()  # RFC 9106, low memory: 64 MiB each
+_TWO_AT_A_TIME = threading.BoundedSemaphore(2)
 
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """Who asks."""
+    """The person who makes a request."""
 
     id: str
     name: str
@@ -37,52 +47,52 @@ class Identity:
 
 
 def identity(person: Person) -> Identity:
-    """What is known of a person while they ask."""
+    """Return the identity of a person who makes a request."""
     return Identity(person.id, person.name, person.role, person.language)  # type: ignore[arg-type]
 
 
 def create_person(session: Session, *, name: str, password: str, role: Role) -> Person:
-    """A new login. Raises Clash when the name is taken, Unusable for a name or password that will not do."""
-    shown, key = names(name)
+    """Add a login. Raises Clash when the name is taken, Unusable for an invalid name or password."""
+    shown, key = normalise_name(name)
     if _by_key(session, key) is not None:
         raise Clash("name_taken", zh=f"「{shown}」已經有人用了。", en=f"The name {shown!r} is taken.")
-    person = Person(name=shown, name_key=key, role=role, password=hashed(password))
+    person = Person(name=shown, name_key=key, role=role, password=hash_password(password))
     session.add(person)
     session.flush()
     return person
 
 
-def names(name: str) -> tuple[str, str]:
-    """(as shown, as compared): width, case and spaces do not tell two people apart."""
+def normalise_name(name: str) -> tuple[str, str]:
+    """Return a name as shown and as compared: width, case and spaces do not distinguish two people."""
     shown = " ".join(unicodedata.normalize("NFC", name).split())
-    if not shown or len(shown) > _LONGEST_NAME or not shown.isprintable():
+    if not shown or len(shown) > _MAX_NAME or not shown.isprintable():
         raise Unusable(
             "name",
-            zh=f"名字要有一到 {_LONGEST_NAME} 個字。",
-            en=f"A name has 1 to {_LONGEST_NAME} printable characters, got {len(shown)}.",
+            zh=f"名字要有一到 {_MAX_NAME} 個字。",
+            en=f"A name has 1 to {_MAX_NAME} printable characters, got {len(shown)}.",
         )
-    return shown, unicodedata.normalize("NFKC", shown).casefold()[:_LONGEST_NAME]
+    return shown, unicodedata.normalize("NFKC", shown).casefold()[:_MAX_NAME]
 
 
-def known_by(session: Session, *, name: str, password: str) -> Person | None:
-    """The person whose name and password these are; takes as long when there is none."""
+def authenticate(session: Session, *, name: str, password: str) -> Person | None:
+    """Return the person of this name and password, None when there is none; both take equally long."""
     try:
-        person = _by_key(session, names(name)[1])
+        person = _by_key(session, normalise_name(name)[1])
     except Unusable:
         person = None
-    right = fits(password, person.password if person is not None and person.active else None)
+    right = verify_password(password, person.password if person is not None and person.active else None)
     return person if right else None
 
 
 def renew_hash(session: Session, person_id: str, *, password: str) -> None:
-    """Hash a password again that is known to be right, when its hash is out of date."""
+    """Hash a correct password again when its hash was made with weaker settings than today's."""
     person = session.get(Person, person_id)
-    if person is not None and person.password is not None and outdated(person.password):
-        person.password = hashed(password)
+    if person is not None and person.password is not None and HASHER.check_needs_rehash(person.password):
+        person.password = hash_password(password)
 
 
-def current(session: Session, *, person_id: str, epoch: int) -> Identity | None:
-    """Whose session it is, unless the person is gone, put out, or has signed out everywhere since."""
+def identify_session(session: Session, *, person_id: str, epoch: int) -> Identity | None:
+    """Return whose session it is; None when the person is deleted, disabled, or has ended all sessions."""
     person = session.get(Person, person_id)
     if person is None or not person.active or person.epoch != epoch:
         return None
@@ -90,21 +100,21 @@ def current(session: Session, *, person_id: str, epoch: int) -> Identity | None:
 
 
 def change_password(session: Session, person_id: str, *, old: str, new: str) -> Person:
-    """A new password; every older session ends. Raises NotAllowed when the old one is wrong."""
-    person = found(session, person_id)
-    if not fits(old, person.password):
+    """Set a new password and end every session. Raises NotAllowed when the old password is wrong."""
+    person = find_person(session, person_id)
+    if not verify_password(old, person.password):
         raise NotAllowed("舊密碼不對。", "The old password is wrong.")
-    person.password = hashed(new)
+    person.password = hash_password(new)
     person.epoch += 1
     return person
 
 
 def change_person(session: Session, person_id: str, changes: dict[str, Any]) -> Person:
-    """changes: of name, role, language, active. Raises Missing, Clash, or NotAllowed for the last owner."""
-    person = found(session, person_id)
+    """Change name, role, language or active. Raises Missing, Clash, or NotAllowed for the last owner."""
+    person = find_person(session, person_id)
     was_owner = person.role == "owner" and person.active
     if changes.get("name") is not None:
-        shown, key = names(changes["name"])
+        shown, key = normalise_name(changes["name"])
         other = _by_key(session, key)
         if other is not None and other.id != person.id:
             raise Clash("name_taken", zh=f"「{shown}」已經有人用了。", en=f"The name {shown!r} is taken.")
@@ -121,26 +131,26 @@ def change_person(session: Session, person_id: str, changes: dict[str, Any]) -> 
 
 
 def set_password(session: Session, person_id: str, *, new: str) -> Person:
-    """By an owner, for somebody who forgot theirs; every session of theirs ends."""
-    person = found(session, person_id)
-    person.password = hashed(new)
+    """Set the password of a person who forgot it (by an owner), and end all their sessions."""
+    person = find_person(session, person_id)
+    person.password = hash_password(new)
     person.epoch += 1
     return person
 
 
 def owner_exists(session: Session) -> bool:
-    """Whether somebody owns this place; until then it must not be shown to the world."""
+    """Whether there is an owner; until then the service must not be public."""
     wanted = select(func.count()).select_from(Person).where(Person.role == "owner", Person.active)
     return bool(session.scalar(wanted))
 
 
-def everybody(session: Session) -> list[Person]:
-    """Everybody with a login, by name."""
+def list_people(session: Session) -> list[Person]:
+    """Return everybody with a login, by name."""
     return list(session.scalars(select(Person).order_by(Person.name_key)))
 
 
-def found(session: Session, person_id: str) -> Person:
-    """The person with this id. Raises Missing."""
+def find_person(session: Session, person_id: str) -> Person:
+    """Return the person with this id. Raises Missing."""
     person = session.get(Person, person_id)
     if person is None:
         raise Missing("沒有這個人。", "There is no such person.")
@@ -149,3 +159,30 @@ def found(session: Session, person_id: str) -> Person:
 
 def _by_key(session: Session, key: str) -> Person | None:
     return session.scalar(select(Person).where(Person.name_key == key))
+
+
+def hash_password(password: str) -> str:
+    """Return the Argon2id hash of a new password. Raises Unusable when it is too short or too long."""
+    if not MIN_PASSWORD <= len(password) <= MAX_PASSWORD:
+        raise Unusable(
+            "password",
+            zh=f"密碼要有 {MIN_PASSWORD} 到 {MAX_PASSWORD} 個字元，現在有 {len(password)} 個。",
+            en=f"A password has {MIN_PASSWORD} to {MAX_PASSWORD} characters, got {len(password)}.",
+        )
+    with _TWO_AT_A_TIME:
+        return HASHER.hash(password)
+
+
+def verify_password(password: str, hashed: str | None) -> bool:
+    """Whether a password has this hash; as slow when there is none, so that response times tell no names."""
+    try:
+        with _TWO_AT_A_TIME:
+            HASHER.verify(hashed or _placeholder_hash(), password[: 2 * MAX_PASSWORD])
+    except (VerificationError, InvalidHashError):
+        return False
+    return hashed is not None
+
+
+@functools.cache
+def _placeholder_hash() -> str:
+    return HASHER.hash("a password that nobody has")

@@ -1,10 +1,10 @@
-"""One person's practice: the curve of each master, first to last."""
+"""One person's practice: the curve of marks for each master, oldest first."""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -23,7 +23,7 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """One attempt on a curve. score, interval: None where it was refused."""
+    """One attempt on a curve; score and interval are None where it was refused."""
 
     id: str
     created: datetime
@@ -48,7 +48,7 @@ class Curve:
 
 
 def curves(session: Session, person_id: str, *, work_id: str | None = None) -> list[Curve]:
-    """By work, the one last practised first."""
+    """Return a person's curves by work, the one practised last first."""
     by_work: dict[str, list[Attempt]] = {}
     for attempt in _attempts(session, person_id, work_id):
         by_work.setdefault(attempt.work_id, []).append(attempt)
@@ -58,31 +58,31 @@ def curves(session: Session, person_id: str, *, work_id: str | None = None) -> l
 
 
 def curve(session: Session, person_id: str, *, work_id: str) -> Curve:
-    """Raises Missing when this person never copied that work."""
+    """Return a person's curve of one work. Raises Missing when they never copied it."""
     found = curves(session, person_id, work_id=work_id)
     if not found:
         raise Missing("還沒有臨過這件作品。", "There is no attempt at this work.")
     return found[0]
 
 
-def as_csv(session: Session, person_id: str) -> str:
-    """All attempts of a person, oldest first, COLUMNS; UTF-8 text that a spreadsheet reads."""
+def attempts_csv(session: Session, person_id: str) -> str:
+    """Return all attempts of a person, oldest first, as CSV text with COLUMNS."""
     attempts = list(_attempts(session, person_id, None))
     works = {w.id: w for w in session.scalars(select(Work).where(Work.id.in_({a.work_id for a in attempts})))}
-    return written(COLUMNS, (_row(attempt, works[attempt.work_id]) for attempt in attempts))
+    return to_csv(COLUMNS, (_row(attempt, works[attempt.work_id]) for attempt in attempts))
 
 
-def written(columns: Sequence[str], rows: object) -> str:
-    """A CSV of rows; what would be a formula in a spreadsheet is told apart by an apostrophe."""
+def to_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return rows as CSV text; an apostrophe keeps a cell from being read as a formula."""
     stream = io.StringIO()
     table = csv.writer(stream, lineterminator="\n")
     table.writerow(columns)
-    for row in rows:  # type: ignore[attr-defined]
-        table.writerow([_harmless(cell) for cell in row])
+    for row in rows:
+        table.writerow([_escape_formula(cell) for cell in row])
     return stream.getvalue()
 
 
-def _harmless(cell: object) -> object:
+def _escape_formula(cell: object) -> object:
     return f"'{cell}" if isinstance(cell, str) and cell[:1] in tuple("=+-@\t\r") else cell
 
 
@@ -117,5 +117,5 @@ def _row(attempt: Attempt, work: Work) -> list[object]:
 
 
 def _interval(attempt: Attempt) -> tuple[float, float] | None:
-    held = attempt.mark.get("interval")
-    return None if held is None else (float(held[0]), float(held[1]))
+    bounds = attempt.mark.get("interval")
+    return None if bounds is None else (float(bounds[0]), float(bounds[1]))

@@ -1,5 +1,4 @@
-"""Sessions as signed tickets: nothing of them is kept here but the key, and each carries its own CSRF
-token."""
+"""Sessions as signed tickets in a cookie: the server stores only the key; each ticket has its CSRF token."""
 
 from __future__ import annotations
 
@@ -17,13 +16,16 @@ from rumu.database.tables import Setting
 
 _KEY = "session_key"
 _SALT = "rumu-session"
-DAYS = 30
+DAYS_VALID = 30
 
 
 @dataclass(frozen=True, slots=True)
 class Ticket:
-    """serial: drawn at random for each session. person_id: None for a visitor. epoch: of the person, when
-    the ticket was made."""
+    """What a session's cookie holds.
+
+    serial: random, one for each session. person_id: None for a visitor. epoch: the person's, when the ticket
+    was made; a later epoch ends the session.
+    """
 
     serial: str
     person_id: str | None = None
@@ -31,7 +33,7 @@ class Ticket:
 
 
 class Tickets:
-    """Makes and reads tickets with one key."""
+    """Creates, signs and reads tickets with one key."""
 
     def __init__(self, key: str) -> None:
         self._key = key.encode()
@@ -39,33 +41,33 @@ class Tickets:
             key, salt=_SALT, signer_kwargs={"digest_method": hashlib.sha256}
         )
 
-    def fresh(self, *, person_id: str | None = None, epoch: int = 0) -> Ticket:
+    def create(self, *, person_id: str | None = None, epoch: int = 0) -> Ticket:
         return Ticket(secrets.token_urlsafe(12), person_id, epoch)
 
-    def written(self, ticket: Ticket) -> str:
-        """What stands in the cookie."""
+    def serialise(self, ticket: Ticket) -> str:
+        """Return the signed text of a ticket, for the cookie."""
         return self._signer.dumps([ticket.serial, ticket.person_id, ticket.epoch])
 
     def read(self, text: str | None) -> Ticket | None:
-        """The ticket, or None for a forged, damaged or old one."""
+        """Return the ticket, None for a forged, damaged or expired one."""
         if not text or len(text) > 1000:
             return None
         try:
-            serial, person_id, epoch = self._signer.loads(text, max_age=DAYS * 86400)
+            serial, person_id, epoch = self._signer.loads(text, max_age=DAYS_VALID * 86400)
             return Ticket(str(serial), None if person_id is None else str(person_id), int(epoch))
         except (BadData, ValueError, TypeError):
             return None
 
     def csrf(self, ticket: Ticket) -> str:
-        """What a page must say back in a header: another site can send the cookie, but cannot read this."""
+        """Return the token that a page must send in a header; another site cannot read it."""
         return hmac.new(self._key, f"csrf:{ticket.serial}".encode(), hashlib.sha256).hexdigest()[:40]
 
-    def says(self, ticket: Ticket, token: str | None) -> bool:
+    def has_csrf_token(self, ticket: Ticket, token: str | None) -> bool:
         return hmac.compare_digest(self.csrf(ticket).encode(), (token or "").encode("utf-8", "replace"))
 
 
 def open_tickets(database: Database) -> Tickets:
-    """With the key of this database, made when there is none yet."""
+    """Return the signer with the key of this database, which is made when there is none yet."""
     with database.reading() as session:
         key = session.scalar(select(Setting.value).where(Setting.name == _KEY))
     if key is None:

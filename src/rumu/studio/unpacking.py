@@ -1,4 +1,4 @@
-"""A zip that somebody sent becomes a folder: nothing outside of it, and no more than was agreed."""
+"""Unpack an uploaded zip into a folder: nothing outside of it, and no more than the limits allow."""
 
 from __future__ import annotations
 
@@ -9,15 +9,18 @@ from pathlib import Path, PurePosixPath
 
 from rumu.studio.errors import Unusable
 
-_PIECE = 2**20
-_ODD = set('\\:*?"<>|')  # in names: other systems read more into them
+_CHUNK = 2**20
+_UNSAFE = set('\\:*?"<>|')  # in names: other systems read more into them
 
 
 @dataclass(frozen=True, slots=True)
 class ZipLimits:
-    """files: entries. file_bytes, all_bytes: of one and of all, unpacked. ratio: how many times larger than
-    the zip
-    all may be; text packs at 20 to 1 at most, a bomb at 1000."""
+    """Limits of an uploaded zip.
+
+    files: entries. file_bytes, all_bytes: of one entry and of all, unpacked. ratio: how many times larger
+    than the zip all entries may be, from ratio_from bytes on; text is compressed 20 to 1 at most, a bomb
+    1000 to 1.
+    """
 
     files: int = 20_000
     file_bytes: int = 512 * 2**20
@@ -27,28 +30,27 @@ class ZipLimits:
 
 
 def folder_name(sent: str) -> str:
-    """What a zip's own name says, as the name of a folder: `課堂 一.zip` is `課堂 一`."""
+    """Return a folder name for a zip's file name: `課堂 一.zip` gives `課堂 一`."""
     name = PurePosixPath(sent.replace("\\", "/")).name.removesuffix(".zip")
-    plain = "".join(c for c in name if c.isprintable() and c not in _ODD)[:60].strip(" .")
+    plain = "".join(c for c in name if c.isprintable() and c not in _UNSAFE)[:60].strip(" .")
     return plain or "collection"
 
 
 def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Path:
-    """Unpack a zip into an empty folder, made where there is none; the folder that holds its files, one level
-    down where all lie in one.
+    """Unpack a zip into an empty folder and return the folder of its files, one level down if all lie in one.
 
-    Names are looked at before the first byte is written, and bytes are counted as they are written: what a
-    zip says of itself proves nothing. Raises Unusable.
+    Names are checked before the first byte is written, and bytes are counted as they are written, since the
+    zip's own figures prove nothing. Raises Unusable.
     """
     limits = limits or ZipLimits()
     folder.mkdir(parents=True, exist_ok=True)
     try:
         with zipfile.ZipFile(packed) as archive:
-            entries = [entry for entry in archive.infolist() if _wanted(entry)]
+            entries = [entry for entry in archive.infolist() if _is_file(entry)]
             if len(entries) > limits.files:
-                raise _too_much(f"{len(entries)} files, at most {limits.files}")
+                raise _too_large(f"{len(entries)} files, at most {limits.files}")
             targets = [_target(entry, folder) for entry in entries]
-            _write_all(archive, entries, targets, limits, most=_most(packed, limits))
+            _write_all(archive, entries, targets, limits, max_bytes=_max_bytes(packed, limits))
     except (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError, RuntimeError) as error:
         raise Unusable(
             "no_zip",
@@ -63,30 +65,29 @@ def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Pa
     return inside[0] if len(inside) == 1 and inside[0].is_dir() else folder
 
 
-def _most(packed: Path, limits: ZipLimits) -> int:
+def _max_bytes(packed: Path, limits: ZipLimits) -> int:
     return min(limits.all_bytes, max(limits.ratio_from, limits.ratio * packed.stat().st_size))
 
 
-def _wanted(entry: zipfile.ZipInfo) -> bool:
-    """Neither a folder nor what a Mac leaves in every zip."""
+def _is_file(entry: zipfile.ZipInfo) -> bool:
+    """Whether an entry is neither a folder nor one of those that macOS adds to every zip."""
     return not (
         entry.is_dir() or entry.filename.startswith("__MACOSX/") or entry.filename.endswith(".DS_Store")
     )
 
 
 def _target(entry: zipfile.ZipInfo, folder: Path) -> Path:
-    """Where an entry goes. labels.csv speaks of files by their names, so names stay, once they prove
-    harmless."""
+    """Return where an entry is written; names are kept, since labels.csv refers to them, if they are safe."""
     name = PurePosixPath(entry.filename)
     kind = stat.S_IFMT(entry.external_attr >> 16)
-    harmless = (
+    safe = (
         not name.is_absolute()
         and 0 < len(name.parts) <= 12
-        and all(_plain(part) for part in name.parts)
+        and all(_is_safe_part(part) for part in name.parts)
         and kind in (0, stat.S_IFREG)
     )
-    target = folder.joinpath(*name.parts) if harmless else folder
-    if not harmless or not target.resolve().is_relative_to(folder.resolve()) or target == folder:
+    target = folder.joinpath(*name.parts) if safe else folder
+    if not safe or not target.resolve().is_relative_to(folder.resolve()) or target == folder:
         raise Unusable(
             "zip_names",
             zh="zip 檔裡有不安全的檔名。",
@@ -95,8 +96,8 @@ def _target(entry: zipfile.ZipInfo, folder: Path) -> Path:
     return target
 
 
-def _plain(part: str) -> bool:
-    return part not in ("", ".", "..") and len(part) <= 150 and part.isprintable() and not set(part) & _ODD
+def _is_safe_part(part: str) -> bool:
+    return part not in ("", ".", "..") and len(part) <= 150 and part.isprintable() and not set(part) & _UNSAFE
 
 
 def _write_all(
@@ -105,19 +106,19 @@ def _write_all(
     targets: list[Path],
     limits: ZipLimits,
     *,
-    most: int,
+    max_bytes: int,
 ) -> None:
     written = 0
     for entry, target in zip(entries, targets, strict=True):
         target.parent.mkdir(parents=True, exist_ok=True)
         own = 0
         with archive.open(entry) as source, target.open("xb") as sink:
-            while piece := source.read(_PIECE):
-                own, written = own + len(piece), written + len(piece)
-                if own > limits.file_bytes or written > most:
-                    raise _too_much("more than a zip of this size should hold")
-                sink.write(piece)
+            while chunk := source.read(_CHUNK):
+                own, written = own + len(chunk), written + len(chunk)
+                if own > limits.file_bytes or written > max_bytes:
+                    raise _too_large("more than a zip of this size should hold")
+                sink.write(chunk)
 
 
-def _too_much(what: str) -> Unusable:
+def _too_large(what: str) -> Unusable:
     return Unusable("zip_bomb", zh="zip 檔解開後太大。", en=f"The zip file unpacks to too much: {what}.")

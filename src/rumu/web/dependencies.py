@@ -10,7 +10,7 @@ from pydantic import AfterValidator, StringConstraints
 
 from rumu.studio.errors import NotAllowed
 from rumu.studio.people import Identity
-from rumu.studio.tickets import DAYS, Ticket
+from rumu.studio.tickets import DAYS_VALID, Ticket
 from rumu.web.error_handlers import LoginNeededError
 from rumu.web.security import COOKIE
 from rumu.web.service import Service
@@ -80,8 +80,8 @@ def set_session_cookie(request: Request, response: Response, service: Service, t
     """Set the cookie of a session; neither scripts nor forms of other sites can use it."""
     response.set_cookie(
         COOKIE,
-        service.tickets.written(ticket),
-        max_age=DAYS * 86400,
+        service.tickets.serialise(ticket),
+        max_age=DAYS_VALID * 86400,
         path="/",
         secure=service.settings.secure or request.url.scheme == "https",
         httponly=True,

@@ -14,8 +14,8 @@ from rumu.gallery.assets import Assets, assets_of, picture_assets
 from rumu.gallery.catalog import work
 from rumu.gallery.derived import etag, stored_file
 from rumu.gallery.gallery import Gallery
-from rumu.studio import worker
-from rumu.studio.workers import Workers
+from rumu.studio import worker_tasks
+from rumu.studio.worker_pool import WorkerPool
 
 _MAX_MEMORY = 96 * 2**20  # bytes of all contents
 _MAX_FILE = 8 * 2**20  # bytes of one content that is kept in memory
@@ -39,7 +39,7 @@ class FileContent:
 class DerivedFiles:
     """The derived files of a gallery's works and of attempts."""
 
-    def __init__(self, gallery: Gallery, workers: Workers) -> None:
+    def __init__(self, gallery: Gallery, workers: WorkerPool) -> None:
         self._gallery, self._workers = gallery, workers
         self._contents: LRUCache[str, FileContent] = LRUCache(_MAX_MEMORY, getsizeof=_bytes_in_memory)
         self._contents_changed = threading.Condition()
@@ -100,7 +100,9 @@ class DerivedFiles:
         """A content from the store or a worker process; once, however many requests wait for it."""
         file = stored_file(self._gallery.store, assets, kind, exaggeration=exaggeration)
         if file is None:
-            file = self._workers.ask(worker.derived_file, kind=kind, exaggeration=exaggeration, **source)
+            file = self._workers.ask(
+                worker_tasks.derived_file, kind=kind, exaggeration=exaggeration, **source
+            )
         return FileContent(file.data, _compress(file.data, file.media_type), file.media_type, tag)
 
 

@@ -9,7 +9,7 @@ from pydantic import AliasPath, BaseModel, ConfigDict, Field, field_validator, m
 
 from rumu.database.tables import Work
 from rumu.gallery.assets import VERSION
-from rumu.studio.passwords import LONGEST
+from rumu.studio.people import MAX_PASSWORD
 from rumu.web.dependencies import Id, LongText, ShortText
 
 RoleName = Literal["owner", "teacher", "pupil"]
@@ -91,7 +91,7 @@ class Credentials(Schema):
     """Name and password."""
 
     name: ShortText = Field(examples=["林老師"])
-    password: str = Field(max_length=2 * LONGEST, examples=["a long password"])
+    password: str = Field(max_length=2 * MAX_PASSWORD, examples=["a long password"])
 
 
 class InvitationCreate(Schema):
@@ -125,7 +125,7 @@ class PersonUpdate(Schema):
     role: RoleName | None = None
     language: LanguageName | None = None
     active: bool | None = None
-    password: str | None = Field(default=None, max_length=2 * LONGEST)
+    password: str | None = Field(default=None, max_length=2 * MAX_PASSWORD)
 
 
 class SessionUpdate(Schema):
@@ -137,8 +137,8 @@ class SessionUpdate(Schema):
 class PasswordUpdate(Schema):
     """old: the present password."""
 
-    old: str = Field(max_length=2 * LONGEST)
-    new: str = Field(max_length=2 * LONGEST)
+    old: str = Field(max_length=2 * MAX_PASSWORD)
+    new: str = Field(max_length=2 * MAX_PASSWORD)
 
 
 # --- works -----------------------------------------------------------------------------------------

@@ -64,7 +64,7 @@ class SecurityMiddleware:
         service.rate_limiter.hit(service.settings.rate_limits.all, "all", client_address(connection))
         if scope["method"] in SAFE_METHODS:
             return None
-        if ticket is None or not service.tickets.says(ticket, headers.get("x-csrf-token")):
+        if ticket is None or not service.tickets.has_csrf_token(ticket, headers.get("x-csrf-token")):
             return error_response(
                 403, "csrf", "頁面已過期，請重新載入。", "The page is out of date; load it again.", _CLOSE
             )

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 from anyio import CapacityLimiter
 from sqlalchemy import select
 
 from rumu.database.tables import Attempt, Job, Work
 from rumu.gallery.catalog import open_gallery
-from rumu.studio import jobs
+from rumu.studio import job_queue, worker_tasks
 from rumu.studio.invitations import first_owner
-from rumu.studio.people import Identity, current, owner_exists
+from rumu.studio.job_runner import JobRunner
+from rumu.studio.people import Identity, identify_session, owner_exists
 from rumu.studio.tickets import Ticket, open_tickets
-from rumu.studio.workers import Workers
+from rumu.studio.worker_pool import WorkerPool
 from rumu.web.files import DerivedFiles
 from rumu.web.rate_limits import RateLimiter
 from rumu.web.settings import ServiceSettings
@@ -23,21 +26,21 @@ class Service:
     """Opens the gallery when it is made; `start` and `stop` are called with the server's."""
 
     def __init__(self, settings: ServiceSettings) -> None:
-        place = settings.place
+        storage = settings.storage
         self.settings = settings
-        self.gallery = open_gallery(database=place.database, files=place.files)
+        self.gallery = open_gallery(database=storage.database, files=storage.files)
         self.tickets = open_tickets(self.gallery.database)
         self.rate_limiter = RateLimiter()
-        self.workers = Workers(place, processes=settings.processes)
-        self.job_workers = Workers(place, processes=0 if settings.processes == 0 else 1)
+        self.workers = WorkerPool(storage, processes=settings.processes)
+        self.job_workers = WorkerPool(storage, processes=0 if settings.processes == 0 else 1)
         self.files = DerivedFiles(self.gallery, self.workers)
         self.stopping = False
         self.marking_limiter = CapacityLimiter(MAX_MARKING_THREADS)
-        self.runner = jobs.Runner(self.gallery.database, self.job_workers)
+        self.runner = JobRunner(self.gallery.database, self._run_job)
 
     def start(self) -> None:
         """Start the workers, so that the first mark is as quick as the others, and the queue of jobs."""
-        self.workers.start()
+        self.workers.start(worker_tasks.warm_up)
         self.runner.start()
         if self.settings.prepare:
             self.prepare()
@@ -49,6 +52,9 @@ class Service:
         self.job_workers.stop()
         self.workers.stop()
         self.gallery.database.close()
+
+    def _run_job(self, job_id: str) -> None:
+        self.job_workers.ask(worker_tasks.run_job, job_id=job_id, patience=math.inf)
 
     def prepare(self) -> str | None:
         """Queue the job that makes thumbnails and samples, once for a gallery.
@@ -62,7 +68,7 @@ class Service:
             )
             if queued is not None or sample is not None or session.scalar(select(Work.id).limit(1)) is None:
                 return queued
-            job_id = jobs.add(session, "prepare", {}, person_id=None).id
+            job_id = job_queue.add(session, "prepare", {}, person_id=None).id
         self.runner.wake()
         return job_id
 
@@ -71,7 +77,7 @@ class Service:
         if ticket is None or ticket.person_id is None:
             return None
         with self.gallery.database.reading() as session:
-            return current(session, person_id=ticket.person_id, epoch=ticket.epoch)
+            return identify_session(session, person_id=ticket.person_id, epoch=ticket.epoch)
 
     def has_owner(self) -> bool:
         """Whether somebody owns this service."""

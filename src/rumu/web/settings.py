@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rumu.studio.place import Place
+from rumu.studio.storage import Storage
 from rumu.web.rate_limits import RateLimitSettings
 
 MIB = 2**20
@@ -25,14 +25,14 @@ class BodyLimits:
 class ServiceSettings:
     """How a service runs.
 
-    place: the gallery's database and files.
+    storage: the gallery's database and files.
     processes: that make marks; 0 makes them in threads, None as many as there are cores, 4 at most.
     secure: whether cookies are sent over https only.
     prepare: whether thumbnails and samples are made at the first start.
     static: folder of the built pages.
     """
 
-    place: Place
+    storage: Storage
     processes: int | None = None
     secure: bool = False
     prepare: bool = True

@@ -124,7 +124,7 @@ class AttemptRead(Schema):
     @model_validator(mode="before")
     @classmethod
     def _flatten(cls, shown: Any) -> Any:
-        """From a studio.attempts.Shown; one that is Extended may have `residual`, which lists leave out."""
+        """From AttemptDetails; one that is Extended may have `residual`, which lists leave out."""
         attempt = shown.attempt
         url = f"/api/attempts/{attempt.id}"
         return Extended(

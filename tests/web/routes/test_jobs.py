@@ -11,7 +11,7 @@ import zipfile
 import pytest
 
 from rumu.gallery.starter import starter_works
-from rumu.studio import handlers
+from rumu.studio import job_handlers
 
 
 def zipped(files):
@@ -92,15 +92,15 @@ def test_a_job_is_told_step_by_step_and_can_be_stopped(own_world, shelf, monkeyp
     teacher, other, owner = world.browser("林"), world.browser("陳"), world.browser("館主")
     going = threading.Event()
 
-    def slow(gallery, payload, progress, place):
+    def slow(gallery, payload, progress, storage):
         for k in range(1000):
-            progress.told = 0.0
+            progress.reported = 0.0
             progress(k, 1000, f"step {k}")
             going.set()
             time.sleep(0.02)
         return {}
 
-    monkeypatch.setitem(handlers.HANDLERS, "import", slow)
+    monkeypatch.setitem(job_handlers.HANDLERS, "import", slow)
     job_id = sent(teacher, shelf).json()["job"]["id"]
     told = []
     listener = threading.Thread(target=lambda: told.extend(events(owner, job_id)))

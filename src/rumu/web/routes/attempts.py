@@ -12,7 +12,7 @@ from rumu.database.tables import Attempt
 from rumu.gallery.assets import picture_assets
 from rumu.gallery.derived import viewer_facts_of
 from rumu.studio import attempts
-from rumu.studio.access import seen_attempt
+from rumu.studio.access import find_visible_attempt
 from rumu.studio.errors import Missing
 from rumu.studio.people import Identity
 from rumu.studio.pictures import media_type
@@ -40,7 +40,7 @@ def list_attempts(
 ) -> dict[str, Any]:
     """The newest first: a pupil's own; for a teacher their pupils'; for an owner all."""
     with service.gallery.database.reading() as session:
-        items, total = attempts.listed(
+        items, total = attempts.list_attempts(
             session, user, work_id=work, person_id=person, task_id=task, offset=offset, limit=limit
         )
     return {"total": total, "items": items}
@@ -50,8 +50,8 @@ def list_attempts(
 def get_attempt(service: ServiceDep, user: CurrentUser, attempt_id: PathId) -> Extended:
     """One attempt, with its residual points."""
     with service.gallery.database.reading() as session:
-        row = seen_attempt(session, attempt_id, who=user)
-        (shown,) = attempts.shown(session, [row])
+        row = find_visible_attempt(session, attempt_id, who=user)
+        (shown,) = attempts.attempt_details(session, [row])
     return Extended(shown, residual=attempts.residual(service.gallery.store, row))
 
 
@@ -110,7 +110,7 @@ def set_teacher_mark(
 
 def _find_attempt(service: Service, user: Identity, attempt_id: str) -> Attempt:
     with service.gallery.database.reading() as session:
-        return seen_attempt(session, attempt_id, who=user)
+        return find_visible_attempt(session, attempt_id, who=user)
 
 
 def _stored_file(request: Request, service: Service, key: str) -> Response:

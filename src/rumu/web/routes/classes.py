@@ -12,8 +12,8 @@ from rumu.database.tables import Invitation, Person, SchoolClass, Task, Work, no
 from rumu.report.wording import kind_name
 from rumu.studio import classes
 from rumu.studio.errors import NotAllowed, Unusable
+from rumu.studio.marks_export import given_marks, marks_csv, marks_zip
 from rumu.studio.people import Identity
-from rumu.studio.teacher_table import given_marks, marks_csv, marks_zip
 from rumu.web.dependencies import CurrentUser, PathId, ServiceDep, TeacherUser
 from rumu.web.responses import csv_response, download_response
 from rumu.web.schemas import Extended
@@ -28,7 +28,7 @@ def list_classes(service: ServiceDep, user: CurrentUser) -> list[Extended]:
     """The classes that the user teaches or learns in; for an owner all."""
     with service.gallery.database.reading() as session:
         rows = classes.classes(session, user)
-        counts = classes.counts(session, [row.id for row in rows])
+        counts = classes.count_members(session, [row.id for row in rows])
     return [Extended(row, pupils=counts[row.id][0], tasks=counts[row.id][1]) for row in rows]
 
 
@@ -44,7 +44,7 @@ def add_class(service: ServiceDep, user: TeacherUser, school_class: ClassCreate)
 def get_class(service: ServiceDep, user: CurrentUser, class_id: PathId) -> Extended:
     """A class: its pupils for its teacher, its tasks for all in it."""
     with service.gallery.database.reading() as session:
-        row = classes.found(session, SchoolClass, class_id, who=user)
+        row = classes.find_row(session, SchoolClass, class_id, who=user)
         unused = Invitation.class_id == class_id, Invitation.used.is_(None), Invitation.expires > now()
         links = session.scalars(select(Invitation).where(*unused).order_by(Invitation.created)).all()
         return Extended(
@@ -75,8 +75,8 @@ def delete_class(service: ServiceDep, user: TeacherUser, class_id: PathId) -> No
 def remove_pupil(service: ServiceDep, user: TeacherUser, class_id: PathId, person_id: PathId) -> None:
     """Take a pupil out of a class."""
     with service.gallery.database.writing() as session:
-        classes.found(session, SchoolClass, class_id, who=user, to_teach=True)
-        classes.take_out(session, class_id, person_id)
+        classes.find_row(session, SchoolClass, class_id, who=user, to_teach=True)
+        classes.remove_pupil(session, class_id, person_id)
 
 
 @router.post("/api/classes/{class_id}/tasks", response_model=TaskRead, status_code=201)
@@ -85,7 +85,7 @@ def add_task(service: ServiceDep, user: TeacherUser, class_id: PathId, task: Tas
     if task.due is not None and task.due.tzinfo is None:
         raise Unusable("due", zh="期限要帶時區。", en="Expected the day with its time zone.")
     with service.gallery.database.writing() as session:
-        school_class = classes.found(session, SchoolClass, class_id, who=user, to_teach=True)
+        school_class = classes.find_row(session, SchoolClass, class_id, who=user, to_teach=True)
         row = classes.add_task(
             session, school_class, work_id=task.work, title=task.title, note=task.note, due=task.due
         )
@@ -96,18 +96,18 @@ def add_task(service: ServiceDep, user: TeacherUser, class_id: PathId, task: Tas
 def delete_task(service: ServiceDep, user: TeacherUser, task_id: PathId) -> None:
     """Delete a task; the attempts at it stay."""
     with service.gallery.database.writing() as session:
-        session.delete(classes.found(session, Task, task_id, who=user, to_teach=True))
+        session.delete(classes.find_row(session, Task, task_id, who=user, to_teach=True))
 
 
 @router.get("/api/tasks/{task_id}", response_model=TaskTable)
 def get_task(service: ServiceDep, user: CurrentUser, task_id: PathId) -> dict[str, Any]:
     """The results of a task: a row for each pupil, and common remarks; for a pupil their own row."""
     with service.gallery.database.reading() as session:
-        task = classes.found(session, Task, task_id, who=user)
+        task = classes.find_row(session, Task, task_id, who=user)
         remarks = classes.common_remarks(session, task, who=user)
         return {
             "task": _with_work(session, task),
-            "rows": classes.table(session, task, who=user),
+            "rows": classes.task_table(session, task, who=user),
             "common": [Extended(remark, **kind_name(remark.kind)._asdict()) for remark in remarks],
         }
 
@@ -116,7 +116,7 @@ def get_task(service: ServiceDep, user: CurrentUser, task_id: PathId) -> dict[st
 def get_task_marks_csv(service: ServiceDep, user: TeacherUser, task_id: PathId) -> Response:
     """The teacher's own marks of a task: image, reference, mark. The paths are those of marks.zip."""
     with service.gallery.database.reading() as session:
-        classes.found(session, Task, task_id, who=user, to_teach=True)
+        classes.find_row(session, Task, task_id, who=user, to_teach=True)
         text = marks_csv(given_marks(session, user, task_id=task_id))
     return csv_response(text, "marks.csv")
 
@@ -125,7 +125,7 @@ def get_task_marks_csv(service: ServiceDep, user: TeacherUser, task_id: PathId) 
 def get_task_marks_zip(service: ServiceDep, user: TeacherUser, task_id: PathId) -> Response:
     """marks.csv with the pictures that it names, as `rumu calibrate` reads it."""
     with service.gallery.database.reading() as session:
-        classes.found(session, Task, task_id, who=user, to_teach=True)
+        classes.find_row(session, Task, task_id, who=user, to_teach=True)
     return _marks_zip(service, user, task_id)
 
 

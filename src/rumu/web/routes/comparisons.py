@@ -6,7 +6,7 @@ from fastapi import APIRouter, Response
 
 from rumu.database.tables import Comparison
 from rumu.studio import attempts, comparisons
-from rumu.studio.practice import written
+from rumu.studio.practice import to_csv
 from rumu.web.dependencies import CurrentUser, QueryId, ServiceDep, TeacherUser
 from rumu.web.responses import csv_response
 from rumu.web.schemas import Extended
@@ -26,7 +26,7 @@ def get_next_pair(
         pair = comparisons.next_pair(session, user, work_id=work)
         if pair is None:
             return None
-        left, right = attempts.shown(session, [pair.left, pair.right])
+        left, right = attempts.attempt_details(session, [pair.left, pair.right])
     return Extended(pair, work=left.work, left=left, right=right)
 
 
@@ -42,4 +42,4 @@ def get_comparisons_csv(service: ServiceDep, user: TeacherUser) -> Response:
     """All judgements for an owner; for a teacher their own and their pupils'. Judges are given by id."""
     with service.gallery.database.reading() as session:
         rows = comparisons.verdicts(session, user)
-    return csv_response(written(COLUMNS, rows), "comparisons.csv")
+    return csv_response(to_csv(COLUMNS, rows), "comparisons.csv")

@@ -11,7 +11,7 @@ from fastapi.responses import JSONResponse, RedirectResponse
 from rumu.errors import GalleryError
 from rumu.gallery.iiif import collection_manifest, manifest
 from rumu.gallery.iiif_image import BadImageRequest, image_info
-from rumu.studio import worker
+from rumu.studio import worker_tasks
 from rumu.studio.errors import Missing
 from rumu.web.dependencies import PathId, ServiceDep
 from rumu.web.files import FileContent
@@ -74,7 +74,7 @@ def get_image_part(
     if etag not in requested_etags(request.headers):
         try:
             data, kind = service.workers.ask(
-                worker.image_part,
+                worker_tasks.image_part,
                 work_id=work_id,
                 words=(region, size, rotation, quality, ending),
             )

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Depends, File, Form, UploadFile
 
 from rumu.database.tables import new_id
-from rumu.studio import jobs, worker
+from rumu.studio import job_queue, worker_tasks
 from rumu.studio.errors import Unusable
-from rumu.studio.handlers import upload_key
+from rumu.studio.job_handlers import upload_key
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import folder_name
 from rumu.web.dependencies import CleanText, ServiceDep, ShortText, TeacherUser
@@ -64,7 +64,7 @@ def add_work(
     service.rate_limiter.hit(service.settings.rate_limits.uploads, "uploads", user.id)
     data = picture.file.read()
     format_of(data)
-    work_id = service.workers.ask(worker.add_work, data=data, facts=facts, spacing=spacing)
+    work_id = service.workers.ask(worker_tasks.add_work, data=data, facts=facts, spacing=spacing)
     return work_details(service, find_work(service, work_id))
 
 
@@ -90,6 +90,6 @@ def import_zip(
     service.gallery.store.write(key, archive.file)
     payload = {"upload": key, "facts": facts, "name": folder_name(archive.filename or "")}
     with service.gallery.database.writing() as session:
-        job = jobs.add(session, "import", payload, person_id=user.id, job_id=job_id)
+        job = job_queue.add(session, "import", payload, person_id=user.id, job_id=job_id)
     service.runner.wake()
     return {"job": job}

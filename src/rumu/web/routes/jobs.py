@@ -13,7 +13,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import StreamingResponse
 
 from rumu.database.tables import Job
-from rumu.studio import jobs
+from rumu.studio import job_queue
 from rumu.studio.people import Identity
 from rumu.web.dependencies import CurrentUser, PathId, ServiceDep
 from rumu.web.service import Service
@@ -28,14 +28,14 @@ _HEARTBEAT = 15.0  # seconds of silence after which a comment is sent, so that n
 def get_job(service: ServiceDep, user: CurrentUser, job_id: PathId) -> Job:
     """The job and its progress."""
     with service.gallery.database.reading() as session:
-        return jobs.found(session, job_id, who=user)
+        return job_queue.find_job(session, job_id, who=user)
 
 
 @router.post("/api/jobs/{job_id}/cancel", response_model=JobRead)
 def cancel_job(service: ServiceDep, user: CurrentUser, job_id: PathId) -> Job:
     """Stop a job; what it has done stays."""
     with service.gallery.database.writing() as session:
-        return jobs.cancel(session, job_id, who=user)
+        return job_queue.cancel(session, job_id, who=user)
 
 
 @router.get("/api/jobs/{job_id}/events", response_class=StreamingResponse)
@@ -56,7 +56,7 @@ async def _events(request: Request, service: Service, user: Identity, job_id: st
         if job != last:
             last, sent = job, time.monotonic()
             yield f"data: {json.dumps(job, ensure_ascii=False)}\n\n"
-        if row.state in jobs.FINISHED:
+        if row.state in job_queue.FINISHED:
             return
         if time.monotonic() - sent > _HEARTBEAT:
             sent = time.monotonic()

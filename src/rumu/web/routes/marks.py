@@ -9,9 +9,9 @@ from anyio.to_thread import run_sync
 from fastapi import APIRouter, File, Form, Request, UploadFile
 
 from rumu.database.tables import Attempt, Person, now
-from rumu.studio import attempts, worker
+from rumu.studio import attempts, worker_tasks
 from rumu.studio.people import Identity
-from rumu.studio.pictures import MOST_BYTES, looked_at
+from rumu.studio.pictures import MAX_BYTES, check_picture
 from rumu.web.dependencies import Id, OptionalUser, ServiceDep
 from rumu.web.error_handlers import LoginNeededError
 from rumu.web.routes.works import find_work
@@ -46,7 +46,7 @@ async def add_mark(
     picture: Annotated[UploadFile, File(description="PNG or JPEG of the cell, 10 MB and 24 MP at most.")],
     kind: Annotated[Literal["pen", "photo"], Form()] = "photo",
     grid: Annotated[Literal["mi", "jiu", "tian", ""], Form()] = "",
-    strokes: Annotated[str | None, Form(max_length=attempts.MOST_STROKES)] = None,
+    strokes: Annotated[str | None, Form(max_length=attempts.MAX_STROKES)] = None,
     task: Annotated[Id | None, Form()] = None,
     keep: Annotated[bool, Form()] = True,
 ) -> Extended:
@@ -68,17 +68,17 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
     if copy.task is not None and user is not None:
         with service.gallery.database.reading() as session:
             attempts.task_for(session, copy.task, who=user, work_id=master.id)
-    strokes = attempts.checked_strokes(copy.strokes) if copy.strokes and copy.kind == "pen" else None
-    data = copy.picture.read(MOST_BYTES + 1)
-    looked_at(data)
+    strokes = attempts.check_strokes(copy.strokes) if copy.strokes and copy.kind == "pen" else None
+    data = copy.picture.read(MAX_BYTES + 1)
+    check_picture(data)
     marked = service.workers.ask(
-        worker.mark, data=data, work_id=master.id, digest=master.digest, script=master.script
+        worker_tasks.mark, data=data, work_id=master.id, digest=master.digest, script=master.script
     )
     if not copy.keep or user is None:
         attempt = Attempt(kind=copy.kind, grid=copy.grid, created=now(), mark=marked.facts)
         person = None if user is None else Person(id=user.id, name=user.name)
-        return Extended(attempts.Shown(attempt, master, person, ()), residual=marked.residual)
-    attempt = attempts.keep(
+        return Extended(attempts.AttemptDetails(attempt, master, person, ()), residual=marked.residual)
+    attempt = attempts.add_attempt(
         service.gallery,
         marked,
         work_id=master.id,
@@ -89,5 +89,5 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
         task_id=copy.task,
     )
     with service.gallery.database.reading() as session:
-        (shown,) = attempts.shown(session, [attempt])
+        (shown,) = attempts.attempt_details(session, [attempt])
     return Extended(shown, residual=marked.residual)

@@ -10,8 +10,7 @@ from fastapi import APIRouter, Path, Request, Response
 from rumu import __version__
 from rumu.database.tables import Person
 from rumu.studio import invitations, people
-from rumu.studio.passwords import outdated
-from rumu.studio.people import LANGUAGES
+from rumu.studio.people import HASHER, LANGUAGES
 from rumu.studio.tickets import Ticket
 from rumu.web.dependencies import CurrentUser, OwnerUser, PathId, ServiceDep, TicketDep, set_session_cookie
 from rumu.web.error_handlers import WrongLoginError
@@ -52,10 +51,10 @@ def log_in(
     """Log in; the session and its token change."""
     _limit_logins(request, service, credentials)
     with service.gallery.database.reading() as session:
-        person = people.known_by(session, name=credentials.name, password=credentials.password)
+        person = people.authenticate(session, name=credentials.name, password=credentials.password)
     if person is None:
         raise WrongLoginError
-    if person.password is not None and outdated(person.password):
+    if person.password is not None and HASHER.check_needs_rehash(person.password):
         with service.gallery.database.writing() as session:
             people.renew_hash(session, person.id, password=credentials.password)
     return _start_session(request, response, service, person)
@@ -103,7 +102,7 @@ def get_invitation(request: Request, service: ServiceDep, token: Token) -> dict[
     """What a link is for."""
     service.rate_limiter.hit(service.settings.rate_limits.login, "invitation", client_address(request))
     with service.gallery.database.reading() as session:
-        row, school_class = invitations.looked_at(session, token)
+        row, school_class = invitations.find_invitation(session, token)
     return {"role": row.role, "class": school_class, "expires": row.expires}
 
 
@@ -122,7 +121,7 @@ def accept_invitation(
 def list_people(service: ServiceDep, user: OwnerUser) -> Sequence[Person]:
     """Everybody with a login."""
     with service.gallery.database.reading() as session:
-        return people.everybody(session)
+        return people.list_people(session)
 
 
 @people_router.patch("/api/people/{person_id}", response_model=PersonRead)
@@ -148,7 +147,7 @@ def _start_session(
 ) -> dict[str, Any]:
     """A new session. person: None for a visitor's."""
     person_id, epoch = (None, 0) if person is None else (person.id, person.epoch)
-    ticket = service.tickets.fresh(person_id=person_id, epoch=epoch)
+    ticket = service.tickets.create(person_id=person_id, epoch=epoch)
     set_session_cookie(request, response, service, ticket)
     return _session_facts(service, ticket)
 

@@ -8,8 +8,8 @@ from fastapi import APIRouter, Query, Response
 
 from rumu.gallery.derived import derived
 from rumu.studio import practice
-from rumu.studio.access import seen_person
-from rumu.studio.printing import Sheet, practice_pdf, shown_attempts
+from rumu.studio.access import find_visible_person
+from rumu.studio.practice_pdf import PracticeSheet, practice_pdf, printed_attempts
 from rumu.web.dependencies import ID_PATTERN, CurrentUser, QueryId, ServiceDep
 from rumu.web.responses import csv_response, download_response
 from rumu.web.schemas import Extended, LanguageName
@@ -23,7 +23,7 @@ WorkId = Annotated[str, Query(pattern=ID_PATTERN, examples=["regular-shui"])]
 def get_practice(service: ServiceDep, user: CurrentUser, person: QueryId = None) -> dict[str, Any]:
     """A person's curves, one for each work. person: by default the current user."""
     with service.gallery.database.reading() as session:
-        learner = seen_person(session, person or user.id, who=user)
+        learner = find_visible_person(session, person or user.id, who=user)
         curves = practice.curves(session, learner.id)
     return {"person": learner, "works": [_with_scores(curve) for curve in curves]}
 
@@ -43,8 +43,8 @@ def _with_scores(curve: practice.Curve) -> Extended:
 def get_practice_csv(service: ServiceDep, user: CurrentUser, person: QueryId = None) -> Response:
     """All attempts of a person, one in each row."""
     with service.gallery.database.reading() as session:
-        learner = seen_person(session, person or user.id, who=user)
-        text = practice.as_csv(session, learner.id)
+        learner = find_visible_person(session, person or user.id, who=user)
+        text = practice.attempts_csv(session, learner.id)
     return csv_response(text, "practice.csv")
 
 
@@ -58,12 +58,12 @@ def get_practice_pdf(
 ) -> Response:
     """The practice of one work as a sheet to print."""
     with service.gallery.database.reading() as session:
-        learner = seen_person(session, person or user.id, who=user)
+        learner = find_visible_person(session, person or user.id, who=user)
         curve = practice.curve(session, learner.id, work_id=work)
     store = service.gallery.store
-    pictures = {one.id: store.read(one.picture) for one in shown_attempts(curve)}
+    pictures = {one.id: store.read(one.picture) for one in printed_attempts(curve)}
     master = derived(service.gallery, work, "picture").data
-    pdf = practice_pdf(Sheet(learner.name, curve, master, pictures, language))
+    pdf = practice_pdf(PracticeSheet(learner.name, curve, master, pictures, language))
     return download_response(
         pdf, media_type="application/pdf", filename=f"practice-{work}.pdf", disposition="inline"
     )

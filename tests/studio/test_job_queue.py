@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 
@@ -9,16 +10,17 @@ import pytest
 
 from rumu.database.tables import Job
 from rumu.errors import GalleryError
-from rumu.studio import handlers, jobs
+from rumu.studio import job_handlers, job_queue, worker_tasks
 from rumu.studio.errors import Missing, NotAllowed, Unusable
-from rumu.studio.place import Place
-from rumu.studio.workers import Workers
+from rumu.studio.job_runner import JobRunner
+from rumu.studio.storage import Storage
+from rumu.studio.worker_pool import WorkerPool
 
 
 @pytest.fixture
 def handler(monkeypatch):
     def put(work):
-        monkeypatch.setitem(handlers.HANDLERS, "test", work)
+        monkeypatch.setitem(job_handlers.HANDLERS, "test", work)
 
     return put
 
@@ -27,7 +29,7 @@ def handler(monkeypatch):
 def queued(gallery):
     def put(payload=None, person_id=None):
         with gallery.database.writing() as session:
-            return jobs.add(session, "test", payload or {}, person_id=person_id).id
+            return job_queue.add(session, "test", payload or {}, person_id=person_id).id
 
     return put
 
@@ -37,17 +39,17 @@ def row(gallery, job_id) -> Job:
         return session.get_one(Job, job_id)
 
 
-def done(gallery, place, work_id):
-    assert jobs.take(gallery.database) == work_id
-    jobs.perform(gallery, work_id, place=place)
+def done(gallery, storage, work_id):
+    assert job_queue.take(gallery.database) == work_id
+    job_handlers.run_job(gallery, work_id, storage=storage)
     return row(gallery, work_id)
 
 
-def test_a_job_is_done_and_says_so(gallery, place, handler, queued):
-    handler(lambda gallery, payload, progress, place: (progress(1, 2), {"twice": 2 * payload["n"]})[1])
-    job = done(gallery, place, queued({"n": 21}))
+def test_a_job_is_done_and_says_so(gallery, storage, handler, queued):
+    handler(lambda gallery, payload, progress, storage: (progress(1, 2), {"twice": 2 * payload["n"]})[1])
+    job = done(gallery, storage, queued({"n": 21}))
     assert (job.state, job.result, job.tries, job.done, job.total) == ("done", {"twice": 42}, 1, 2, 2)
-    assert jobs.take(gallery.database) is None
+    assert job_queue.take(gallery.database) is None
 
 
 @pytest.mark.parametrize(
@@ -64,7 +66,7 @@ def test_a_job_is_done_and_says_so(gallery, place, handler, queued):
         ),
     ],
 )
-def test_a_job_that_fails_says_why_and_the_next_goes_on(gallery, place, handler, queued, failure):
+def test_a_job_that_fails_says_why_and_the_next_goes_on(gallery, storage, handler, queued, failure):
     error, told = failure
 
     def fails(*_):
@@ -72,60 +74,65 @@ def test_a_job_that_fails_says_why_and_the_next_goes_on(gallery, place, handler,
 
     handler(fails)
     first, second = queued(), queued()
-    job = done(gallery, place, first)
+    job = done(gallery, storage, first)
     assert (job.state, (job.error_zh, job.error_en)) == ("failed", told)
     handler(lambda *_: {})
-    assert done(gallery, place, second).state == "done"
+    assert done(gallery, storage, second).state == "done"
 
 
-def test_what_was_cut_off_is_done_again_but_not_for_ever(gallery, place, handler, queued):
+def test_what_was_cut_off_is_done_again_but_not_for_ever(gallery, storage, handler, queued):
     job_id = queued()
-    for _ in range(jobs.MOST_TRIES):
-        assert jobs.take(gallery.database) == job_id  # and the server dies
-        jobs.take_up(gallery.database)
+    for _ in range(job_queue.MAX_TRIES):
+        assert job_queue.take(gallery.database) == job_id  # and the server dies
+        job_queue.requeue_interrupted(gallery.database)
     assert row(gallery, job_id).state == "failed" and "cut off" in row(gallery, job_id).error_en
     handler(lambda *_: {"whole": True})
     job_id = queued()
-    jobs.take(gallery.database)
-    assert jobs.take_up(gallery.database) == 1
-    assert done(gallery, place, job_id).result == {"whole": True}
+    job_queue.take(gallery.database)
+    assert job_queue.requeue_interrupted(gallery.database) == 1
+    assert done(gallery, storage, job_id).result == {"whole": True}
 
 
-def test_a_cancelled_job_stops_at_its_next_step(gallery, place, handler, queued, person):
+def test_a_cancelled_job_stops_at_its_next_step(gallery, storage, handler, queued, person):
     owner = person("館主", "owner")
     steps = []
 
-    def long(gallery, payload, progress, place):
+    def long(gallery, payload, progress, storage):
         for k in range(100):
             steps.append(k)
             if k == 3:
                 with gallery.database.writing() as session:
-                    jobs.cancel(session, job_id, who=owner)
-                progress.told = 0.0
+                    job_queue.cancel(session, job_id, who=owner)
+                progress.reported = 0.0
             progress(k, 100)
         return {}
 
     handler(long)
     job_id = queued()
-    job = done(gallery, place, job_id)
+    job = done(gallery, storage, job_id)
     assert job.state == "cancelled" and len(steps) == 4
     with gallery.database.writing() as session, pytest.raises(NotAllowed):
-        jobs.cancel(session, job_id, who=owner)
+        job_queue.cancel(session, job_id, who=owner)
 
 
 def test_a_job_is_its_owner_s(gallery, queued, person):
     lin, wu, owner = person("林", "teacher"), person("吳", "teacher"), person("館主", "owner")
     job_id = queued(person_id=lin.id)
     with gallery.database.reading() as session:
-        assert jobs.found(session, job_id, who=lin).id == jobs.found(session, job_id, who=owner).id
+        assert (
+            job_queue.find_job(session, job_id, who=lin).id
+            == job_queue.find_job(session, job_id, who=owner).id
+        )
         with pytest.raises(Missing):
-            jobs.found(session, job_id, who=wu)
+            job_queue.find_job(session, job_id, who=wu)
 
 
-def test_the_runner_works_through_the_queue_when_woken(gallery, place: Place, handler, queued):
+def test_the_runner_works_through_the_queue_when_woken(gallery, storage: Storage, handler, queued):
     handler(lambda *_: {"thread": threading.current_thread().name})
-    workers = Workers(place, processes=0)
-    runner = jobs.Runner(gallery.database, workers)
+    workers = WorkerPool(storage, processes=0)
+    runner = JobRunner(
+        gallery.database, lambda job_id: workers.ask(worker_tasks.run_job, job_id=job_id, patience=math.inf)
+    )
     runner.start()
     try:
         ids = [queued() for _ in range(3)]

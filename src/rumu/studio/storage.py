@@ -1,4 +1,4 @@
-"""Where a gallery lies, in words that another process can open it by."""
+"""Where a gallery is stored, in words by which another process can open it too."""
 
 from __future__ import annotations
 
@@ -12,9 +12,12 @@ from rumu.gallery.store import Store
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """database: a file of SQLite or a URL. files: a folder or a URL of fsspec. calibration: a file that
-    `rumu calibrate` wrote, None for the panel that ships with rumu."""
+class Storage:
+    """Addresses of a gallery's database and files.
+
+    database: an SQLite file or a URL. files: a folder or an fsspec URL. calibration: a file that
+    `rumu calibrate` wrote, None for the calibration that ships with rumu.
+    """
 
     database: str
     files: str
@@ -26,14 +29,14 @@ class Place:
         database: str | Path | None = None,
         files: str | Path | None = None,
         calibration: Path | None = None,
-    ) -> Place:
-        """As given, else as RUMU_DATABASE and RUMU_FILES say, else in RUMU_HOME."""
-        return Place(
+    ) -> Storage:
+        """Return the storage as given, else as RUMU_DATABASE and RUMU_FILES say, else in RUMU_HOME."""
+        return Storage(
             database=str(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite"),
             files=str(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
             calibration=calibration,
         )
 
     def open(self) -> Gallery:
-        """The gallery as it is; unlike `open_gallery` this puts nothing into an empty one."""
+        """Open the gallery as it is; unlike `open_gallery` this adds nothing to an empty one."""
         return Gallery(open_database(self.database), Store.open(self.files))

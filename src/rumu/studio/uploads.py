@@ -1,11 +1,11 @@
-"""Works that somebody sends in: one picture at once, a zip of many or of photographs under lamps as a job."""
+"""Uploaded works: one picture at once; a zip of many, or of photographs under lamps, as a job."""
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rumu.gallery.add_work import add_capture, add_picture, named_collection
 from rumu.gallery.archive import MANIFEST
@@ -16,21 +16,21 @@ from rumu.gallery.labels import SharedMetadata
 from rumu.gallery.masters import LABELS
 from rumu.gallery.metadata import NO_LICENCE, CollectionMetadata, WorkMetadata
 from rumu.studio.errors import Unusable
+from rumu.studio.job_queue import Progress
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import unpack
 from rumu.values import Bilingual
 
-if TYPE_CHECKING:
-    from rumu.studio.jobs import Progress
-
 TEXTS = ("title", "hand", "period", "material")
 WORDS = ("character", "script", "dynasty", "source", "licence", "attribution")
-_TOLD = 20  # pictures that were left out, told one by one
+_MAX_LISTED = 20  # left out pictures that are listed one by one
 
 
-def entry_of(facts: Mapping[str, str]) -> WorkMetadata:
-    """facts: title_zh, title_en, hand_zh, ... and WORDS; one language stands for both where the other is
-    empty."""
+def metadata_of(facts: Mapping[str, str]) -> WorkMetadata:
+    """Return the metadata of uploaded facts: title_zh, title_en, hand_zh, ... and WORDS.
+
+    Where one language is empty the other stands for both.
+    """
     texts: dict[str, Any] = {name: _both(facts, name) for name in TEXTS}
     words: dict[str, Any] = {name: facts.get(name, "") for name in WORDS}
     words["licence"] = words["licence"] or NO_LICENCE
@@ -41,21 +41,22 @@ def entry_of(facts: Mapping[str, str]) -> WorkMetadata:
 
 
 def add_work(gallery: Gallery, data: bytes, facts: Mapping[str, str], *, spacing: float | None) -> str:
-    """Keep a picture as a work; its id. Raises Unusable, ImageError or RefusedImage for what is no
-    writing."""
+    """Add a picture as a work and return its id.
+
+    Raises Unusable, ImageError or RefusedImage for what is no writing.
+    """
     method = facts.get("method") or "inflation"
     with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
         path = Path(folder) / f"picture.{format_of(data)}"
         path.write_bytes(data)
-        room = room_of(gallery, facts.get("collection", ""))
+        collection = find_or_name_collection(gallery, facts.get("collection", ""))
         return add_picture(
-            gallery, path, metadata=entry_of(facts), collection=room, method=method, spacing=spacing
+            gallery, path, metadata=metadata_of(facts), collection=collection, method=method, spacing=spacing
         ).id
 
 
-def room_of(gallery: Gallery, name: str) -> CollectionMetadata:
-    """The collection that a person named: the one of this id or title, else a new one; that of works added
-    here where nothing was named."""
+def find_or_name_collection(gallery: Gallery, name: str) -> CollectionMetadata:
+    """Return the collection of this id or title, a new one if there is none, the default one for no name."""
     for row, _ in collections(gallery):
         if name and name in (row.id, row.title_zh, row.title_en):
             return CollectionMetadata(id=row.id, title=Bilingual(row.title_zh, row.title_en))
@@ -65,12 +66,11 @@ def room_of(gallery: Gallery, name: str) -> CollectionMetadata:
 def import_zip(
     gallery: Gallery, packed: Path, facts: Mapping[str, str], *, name: str = "collection", progress: Progress
 ) -> dict[str, Any]:
-    """Put in what a zip holds: a folder with labels.csv, one that `rumu gallery export` wrote, or one
-    capture.
+    """Import a zip: a folder with labels.csv, an export of `rumu gallery export`, or one capture.
 
-    facts: collection, where its works go, and what is known of a capture. name: of the collection that
-    nothing else names, fit for a folder.
-    What is there already is counted and left as it is, so that an import can be begun again.
+    facts: the collection that its works go into, and what is known of a capture. name: of the collection when
+    nothing else names one, fit for a folder. Works that are there already are counted and left unchanged, so
+    that an import can be repeated.
     """
     with tempfile.TemporaryDirectory(prefix="rumu-") as place:
         progress(0, 0, "解開 Unpacking")
@@ -82,22 +82,22 @@ def import_zip(
                 "collections": list(done.collections),
                 "added": done.added,
                 "there": done.existing,
-                "left_out": [list(one) for one in done.left_out[:_TOLD]],
+                "left_out": [list(one) for one in done.left_out[:_MAX_LISTED]],
                 "left_out_count": len(done.left_out),
             }
         if not any(path.is_file() for path in folder.iterdir()):
             raise Unusable("no_works", zh="zip 檔是空的。", en="The zip file is empty.")
         progress(0, 0, "重建表面 Reconstructing")
-        room = room_of(gallery, facts.get("collection", ""))
-        added = add_capture(gallery, folder, metadata=entry_of(facts), collection=room)
+        collection = find_or_name_collection(gallery, facts.get("collection", ""))
+        added = add_capture(gallery, folder, metadata=metadata_of(facts), collection=collection)
         return {"work": added.id, "added": int(added.new), "there": int(not added.new)}
 
 
 def _told(gallery: Gallery, facts: Mapping[str, str]) -> SharedMetadata | None:
     if not facts.get("collection"):
         return None
-    room = room_of(gallery, facts["collection"])
-    return SharedMetadata({"id": room.id}, {"title": room.title})
+    collection = find_or_name_collection(gallery, facts["collection"])
+    return SharedMetadata({"id": collection.id}, {"title": collection.title})
 
 
 def _both(facts: Mapping[str, str], name: str) -> Bilingual:

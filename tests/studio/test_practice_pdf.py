@@ -10,9 +10,9 @@ import pypdf
 import pytest
 
 from rumu.database.tables import Attempt, Work, now
-from rumu.studio import lettering
+from rumu.studio import pdf_text
 from rumu.studio.practice import Curve
-from rumu.studio.printing import Sheet, practice_pdf, shown_attempts
+from rumu.studio.practice_pdf import PracticeSheet, practice_pdf, printed_attempts
 
 
 @pytest.fixture
@@ -38,7 +38,9 @@ def sheet(packed, cross):
             for k in range(count)
         )
         picture = packed(cross())
-        return Sheet(name, Curve(work, attempts), picture, {a.id: picture for a in attempts}, language)
+        return PracticeSheet(
+            name, Curve(work, attempts), picture, {a.id: picture for a in attempts}, language
+        )
 
     return make
 
@@ -57,12 +59,12 @@ def test_english_is_set_and_can_be_read(sheet):
 
 def test_many_attempts_and_remarks_stay_on_one_page(sheet):
     whole = sheet(count=40, remarks=9)
-    assert [a.id for a in shown_attempts(whole.curve)] == ["0", "37", "38", "39"]
+    assert [a.id for a in printed_attempts(whole.curve)] == ["0", "37", "38", "39"]
     text_of(practice_pdf(whole))
     text_of(practice_pdf(sheet(count=1, remarks=0)))
 
 
-@pytest.mark.skipif(lettering.chinese_face() is None, reason="this machine has no Chinese font")
+@pytest.mark.skipif(pdf_text.find_chinese_font() is None, reason="this machine has no Chinese font")
 def test_chinese_is_outlines_that_need_no_font(sheet):
     page = pypdf.PdfReader(io.BytesIO(practice_pdf(sheet()))).pages[0]
     fonts = {font.get_object()["/BaseFont"] for font in page["/Resources"]["/Font"].values()}
@@ -71,7 +73,7 @@ def test_chinese_is_outlines_that_need_no_font(sheet):
 
 
 def test_without_a_font_the_reader_s_own_is_asked_for(sheet, monkeypatch):
-    monkeypatch.setattr(lettering, "chinese_face", lambda: None)
+    monkeypatch.setattr(pdf_text, "find_chinese_font", lambda: None)
     page = pypdf.PdfReader(io.BytesIO(practice_pdf(sheet()))).pages[0]
     fonts = {font.get_object()["/BaseFont"] for font in page["/Resources"]["/Font"].values()}
     assert any("MSung" in font for font in fonts)
@@ -79,12 +81,12 @@ def test_without_a_font_the_reader_s_own_is_asked_for(sheet, monkeypatch):
 
 def test_lines_are_as_long_as_they_may_be():
     text = "整字向右傾斜 12°，先看範本的中軸，落筆時把重心扶正。 The whole character leans 12° clockwise."
-    folded = lettering.lines(text, 10, width=120)
+    folded = pdf_text.wrap_text(text, 10, width=120)
     assert len(folded) > 3 and "".join(folded).replace(" ", "") == text.replace(" ", "")
     for line in folded:
-        assert lettering.text_width(line, 10) <= 132 and line[0] not in "，。"
+        assert pdf_text.text_width(line, 10) <= 132 and line[0] not in "，。"
 
 
 def test_runs_tell_latin_from_the_rest():
-    assert list(lettering.runs("A 十°B")) == [(False, "A "), (True, "十"), (False, "°B")]
-    assert np.isclose(lettering.text_width("十十", 10), 20, atol=1)
+    assert list(pdf_text.split_runs("A 十°B")) == [(False, "A "), (True, "十"), (False, "°B")]
+    assert np.isclose(pdf_text.text_width("十十", 10), 20, atol=1)

@@ -1,5 +1,4 @@
-"""A person's practice of one work on a sheet of A4: master and copies, the curve, what the last copy was
-told."""
+"""A person's practice of one work as an A4 page: master, copies, curve of marks, remarks on the last copy."""
 
 from __future__ import annotations
 
@@ -11,7 +10,7 @@ from typing import Any, Literal
 
 from rumu.database.tables import Attempt
 from rumu.report.wording import LEVELS, MEANS
-from rumu.studio.lettering import draw_text, lines, text_width
+from rumu.studio.pdf_text import draw_text, text_width, wrap_text
 from rumu.studio.practice import Curve
 
 Language = Literal["zh", "en"]
@@ -43,8 +42,8 @@ _WORDS: dict[str, tuple[str, str]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Sheet:
-    """What is printed. pictures: of the master and of attempts by their ids, as encoded files."""
+class PracticeSheet:
+    """What is printed; pictures are encoded files, those of attempts by their ids."""
 
     name: str
     curve: Curve
@@ -53,14 +52,14 @@ class Sheet:
     language: Language = "zh"
 
 
-def shown_attempts(curve: Curve) -> tuple[Attempt, ...]:
-    """Those whose pictures are printed: the first and the latest."""
+def printed_attempts(curve: Curve) -> tuple[Attempt, ...]:
+    """Return the attempts whose pictures are printed: the first and the latest."""
     attempts = curve.attempts
     return attempts if len(attempts) <= _SHOWN else (attempts[0], *attempts[-(_SHOWN - 1) :])
 
 
-def practice_pdf(sheet: Sheet) -> bytes:
-    """The sheet as a PDF of one page."""
+def practice_pdf(sheet: PracticeSheet) -> bytes:
+    """Return the sheet as a PDF of one page."""
     from reportlab.pdfgen.canvas import Canvas
 
     stream = io.BytesIO()
@@ -77,16 +76,16 @@ def practice_pdf(sheet: Sheet) -> bytes:
     return stream.getvalue()
 
 
-def _word(name: str, sheet: Sheet) -> str:
+def _word(name: str, sheet: PracticeSheet) -> str:
     return _WORDS[name][sheet.language == "en"]
 
 
-def _title(sheet: Sheet) -> str:
+def _title(sheet: PracticeSheet) -> str:
     work = sheet.curve.work
     return work.title_en if sheet.language == "en" else work.title_zh
 
 
-def _heading(canvas: Any, sheet: Sheet) -> float:
+def _heading(canvas: Any, sheet: PracticeSheet) -> float:
     y = _HEIGHT - _MARGIN - 20
     canvas.setFillColorRGB(*_INK)
     draw_text(canvas, _MARGIN, y, f"{_word('title', sheet)} · {_title(sheet)}", 19, bold=True)
@@ -95,22 +94,22 @@ def _heading(canvas: Any, sheet: Sheet) -> float:
     scores = sheet.curve.scores
     best = f"  ·  {_word('best', sheet)} {max(scores):.0f}" if scores else ""
     canvas.setFillColorRGB(*_GREY)
-    told = f"{sheet.name}  ·  {hand}  ·  {len(sheet.curve.attempts)} {_word('copies', sheet)}{best}"
-    draw_text(canvas, _MARGIN, y - 20, told, 10)
+    label = f"{sheet.name}  ·  {hand}  ·  {len(sheet.curve.attempts)} {_word('copies', sheet)}{best}"
+    draw_text(canvas, _MARGIN, y - 20, label, 10)
     return y - 36
 
 
-def _cells(canvas: Any, sheet: Sheet, y: float) -> float:
+def _cells(canvas: Any, sheet: PracticeSheet, y: float) -> float:
     """The master, then the first and the latest copies, each with its mark below."""
     _cell(canvas, _MARGIN, y, sheet.master, _word("master", sheet), red=True)
-    for k, attempt in enumerate(shown_attempts(sheet.curve), start=1):
+    for k, attempt in enumerate(printed_attempts(sheet.curve), start=1):
         x = _MARGIN + k * (_CELL + _GAP)
-        told = f"{attempt.created:%m-%d}  {_score(attempt, sheet)}"
-        _cell(canvas, x, y, sheet.pictures.get(attempt.id), told)
+        label = f"{attempt.created:%m-%d}  {_score(attempt, sheet)}"
+        _cell(canvas, x, y, sheet.pictures.get(attempt.id), label)
     return y - _CELL - 34
 
 
-def _cell(canvas: Any, x: float, y: float, picture: bytes | None, told: str, *, red: bool = False) -> None:
+def _cell(canvas: Any, x: float, y: float, picture: bytes | None, label: str, *, red: bool = False) -> None:
     from reportlab.lib.utils import ImageReader
 
     if picture is not None:
@@ -121,10 +120,10 @@ def _cell(canvas: Any, x: float, y: float, picture: bytes | None, told: str, *, 
     canvas.setLineWidth(0.8)
     canvas.rect(x, y - _CELL, _CELL, _CELL)
     canvas.setFillColorRGB(*_GREY)
-    draw_text(canvas, x + (_CELL - text_width(told, 8.5)) / 2, y - _CELL - 12, told, 8.5)
+    draw_text(canvas, x + (_CELL - text_width(label, 8.5)) / 2, y - _CELL - 12, label, 8.5)
 
 
-def _plot(canvas: Any, sheet: Sheet, y: float) -> float:
+def _plot(canvas: Any, sheet: PracticeSheet, y: float) -> float:
     """Marks over attempts with their intervals, 0 to 100."""
     _caption(canvas, _word("curve", sheet), y)
     low, high, left, right = y - 148.0, y - 16.0, _MARGIN + 22.0, _WIDTH - _MARGIN
@@ -160,7 +159,7 @@ def _plot(canvas: Any, sheet: Sheet, y: float) -> float:
     return low - 26
 
 
-def _table(canvas: Any, sheet: Sheet, y: float) -> float:
+def _table(canvas: Any, sheet: PracticeSheet, y: float) -> float:
     columns = (("date", 0.0), ("score", 120.0), ("interval", 190.0), ("level", 290.0), ("kind", 380.0))
     for name, x in columns:
         _caption(canvas, _word(name, sheet), y, x=_MARGIN + x)
@@ -168,8 +167,8 @@ def _table(canvas: Any, sheet: Sheet, y: float) -> float:
     for attempt in reversed(attempts[-_ROWS:]):
         y -= 14
         canvas.setFillColorRGB(*_INK)
-        for (_, x), told in zip(columns, _row(attempt, sheet), strict=True):
-            draw_text(canvas, _MARGIN + x, y, told, 9)
+        for (_, x), text in zip(columns, _row(attempt, sheet), strict=True):
+            draw_text(canvas, _MARGIN + x, y, text, 9)
     if len(attempts) > _ROWS:
         y -= 14
         canvas.setFillColorRGB(*_GREY)
@@ -177,7 +176,7 @@ def _table(canvas: Any, sheet: Sheet, y: float) -> float:
     return y - 28
 
 
-def _row(attempt: Attempt, sheet: Sheet) -> Sequence[str]:
+def _row(attempt: Attempt, sheet: PracticeSheet) -> Sequence[str]:
     interval = attempt.mark.get("interval")
     between = "" if interval is None else f"{interval[0]:.0f} – {interval[1]:.0f}"
     names = {str(level): text for level, text in LEVELS.items()}
@@ -186,13 +185,13 @@ def _row(attempt: Attempt, sheet: Sheet) -> Sequence[str]:
     return when, _score(attempt, sheet), between, level, _word(attempt.kind, sheet)
 
 
-def _remarks(canvas: Any, sheet: Sheet, y: float) -> None:
+def _remarks(canvas: Any, sheet: PracticeSheet, y: float) -> None:
     _caption(canvas, _word("remarks", sheet), y)
     mark = sheet.curve.attempts[-1].mark
     refused = mark.get("refused")
-    told = [refused[sheet.language]] if refused else [r[sheet.language] for r in mark.get("remarks", ())]
-    for text in told or [_word("no_remarks", sheet)]:
-        for k, line in enumerate(lines(text, 9.5, width=_WIDTH - 2 * _MARGIN - 12)):
+    sentences = [refused[sheet.language]] if refused else [r[sheet.language] for r in mark.get("remarks", ())]
+    for text in sentences or [_word("no_remarks", sheet)]:
+        for k, line in enumerate(wrap_text(text, 9.5, width=_WIDTH - 2 * _MARGIN - 12)):
             y -= 14
             if y < _MARGIN + 52:
                 return
@@ -202,10 +201,10 @@ def _remarks(canvas: Any, sheet: Sheet, y: float) -> None:
         y -= 3
 
 
-def _foot(canvas: Any, sheet: Sheet) -> None:
-    """What a mark means, on every sheet: it travels without the page that explains it."""
-    said = " ".join(text[sheet.language == "en"] for text in MEANS[:2])
-    folded = lines(said, 7.5, width=_WIDTH - 2 * _MARGIN)
+def _foot(canvas: Any, sheet: PracticeSheet) -> None:
+    """Print what a mark means: the sheet is read without the page that explains it."""
+    meaning = " ".join(text[sheet.language == "en"] for text in MEANS[:2])
+    folded = wrap_text(meaning, 7.5, width=_WIDTH - 2 * _MARGIN)
     canvas.setFillColorRGB(*_GREY)
     for k, line in enumerate(reversed(folded)):
         draw_text(canvas, _MARGIN, _MARGIN - 14 + 10 * k, line, 7.5)
@@ -216,5 +215,5 @@ def _caption(canvas: Any, text: str, y: float, *, x: float = _MARGIN) -> None:
     draw_text(canvas, x, y, text, 9, bold=True)
 
 
-def _score(attempt: Attempt, sheet: Sheet) -> str:
+def _score(attempt: Attempt, sheet: PracticeSheet) -> str:
     return _word("refused", sheet) if attempt.score is None else f"{attempt.score:.0f}"

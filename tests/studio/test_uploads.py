@@ -9,7 +9,7 @@ import pytest
 from rumu.gallery.archive import export_gallery
 from rumu.gallery.catalog import collections, work, works
 from rumu.gallery.starter import starter_works
-from rumu.studio.additions import add_work, import_zip
+from rumu.studio.uploads import add_work, import_zip
 
 
 @pytest.fixture

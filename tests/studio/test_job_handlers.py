@@ -5,13 +5,13 @@ from __future__ import annotations
 from rumu.database.tables import Attempt
 from rumu.gallery.starter import starter_samples
 from rumu.studio.comparisons import next_pair
-from rumu.studio.samples import put_samples, waiting
+from rumu.studio.job_handlers import add_samples, missing_samples
 
 
-def test_samples_are_put_in_once_and_labelled(gallery, place, person):
-    put = put_samples(gallery, place=place, advance=lambda done, total: None)
-    assert put == len(starter_samples()) and waiting(gallery) == []
-    assert put_samples(gallery, place=place, advance=lambda done, total: None) == 0
+def test_samples_are_put_in_once_and_labelled(gallery, storage, person):
+    put = add_samples(gallery, storage=storage)
+    assert put == len(starter_samples()) and missing_samples(gallery) == []
+    assert add_samples(gallery, storage=storage) == 0
     with gallery.database.reading() as session:
         rows = session.query(Attempt).all()
         assert next_pair(session, person("林")) is not None

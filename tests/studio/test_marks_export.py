@@ -13,24 +13,24 @@ import pytest
 
 from rumu.database.tables import Membership, TeacherMark, Work
 from rumu.gallery.starter import starter_samples
-from rumu.studio import attempts, worker
+from rumu.studio import attempts, worker_tasks
 from rumu.studio.classes import create_class
-from rumu.studio.teacher_table import given_marks, marks_csv, marks_zip
+from rumu.studio.marks_export import given_marks, marks_csv, marks_zip
 
 MARKS = {"excellent": 95, "good": 80, "medium": 60, "bad": 30}
 
 
 @pytest.fixture
-def teacher(gallery, place, person):
+def teacher(gallery, storage, person):
     """Who marked the eight samples, as if a pupil had sent them."""
     who, pupil = person("師", "teacher"), person("林")
     for sample in starter_samples():
         with gallery.database.reading() as session:
             row = session.get_one(Work, sample.work)
-        marked = worker.mark(
-            place, data=sample.path.read_bytes(), work_id=row.id, digest=row.digest, script=row.script
+        marked = worker_tasks.mark(
+            storage, data=sample.path.read_bytes(), work_id=row.id, digest=row.digest, script=row.script
         )
-        kept = attempts.keep(gallery, marked, work_id=row.id, person_id=pupil.id, kind="photo")
+        kept = attempts.add_attempt(gallery, marked, work_id=row.id, person_id=pupil.id, kind="photo")
         with gallery.database.writing() as session:
             session.add(TeacherMark(attempt_id=kept.id, teacher_id=who.id, mark=MARKS[sample.degree]))
     with gallery.database.writing() as session:

@@ -1,9 +1,7 @@
-"""Chinese and English on a PDF page without a font file of our own.
+"""Chinese and English text on a PDF page without a font file of our own.
 
-Latin is set in Helvetica, which every reader has. Chinese is drawn as outlines of a font of this machine,
-so that the
-page prints anywhere; where the machine has none it is set in a font that readers bring themselves
-(MSung-Light).
+Latin is set in Helvetica, which every PDF reader has. Chinese is drawn as outlines of a font of this machine,
+so that the page prints anywhere; without one it is set in MSung-Light, which readers bring themselves.
 """
 
 from __future__ import annotations
@@ -19,7 +17,7 @@ import numpy as np
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
 
-_FACES = (
+_CHINESE_FONTS = (
     *(
         "NotoSansCJK-Regular.ttc",
         "NotoSansTC-Regular.otf",
@@ -36,36 +34,35 @@ _FACES = (
     *("msjh.ttc", "mingliu.ttc", "wqy-zenhei.ttc", "wqy-microhei.ttc", "uming.ttc", "ukai.ttc"),
     *("DroidSansFallbackFull.ttf", "NotoSerifCJK-Bold.ttc", "NotoSansCJK-Bold.ttc"),
 )
-_ROOMS = (
+_FONT_FOLDERS = (
     *("/usr/share/fonts", "/usr/local/share/fonts", "~/.fonts", "~/.local/share/fonts"),
     *("/System/Library/Fonts", "/Library/Fonts", "~/Library/Fonts", "C:/Windows/Fonts"),
 )
-_LATIN, _BOLD, _READERS = "Helvetica", "Helvetica-Bold", "MSung-Light"
+_LATIN, _BOLD, _READER_FONT = "Helvetica", "Helvetica-Bold", "MSung-Light"
 _EM = 1000.0
 
 
 def text_width(text: str, size: float, *, bold: bool = False) -> float:
-    """Points that `text` takes in one line."""
-    return sum(_advance(run, size, chinese=chinese, bold=bold) for chinese, run in runs(text))
+    """Return the width of a line of text in points."""
+    return sum(_advance(run, size, chinese=chinese, bold=bold) for chinese, run in split_runs(text))
 
 
 def draw_text(canvas: Canvas, x: float, y: float, text: str, size: float, *, bold: bool = False) -> float:
-    """Draw one line from (x, y) on its baseline, in the fill colour; x of its end, in points."""
-    for chinese, run in runs(text):
-        if chinese and chinese_face() is not None:
+    """Draw one line from (x, y) on its baseline in the fill colour; return the x of its end, in points."""
+    for chinese, run in split_runs(text):
+        if chinese and find_chinese_font() is not None:
             _draw_outlines(canvas, x, y, run, size)
         else:
-            canvas.setFont(_readers_font() if chinese else _BOLD if bold else _LATIN, size)
+            canvas.setFont(_register_reader_font() if chinese else _BOLD if bold else _LATIN, size)
             canvas.drawString(x, y, run)
         x += _advance(run, size, chinese=chinese, bold=bold)
     return x
 
 
-def lines(text: str, size: float, *, width: float) -> list[str]:
-    """`text` broken to `width` points: between words, and between any two Chinese characters but before a
-    stop."""
+def wrap_text(text: str, size: float, *, width: float) -> list[str]:
+    """Break text to `width` points, between words or Chinese characters, but not before a stop."""
     done, line = [], ""
-    for piece in _pieces(text):
+    for piece in _words(text):
         if (
             line
             and text_width(line + piece.rstrip(), size) > width
@@ -77,31 +74,30 @@ def lines(text: str, size: float, *, width: float) -> list[str]:
     return [*done, line.rstrip()] if line.strip() else done
 
 
-def runs(text: str) -> Iterator[tuple[bool, str]]:
-    """(whether it is beyond Latin, the part of `text`), in order."""
+def split_runs(text: str) -> Iterator[tuple[bool, str]]:
+    """Yield (whether it is beyond Latin, the part of the text), in order."""
     start = 0
     for at in range(1, len(text) + 1):
-        if at == len(text) or _beyond_latin(text[at]) != _beyond_latin(text[start]):
-            yield _beyond_latin(text[start]), text[start:at]
+        if at == len(text) or _is_beyond_latin(text[at]) != _is_beyond_latin(text[start]):
+            yield _is_beyond_latin(text[start]), text[start:at]
             start = at
 
 
 @functools.cache
-def chinese_face() -> Path | None:
-    """A font of this machine with Chinese in it: RUMU_FONT, or one of the common ones; None when there is
-    none."""
+def find_chinese_font() -> Path | None:
+    """Return a Chinese font of this machine: RUMU_FONT or a common one; None when there is none."""
     chosen = os.environ.get("RUMU_FONT")
     if chosen and Path(chosen).is_file():
         return Path(chosen)
-    rooms = [Path(room).expanduser() for room in _ROOMS]
-    found = {path.name: path for room in rooms if room.is_dir() for path in room.rglob("*.[to]t[fc]")}
-    return next((found[name] for name in _FACES if name in found), None)
+    folders = [Path(folder).expanduser() for folder in _FONT_FOLDERS]
+    found = {path.name: path for folder in folders if folder.is_dir() for path in folder.rglob("*.[to]t[fc]")}
+    return next((found[name] for name in _CHINESE_FONTS if name in found), None)
 
 
-def _pieces(text: str) -> Iterator[str]:
+def _words(text: str) -> Iterator[str]:
     word = ""
     for letter in text:
-        if _beyond_latin(letter) or letter.isspace():
+        if _is_beyond_latin(letter) or letter.isspace():
             if word:
                 yield word
             word = ""
@@ -112,7 +108,7 @@ def _pieces(text: str) -> Iterator[str]:
         yield word
 
 
-def _beyond_latin(letter: str) -> bool:
+def _is_beyond_latin(letter: str) -> bool:
     try:
         letter.encode("cp1252")
     except UnicodeEncodeError:
@@ -125,7 +121,7 @@ def _advance(run: str, size: float, *, chinese: bool, bold: bool) -> float:
 
     if not chinese:
         return float(stringWidth(run, _BOLD if bold else _LATIN, size))
-    if chinese_face() is None:
+    if find_chinese_font() is None:
         return len(run) * size
     return sum(_glyph(letter)[2] for letter in run) * size / _EM
 
@@ -141,7 +137,7 @@ def _draw_outlines(canvas: Canvas, x: float, y: float, run: str, size: float) ->
 
 
 def _trace(path: Any, points: Any, codes: Any) -> None:
-    """Move, line, curves of two and three points, close, as FreeType tells them."""
+    """Add FreeType's outline codes to a path: move, line, quadratic and cubic curves, close."""
     at, k = (0.0, 0.0), 0
     while k < len(codes):
         code = codes[k]
@@ -164,7 +160,7 @@ def _trace(path: Any, points: Any, codes: Any) -> None:
 
 @functools.lru_cache(maxsize=4000)
 def _glyph(letter: str) -> tuple[Any, Any, float]:
-    """(outline in thousandths of an em, its codes, its advance)."""
+    """Return a glyph's outline in thousandths of an em, its codes and its advance."""
     face, unhinted = _face()
     glyph = face.load_char(ord(letter), flags=unhinted)
     points, codes = face.get_path()
@@ -175,16 +171,16 @@ def _glyph(letter: str) -> tuple[Any, Any, float]:
 def _face() -> tuple[Any, Any]:
     from matplotlib import ft2font
 
-    face = ft2font.FT2Font(str(chinese_face()))
-    face.set_size(_EM, 72)  # so many pixels to the em
+    face = ft2font.FT2Font(str(find_chinese_font()))
+    face.set_size(_EM, 72)  # pixels to the em
     flags: Any = getattr(ft2font, "LoadFlags", None)
     return face, flags.NO_HINTING if flags else vars(ft2font)["LOAD_NO_HINTING"]  # before matplotlib 3.10
 
 
 @functools.cache
-def _readers_font() -> str:
+def _register_reader_font() -> str:
     from reportlab.pdfbase.cidfonts import UnicodeCIDFont
     from reportlab.pdfbase.pdfmetrics import registerFont
 
-    registerFont(UnicodeCIDFont(_READERS))
-    return _READERS
+    registerFont(UnicodeCIDFont(_READER_FONT))
+    return _READER_FONT

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from rumu.database.tables import Attempt, TeacherMark, Work
 from rumu.gallery.store import Store
 from rumu.studio.people import Identity
-from rumu.studio.practice import written
+from rumu.studio.practice import to_csv
 
 COLUMNS = ("image", "reference", "mark")
 
@@ -39,7 +39,7 @@ class GivenMark:
 
 
 def given_marks(session: Session, who: Identity, *, task_id: str | None = None) -> list[GivenMark]:
-    """The marks that this teacher gave, in order of their attempts; of one task if given."""
+    """Return the marks that this teacher gave, in order of their attempts; of one task if given."""
     wanted = (
         select(Attempt, Work, TeacherMark.mark)
         .join(TeacherMark, TeacherMark.attempt_id == Attempt.id)
@@ -53,14 +53,14 @@ def given_marks(session: Session, who: Identity, *, task_id: str | None = None) 
 
 
 def marks_csv(marks: Sequence[GivenMark]) -> str:
-    """marks.csv alone; its paths are those of the zip."""
-    return written(COLUMNS, ((one.image, one.reference, f"{one.mark:g}") for one in marks))
+    """Return marks.csv alone; its paths are those of the zip."""
+    return to_csv(COLUMNS, ((one.image, one.reference, f"{one.mark:g}") for one in marks))
 
 
 def marks_zip(store: Store, marks: Sequence[GivenMark]) -> bytes:
-    """marks.csv with every picture that it names."""
+    """Return a zip of marks.csv with every picture that it names."""
     stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as packed:  # pictures are packed already
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as packed:  # pictures are compressed already
         packed.writestr("marks.csv", marks_csv(marks))
         for one in marks:
             packed.writestr(one.image, store.read(one.attempt.picture))
@@ -70,7 +70,7 @@ def marks_zip(store: Store, marks: Sequence[GivenMark]) -> bytes:
 
 
 def _masters(store: Store, marks: Sequence[GivenMark]) -> Iterator[tuple[str, str]]:
-    """(name in the zip, key in the store), each master once."""
+    """Yield (name in the zip, key in the store), each master once."""
     for name, work in {one.reference: one.work for one in marks}.items():
         if work.surface is None:
             yield name, work.picture

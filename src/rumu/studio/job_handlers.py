@@ -1,0 +1,129 @@
+"""What each kind of job does: (gallery, payload, progress, storage) -> result. Each can be run again."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from sqlalchemy import select
+
+from rumu import pipeline
+from rumu.database.tables import Attempt, Job, Work, now
+from rumu.errors import RumuError
+from rumu.gallery import catalog
+from rumu.gallery.assets import assets_of
+from rumu.gallery.derived import derived
+from rumu.gallery.gallery import Gallery
+from rumu.gallery.starter import Sample, starter_samples
+from rumu.studio.attempts import add_attempt
+from rumu.studio.job_queue import CancelledError, Progress, failure_values, update_running
+from rumu.studio.marking import load_calibration_of, mark_copy
+from rumu.studio.storage import Storage
+from rumu.studio.uploads import import_zip
+
+Handler = Callable[[Gallery, Mapping[str, Any], Progress, Storage], dict[str, Any]]
+
+THUMBNAILS = ("thumb", "thumb-normals")
+_MAPS = ("picture", "albedo", "normals", "heights", "mask", "facts")
+_PREPARED_WORKS = 200  # works whose maps are made ahead; those of further ones are made on request
+_log = logging.getLogger(__name__)
+
+
+def run_job(gallery: Gallery, job_id: str, *, storage: Storage) -> None:
+    """Run a job that was taken and record how it ended. Raises nothing that a handler raises."""
+    database = gallery.database
+    with database.reading() as session:
+        job = session.get(Job, job_id)
+    if job is None:
+        return
+    try:
+        result = HANDLERS[job.kind](gallery, job.payload, Progress(database, job_id), storage)
+    except CancelledError:
+        values: dict[str, Any] = {"state": "cancelled"}
+    except Exception as error:  # a job that fails must not take the queue with it
+        if not isinstance(error, RumuError):
+            _log.exception("job %s of kind %s failed", job_id, job.kind)
+        values = failure_values(error)
+    else:
+        values = {"state": "done", "result": result, "done": Job.total}
+    update_running(database, job_id, values | {"changed": now()})
+    gallery.store.delete(_upload_folder(job_id))
+
+
+def upload_key(job_id: str, ending: str) -> str:
+    """Return the key under which a job's upload is stored until the job ends."""
+    return f"{_upload_folder(job_id)}/sent{ending}"
+
+
+def _upload_folder(job_id: str) -> str:
+    return f"uploads/{job_id}"
+
+
+def make_thumbnails(gallery: Gallery, advance: Callable[[int, int], object]) -> list[str]:
+    """Make the missing thumbnails of the first works, and return the ids of those works."""
+    ids = [work.id for work in catalog.works(gallery, limit=_PREPARED_WORKS).items]
+    for done, work_id in enumerate(ids, start=1):
+        for kind in THUMBNAILS:
+            derived(gallery, work_id, kind)
+        advance(done, len(ids))
+    return ids
+
+
+def prepare(
+    gallery: Gallery, payload: Mapping[str, Any], progress: Progress, storage: Storage
+) -> dict[str, Any]:
+    """Make thumbnails of all works, maps of the first ones, and the simulated samples, at the first start."""
+    ids = make_thumbnails(gallery, lambda done, total: progress(done, 2 * total, "縮圖 Thumbnails"))
+    samples = add_samples(gallery, storage=storage)
+    for done, work_id in enumerate(ids):
+        progress(len(ids) + done, 2 * len(ids), "圖層 Maps")
+        for kind in _MAPS:
+            derived(gallery, work_id, kind)
+    return {"works": len(ids), "samples": samples}
+
+
+def import_upload(
+    gallery: Gallery, payload: Mapping[str, Any], progress: Progress, storage: Storage
+) -> dict[str, Any]:
+    """Import an uploaded zip; payload: upload (its key), facts, name (that of the zip)."""
+    with gallery.store.local(payload["upload"]) as packed:
+        return import_zip(
+            gallery, packed, payload["facts"], name=payload.get("name", "collection"), progress=progress
+        )
+
+
+HANDLERS: dict[str, Handler] = {"prepare": prepare, "import": import_upload}
+
+
+def missing_samples(gallery: Gallery) -> list[tuple[Sample, Work]]:
+    """Return the simulated samples that are not attempts yet and whose work is in the gallery."""
+    with gallery.database.reading() as session:
+        present = set(session.scalars(select(Attempt.id).where(Attempt.kind == "simulated")))
+        works = {work.id: work for work in session.scalars(select(Work))}
+    return [
+        (sample, works[sample.work])
+        for sample in starter_samples()
+        if f"simulated-{sample.id}" not in present and sample.work in works
+    ]
+
+
+def add_samples(gallery: Gallery, *, storage: Storage) -> int:
+    """Mark the simulated samples that are missing and store them as attempts, labelled as simulated.
+
+    Returns how many were missing; a second call changes nothing.
+    """
+    missing = missing_samples(gallery)
+    calibration = load_calibration_of(storage)
+    for sample, work in missing:
+        master = pipeline.prepare_master(assets_of(gallery.store, work).surface())
+        copy = mark_copy(sample.path.read_bytes(), master, script=work.script, calibration=calibration)
+        add_attempt(
+            gallery,
+            copy,
+            work_id=work.id,
+            person_id=None,
+            kind="simulated",
+            attempt_id=f"simulated-{sample.id}",
+        )
+    return len(missing)

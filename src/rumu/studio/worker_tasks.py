@@ -1,0 +1,89 @@
+"""What runs in the worker processes: marks, surfaces and jobs, so that readers never wait for them."""
+
+from __future__ import annotations
+
+import os
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from rumu.studio import job_handlers, uploads
+from rumu.studio.marking import MarkedCopy, load_calibration_of, mark_copy
+from rumu.studio.storage import Storage
+
+if TYPE_CHECKING:
+    from rumu.assessment.measurement import PreparedMaster
+    from rumu.gallery.derived import DerivedFile
+    from rumu.gallery.gallery import Gallery
+
+_MAX_MASTERS = 12  # prepared masters that stay in memory of each process
+
+
+def warm_up(storage: Storage) -> int:
+    """Load everything that a mark needs by marking a starter work against itself; return the process id."""
+    from rumu import pipeline
+    from rumu.gallery.starter import starter_works
+
+    work = starter_works(script="regular")[0]
+    pipeline.assess(work.path, work.path, calibration=load_calibration_of(storage))
+    _open_gallery(storage)
+    return os.getpid()
+
+
+def mark(storage: Storage, *, data: bytes, work_id: str, digest: str, script: str) -> MarkedCopy:
+    """Mark a picture against a work. digest: of the work, so that a changed one is read anew.
+
+    Raises Unusable for what is no picture.
+    """
+    master = _prepare_master(storage, work_id, digest)
+    return mark_copy(data, master, script=script, calibration=load_calibration_of(storage))
+
+
+def derived_file(
+    storage: Storage,
+    *,
+    kind: str,
+    exaggeration: float,
+    work_id: str | None = None,
+    picture: str | None = None,
+) -> DerivedFile:
+    """Return a file derived from a work or from a stored picture; it is made when it is not there yet."""
+    from rumu.gallery.assets import assets_of, picture_assets
+    from rumu.gallery.catalog import work
+    from rumu.gallery.derived import derived_of
+
+    gallery = _open_gallery(storage)
+    store = gallery.store
+    assets = assets_of(store, work(gallery, work_id)) if work_id else picture_assets(store, str(picture))
+    return derived_of(store, assets, kind, exaggeration=exaggeration)
+
+
+def image_part(storage: Storage, *, work_id: str, words: tuple[str, str, str, str, str]) -> tuple[bytes, str]:
+    """A part of a work's picture, see `rumu.gallery.iiif_image.image_response`."""
+    from rumu.gallery.iiif_image import image_response
+
+    return image_response(_open_gallery(storage), work_id, *words)
+
+
+def add_work(storage: Storage, *, data: bytes, facts: dict[str, str], spacing: float | None) -> str:
+    """Add a picture as a work and return its id."""
+    return uploads.add_work(_open_gallery(storage), data, facts, spacing=spacing)
+
+
+def run_job(storage: Storage, *, job_id: str) -> None:
+    """Run a job that was taken from the queue."""
+    job_handlers.run_job(_open_gallery(storage), job_id, storage=storage)
+
+
+@lru_cache(maxsize=2)
+def _open_gallery(storage: Storage) -> Gallery:
+    return storage.open()
+
+
+@lru_cache(maxsize=_MAX_MASTERS)
+def _prepare_master(storage: Storage, work_id: str, digest: str) -> PreparedMaster:
+    from rumu import pipeline
+    from rumu.gallery.assets import assets_of
+    from rumu.gallery.catalog import work
+
+    gallery = _open_gallery(storage)
+    return pipeline.prepare_master(assets_of(gallery.store, work(gallery, work_id)).surface())
