@@ -24,7 +24,7 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     with _workspace(target) as folder:
         part = folder / target.name
         yield part
-        with _refused(target):
+        with _output_errors(target):
             part.replace(target)
 
 
@@ -33,11 +33,12 @@ def whole_folder(path: str | Path, *, marker: str) -> Iterator[Path]:
     """Yield an empty temporary folder; on success it takes the place of `path`.
 
     A folder already at `path` is replaced only when it is empty or holds a file named `marker`, that is,
-    when it is an earlier output of the same kind; a stranger's folder is never touched.
+    when it is an earlier output of the same kind; any other folder is left alone.
     Raises OutputError when the place cannot be written.
     """
     target = Path(path)
-    if target.exists() and not _replaceable(target, marker):
+    replaceable = target.is_dir() and ((target / marker).is_file() or not any(target.iterdir()))
+    if target.exists() and not replaceable:
         raise OutputError(
             f"{target}: expected a new or empty folder, or one with {marker}; it holds other things"
         )
@@ -45,7 +46,7 @@ def whole_folder(path: str | Path, *, marker: str) -> Iterator[Path]:
         part, old = folder / "new", folder / "old"
         part.mkdir()
         yield part
-        with _refused(target):
+        with _output_errors(target):
             if target.exists():
                 target.replace(old)
             try:
@@ -56,13 +57,9 @@ def whole_folder(path: str | Path, *, marker: str) -> Iterator[Path]:
                 raise
 
 
-def _replaceable(target: Path, marker: str) -> bool:
-    return target.is_dir() and ((target / marker).is_file() or not any(target.iterdir()))
-
-
 @contextlib.contextmanager
 def _workspace(target: Path) -> Iterator[Path]:
-    with _refused(target):
+    with _output_errors(target):
         target.parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
     try:
@@ -72,7 +69,8 @@ def _workspace(target: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def _refused(target: Path) -> Iterator[None]:
+def _output_errors(target: Path) -> Iterator[None]:
+    """Raise what the system says against writing as an OutputError."""
     try:
         yield
     except OSError as error:

@@ -10,7 +10,7 @@ import pytest
 
 from rumu.assessment.calibration import load_calibration, panel
 from rumu.assessment.features import RESIDUALS, Features, Residuals
-from rumu.cli.calibrate import Looked, Marked, look, read_marks
+from rumu.cli.calibrate import MarkedRow, MeasuredRow, measure_row, read_marks
 from rumu.errors import CalibrationError
 
 HEADER = "image,reference,mark"
@@ -29,16 +29,16 @@ def made_up(k: int) -> Features:
     return Features(Residuals(*size), lean=0.0, offset=0.0, size=0.0, weight=0.0)
 
 
-def made_up_look(row: Marked, *, root: Path) -> Looked:
+def made_up_row(row: MarkedRow, *, root: Path) -> MeasuredRow:
     if "bad" in row.image:
-        return Looked(None, refused="blank: nothing is written in the picture")
-    return Looked(made_up(int(Path(row.image).stem)), str(root / row.reference))
+        return MeasuredRow(None, refused="blank: nothing is written in the picture")
+    return MeasuredRow(made_up(int(Path(row.image).stem)), str(root / row.reference))
 
 
 @pytest.fixture
 def unseen(monkeypatch):
     """Copies that need no pictures: what is tested is what becomes of their marks."""
-    monkeypatch.setattr("rumu.cli.calibrate.look", made_up_look)
+    monkeypatch.setattr("rumu.cli.calibrate.measure_row", made_up_row)
 
 
 def strict(n: int, *, masters: int = 4) -> list[str]:
@@ -146,7 +146,7 @@ def test_each_mark_stays_with_its_copy_in_whatever_order_masters_come(rumu, desk
 
 
 def test_features_are_those_of_the_mark(rumu, desk):
-    looked = look(Marked("copy.png", "master.png", 50.0, 2), root=desk)
+    looked = measure_row(MarkedRow("copy.png", "master.png", 50.0, 2), root=desk)
     facts = rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--json").facts
     assert panel().score(looked.features) == pytest.approx(facts["score"])
     assert looked.master == str((desk / "master.png").resolve())
@@ -157,7 +157,7 @@ def test_a_row_survives_a_fault_of_ours(monkeypatch, desk):
         raise ZeroDivisionError("division\nby zero")
 
     monkeypatch.setattr("rumu.pipeline.surface_of", stumble)
-    looked = look(Marked("copy.png", "half.png", 50.0, 2), root=desk)
+    looked = measure_row(MarkedRow("copy.png", "half.png", 50.0, 2), root=desk)
     assert looked.features is None and looked.refused == "unexpected ZeroDivisionError: division by zero"
 
 
@@ -167,7 +167,7 @@ def test_a_row_survives_a_fault_of_ours(monkeypatch, desk):
 def test_a_table_from_a_spreadsheet(desk):
     path = desk / "marks.csv"
     path.write_bytes(b"\xef\xbb\xbfpupil, image ,mark,reference\r\nLi,a copy.png, 71.5 ,m.png\r\n\r\n")
-    assert read_marks(path) == [Marked("a copy.png", "m.png", 71.5, 2)]
+    assert read_marks(path) == [MarkedRow("a copy.png", "m.png", 71.5, 2)]
 
 
 @pytest.mark.parametrize(
@@ -211,7 +211,7 @@ def test_a_table_that_is_not_there(rumu, desk):
 
 @pytest.mark.parametrize("place", ["{desk}/file.txt/mine.json", "/proc/mine.json", "{desk}"])
 def test_a_place_that_cannot_be_written_is_told_before_the_work(rumu, desk, monkeypatch, place):
-    monkeypatch.setattr("rumu.cli.calibrate.look", lambda *a, **k: pytest.fail("measured in vain"))
+    monkeypatch.setattr("rumu.cli.calibrate.measure_row", lambda *a, **k: pytest.fail("measured in vain"))
     place = place.format(desk=desk)
     rumu("calibrate", table(desk, *strict(3)), "-o", place, "--jobs", 1).failed_with(place)
 
@@ -228,7 +228,7 @@ def test_an_interrupted_run_leaves_nothing(rumu, desk, monkeypatch):
     def interrupt(*_args, **_kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("rumu.cli.calibrate.look", interrupt)
+    monkeypatch.setattr("rumu.cli.calibrate.measure_row", interrupt)
     marks = table(desk, *strict(3))
     before = sorted(desk.iterdir())
     assert rumu("calibrate", marks, "-o", desk / "mine.json", "--jobs", 1).code == 130

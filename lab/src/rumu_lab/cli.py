@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from rumu.cli.options import AsJson
-from rumu.cli.outcome import Outcome, ends_well
-from rumu.cli.progress import bar
+from rumu.cli.terminal import Outcome, bar, print_outcome
 
 if TYPE_CHECKING:
     from rumu_lab.experiments.run_settings import RunSettings
@@ -42,7 +41,7 @@ def register(app: typer.Typer) -> None:
     app.add_typer(commands, name="experiments")
 
 
-@ends_well
+@print_outcome
 def run(
     *,
     name: Annotated[Name, typer.Argument(help="Which experiment; 'all' for every one of the report.")],
@@ -76,7 +75,7 @@ def run(
     return _run_one(name, settings, {} if seed is None else {"seed": seed, "log": log})
 
 
-@ends_well
+@print_outcome
 def report(
     out: Annotated[Path, typer.Argument(help="Folder that 'experiments run -o' wrote to.")],
     as_json: AsJson = False,

@@ -9,7 +9,7 @@ import typer
 
 import rumu
 from rumu.cli import assess, calibrate, demo, extensions, find, gallery, serve, surfaces
-from rumu.cli.outcome import interrupted, speak_plainly
+from rumu.cli.terminal import INTERRUPTED, speak_plainly
 
 app = typer.Typer(
     name="rumu",
@@ -19,8 +19,18 @@ app = typer.Typer(
     rich_markup_mode=None,  # the rich help costs more time than the rest of the start
     pretty_exceptions_enable=False,
 )
-for commands in (demo, surfaces, assess, calibrate, find, gallery, serve):
-    commands.register(app)
+for command in (
+    demo.demo,
+    surfaces.reconstruct,
+    surfaces.relief,
+    surfaces.relight,
+    assess.assess,
+    calibrate.calibrate,
+    find.find,
+    serve.serve,
+):
+    app.command()(command)
+app.add_typer(gallery.app, name="gallery")
 extensions.register(app)
 
 
@@ -45,4 +55,4 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         app(args=sys.argv[1:] if arguments is None else arguments, prog_name="rumu")
     except KeyboardInterrupt:
-        interrupted()
+        raise SystemExit(INTERRUPTED) from None

@@ -18,18 +18,13 @@ from rumu.cli.options import (
     not_an_input,
     part_weights,
 )
-from rumu.cli.outcome import Outcome, ends_well
-from rumu.cli.progress import bar, working
+from rumu.cli.terminal import Outcome, bar, print_outcome, working
 
 if TYPE_CHECKING:
     from rumu.values import Assessment, Bilingual, Surface
 
 
-def register(app: typer.Typer) -> None:
-    app.command()(assess)
-
-
-@ends_well
+@print_outcome
 def assess(
     *,
     copy: Annotated[
@@ -85,7 +80,7 @@ def assess(
 
 
 def _terms(levels: str, calibration: Path | None, weights: str | None, script: str | None) -> dict[str, Any]:
-    """What `pipeline.assess` is to be told beside copy and master; files are read once, here."""
+    """What `pipeline.assess` takes beside copy and master; files are read once, here."""
     from rumu.assessment.calibration import load_calibration
 
     return {
@@ -105,15 +100,17 @@ def _only_with(*, one: Mapping[str, object], mode: str) -> None:
 def _assess_one(copy: Path, reference: str, *, report: Path | None, terms: dict[str, Any]) -> Outcome:
     cuts = terms["levels"]
     with working("Comparing"):
-        surface, master, mark = marked(copy, master_path(reference), **terms)
+        surface, master, mark = assess_files(copy, master_path(reference), **terms)
         if report is not None:
-            page(mark, copy=surface, master=master, names=(str(copy), reference), levels=cuts, target=report)
+            write_page(
+                mark, copy=surface, master=master, names=(str(copy), reference), levels=cuts, target=report
+            )
     facts = {"copy": copy, "reference": reference, **mark_facts(mark), "report": report}
     if mark.refused is not None:
         return Outcome(
             {**facts, "error": mark.refused}, f"{copy}: not marked", refused=f"{copy}: {mark.refused}"
         )
-    return Outcome(facts, _described(mark, report))
+    return Outcome(facts, _describe(mark, report))
 
 
 def _assess_table(
@@ -137,7 +134,7 @@ def _assess_table(
     return Outcome({**facts, "seconds": round(seconds, 3)}, text, refused=none)
 
 
-def marked(copy: Path, master: Path, **terms: Any) -> tuple[Surface | None, Surface, Assessment]:
+def assess_files(copy: Path, master: Path, **terms: Any) -> tuple[Surface | None, Surface, Assessment]:
     """(surface of the copy or None when it was refused, surface of the master, the mark).
 
     terms: levels, calibration, weights, script, as `pipeline.assess` takes them.
@@ -153,7 +150,7 @@ def marked(copy: Path, master: Path, **terms: Any) -> tuple[Surface | None, Surf
     return probe, reference, pipeline.assess(probe, reference, **terms)
 
 
-def page(
+def write_page(
     mark: Assessment,
     *,
     copy: Surface | None,
@@ -183,7 +180,7 @@ def page(
 
 
 def mark_facts(mark: Assessment) -> dict[str, Any]:
-    """The mark without its point sets: what a script wants to keep."""
+    """The mark without its point sets, for JSON."""
     pose = mark.registration
     return {
         "score": mark.score,
@@ -215,8 +212,8 @@ def mark_facts(mark: Assessment) -> dict[str, Any]:
     }
 
 
-def _described(mark: Assessment, report: Path | None) -> str:
-    from rumu.report.wording import LEVELS, SOURCES
+def _describe(mark: Assessment, report: Path | None) -> str:
+    from rumu.report.wording import LEVELS, SOURCES, basis
 
     low, high = mark.interval or (0.0, 100.0)
     level = LEVELS[mark.level] if mark.level else None
@@ -225,17 +222,10 @@ def _described(mark: Assessment, report: Path | None) -> str:
         if level
         else f"{mark.score:.0f} of 100 ({low:.0f} to {high:.0f})",
         "  " + ", ".join(f"{name} {value:.0f}" for name, value in mark.parts.items()),
-        *_basis(mark),
+        *(f"  {text.en} {text.zh}" for text in basis(mark)),
         *(f"  - {remark.en} {remark.zh}" for remark in sorted(mark.remarks, key=lambda r: -r.severity)),
         *(f"  {SOURCES[source].en}" for source in dict.fromkeys(mark.source or ())),
     ]
     if report is not None:
         lines.append(f"  report: {report}")
     return "\n".join(line for line in lines if line.strip())
-
-
-def _basis(mark: Assessment) -> list[str]:
-    """What the mark rests on, a line each, where a person has to know it."""
-    from rumu.report.wording import basis
-
-    return [f"  {text.en} {text.zh}" for text in basis(mark)]

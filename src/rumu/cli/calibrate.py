@@ -1,4 +1,4 @@
-"""calibrate: a teacher's own marks -> a calibration that follows them, or the word that they carry none."""
+"""calibrate: a teacher's own marks -> a calibration that follows them, or why they do not carry one."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from rumu.cli.options import AsJson, ask_for_file, master_path, not_an_input
-from rumu.cli.outcome import Outcome, ends_well
-from rumu.cli.progress import bar, working
+from rumu.cli.options import AsJson, check_file_writable, master_path, not_an_input
+from rumu.cli.terminal import Outcome, bar, print_outcome, working
 from rumu.errors import CalibrationError, RumuError
 from rumu.executors import by_group, cores
 
@@ -22,12 +21,12 @@ if TYPE_CHECKING:
     from rumu.assessment.features import Features
     from rumu.assessment.measurement import PreparedMaster
     from rumu.assessment.teacher import TeacherFit
-    from rumu.cli.progress import Advance
+    from rumu.cli.terminal import Advance
 
 COLUMNS = ("image", "reference", "mark")
 
 
-class Marked(NamedTuple):
+class MarkedRow(NamedTuple):
     """One row: the copy, its master, a teacher's mark from 0 to 100, and the line it stands in."""
 
     image: str
@@ -36,7 +35,7 @@ class Marked(NamedTuple):
     line: int
 
 
-class Looked(NamedTuple):
+class MeasuredRow(NamedTuple):
     """What a row holds: features of the copy and the file of its master, or why it is left out."""
 
     features: Features | None
@@ -44,11 +43,7 @@ class Looked(NamedTuple):
     refused: str = ""
 
 
-def register(app: typer.Typer) -> None:
-    app.command()(calibrate)
-
-
-@ends_well
+@print_outcome
 def calibrate(
     marks: Annotated[
         Path, typer.Argument(metavar="MARKS", help="CSV with the columns image,reference,mark (0-100).")
@@ -63,12 +58,12 @@ def calibrate(
     """Fit the mark to your own marks; keeps the default, and says so, when they do not carry more."""
     not_an_input(out, marks)
     rows = read_marks(marks)
-    ask_for_file(out)
+    check_file_writable(out)
     with bar("Measuring") as advance:
-        found = _looks(rows, root=root or marks.parent, jobs=jobs, advance=advance)
-    left_out = [(row, looked.refused) for row, looked in zip(rows, found, strict=True) if looked.refused]
+        measured = _measure_rows(rows, root=root or marks.parent, jobs=jobs, advance=advance)
+    left_out = [(row, one.refused) for row, one in zip(rows, measured, strict=True) if one.refused]
     with working("Fitting"):
-        fit = _fitted(rows, found, name=marks.name)
+        fit = _fit(rows, measured, name=marks.name)
     if fit.calibration is not None:
         from rumu.assessment.calibration import write_calibration
 
@@ -76,10 +71,10 @@ def calibrate(
     none = (
         f"{marks}: no copy of the {len(rows)} could be measured; {left_out[0][1]}" if not fit.copies else None
     )
-    return Outcome(_facts(fit, left_out, out), _described(fit, left_out, marks, out), refused=none)
+    return Outcome(_facts(fit, left_out, out), _describe(fit, left_out, marks, out), refused=none)
 
 
-def read_marks(path: Path) -> list[Marked]:
+def read_marks(path: Path) -> list[MarkedRow]:
     """The rows of a CSV with the columns image, reference, mark, UTF-8 with or without BOM.
 
     Raises CalibrationError that names the file and the line of whatever is no such row.
@@ -103,7 +98,7 @@ def read_marks(path: Path) -> list[Marked]:
     return rows
 
 
-def _row(row: dict[str, Any], *, path: Path, line: int) -> Marked:
+def _row(row: dict[str, Any], *, path: Path, line: int) -> MarkedRow:
     image, reference, mark = ((row[name] or "").strip() for name in COLUMNS)
     if not image or not reference:
         raise CalibrationError(f"{path}, line {line}: expected an image and a reference")
@@ -115,11 +110,11 @@ def _row(row: dict[str, Any], *, path: Path, line: int) -> Marked:
         raise CalibrationError(
             f"{path}, line {line}: expected a mark from 0 to 100, got {mark or 'nothing'!r}"
         )
-    return Marked(image, reference, value, line)
+    return MarkedRow(image, reference, value, line)
 
 
-def look(row: Marked, *, root: Path) -> Looked:
-    """One copy against its master, as for a mark; whatever goes wrong is told in `refused`."""
+def measure_row(row: MarkedRow, *, root: Path) -> MeasuredRow:
+    """One copy against its master, as for a mark; whatever goes wrong is said in `refused`."""
     from rumu import pipeline
     from rumu.assessment.measurement import measure
 
@@ -128,12 +123,12 @@ def look(row: Marked, *, root: Path) -> Looked:
         master = _master(path)
         measurement = measure(pipeline.surface_of(root / row.image), master)
     except RumuError as error:
-        return Looked(None, refused=" ".join(str(error).split()))
+        return MeasuredRow(None, refused=" ".join(str(error).split()))
     except Exception as error:  # one row must never cost the others
-        return Looked(None, refused=f"unexpected {type(error).__name__}: {' '.join(str(error).split())}")
+        return MeasuredRow(None, refused=f"unexpected {type(error).__name__}: {' '.join(str(error).split())}")
     if measurement.refusal is not None:
-        return Looked(None, refused=f"{measurement.refusal.code}: {measurement.refusal.en}")
-    return Looked(measurement.features, str(path.resolve()))
+        return MeasuredRow(None, refused=f"{measurement.refusal.code}: {measurement.refusal.en}")
+    return MeasuredRow(measurement.features, str(path.resolve()))
 
 
 @functools.lru_cache(maxsize=2)  # copies of one master come together; a surface may hold many pixels
@@ -143,11 +138,13 @@ def _master(path: Path) -> PreparedMaster:
     return pipeline.prepare_master(path)
 
 
-def _looks(rows: Sequence[Marked], *, root: Path, jobs: int | None, advance: Advance) -> list[Looked]:
-    """What each row holds, in order; looked at master by master, so that a master is read once."""
+def _measure_rows(
+    rows: Sequence[MarkedRow], *, root: Path, jobs: int | None, advance: Advance
+) -> list[MeasuredRow]:
+    """What each row holds, in order; measured master by master, so that a master is read once."""
     done = itertools.count(1)
     return by_group(
-        functools.partial(look, root=root),
+        functools.partial(measure_row, root=root),
         rows,
         group=lambda row: row.reference,
         processes=min(jobs or cores(), len(rows)),
@@ -155,20 +152,20 @@ def _looks(rows: Sequence[Marked], *, root: Path, jobs: int | None, advance: Adv
     )
 
 
-def _fitted(rows: Sequence[Marked], found: Sequence[Looked], *, name: str) -> TeacherFit:
+def _fit(rows: Sequence[MarkedRow], measured: Sequence[MeasuredRow], *, name: str) -> TeacherFit:
     from rumu.assessment.calibration import panel
     from rumu.assessment.teacher import fit_teacher
 
-    kept = [
-        (looked.features, row.mark, looked.master)
-        for row, looked in zip(rows, found, strict=True)
-        if looked.features is not None
+    usable = [
+        (one.features, row.mark, one.master)
+        for row, one in zip(rows, measured, strict=True)
+        if one.features is not None
     ]
-    features, marks, masters = zip(*kept, strict=True) if kept else ((), (), ())
+    features, marks, masters = zip(*usable, strict=True) if usable else ((), (), ())
     return fit_teacher(features, marks, masters, base=panel(), name=name)
 
 
-LeftOut = Sequence[tuple[Marked, str]]
+LeftOut = Sequence[tuple[MarkedRow, str]]
 
 
 def _facts(fit: TeacherFit, left_out: LeftOut, out: Path) -> dict[str, Any]:
@@ -182,8 +179,8 @@ def _facts(fit: TeacherFit, left_out: LeftOut, out: Path) -> dict[str, Any]:
         "masters": fit.masters,
         "held_out": fit.held_out,
         **{
-            kind: None if told is None else {"error": told.error, "spearman": told.spearman}
-            for kind, told in (("default", fit.default), ("scale", fit.scale), ("weights", fit.weights))
+            kind: None if one is None else {"error": one.error, "spearman": one.spearman}
+            for kind, one in (("default", fit.default), ("scale", fit.scale), ("weights", fit.weights))
         },
         "inside": fit.inside,
         "interval": own and own.interval,
@@ -202,12 +199,12 @@ _HELD_OUT = {
 }
 
 
-def _described(fit: TeacherFit, left_out: LeftOut, marks: Path, out: Path) -> str:
-    told = (("default", fit.default), ("scale", fit.scale), ("weights", fit.weights))
+def _describe(fit: TeacherFit, left_out: LeftOut, marks: Path, out: Path) -> str:
+    fits = (("default", fit.default), ("scale", fit.scale), ("weights", fit.weights))
     rows = [
         f"  {kind:<8}  mean error {one.error:5.1f}   rank agreement {one.spearman:6.3f}"
         f"{'   <- kept' if kind == fit.chosen else ''}"
-        for kind, one in told
+        for kind, one in fits
         if one is not None
     ]
     ending = (

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rumu.cli.assess import mark_facts, marked, page
+from rumu.cli.assess import assess_files, mark_facts, write_page
 from rumu.cli.options import AsJson, level_cuts
-from rumu.cli.outcome import Outcome, ends_well, plain
-from rumu.cli.progress import Advance, bar
+from rumu.cli.terminal import Advance, Outcome, bar, plain, print_outcome
 
 if TYPE_CHECKING:
     from rumu.gallery.starter import Sample, StarterWork
@@ -23,11 +22,7 @@ if TYPE_CHECKING:
 MARKS = "marks.json"  # also the sign by which an earlier demo is known and may be replaced
 
 
-def register(app: typer.Typer) -> None:
-    app.command()(demo)
-
-
-@ends_well
+@print_outcome
 def demo(
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="Write the samples' marks as static pages, too.")
@@ -40,27 +35,27 @@ def demo(
     as_json: AsJson = False,
 ) -> Outcome:
     """Mark the simulated samples, then show gallery and studio in the browser until Ctrl-C."""
-    samples = _samples()
-    total = len(samples) + (0 if out is None else len(_works()))
+    from rumu.gallery.starter import starter_samples
+
+    samples = starter_samples()
     with bar("Marking") as advance:
-        rows = _written(samples, out, advance=advance, total=total) if out else _marked(samples, advance)
-    outcome = Outcome(_facts(samples, rows, out), _Table(samples, rows, out))
+        if out is None:
+            rows = _mark_samples(samples, advance, total=len(samples))
+        else:
+            rows = _write_pages(samples, out, advance)
+    outcome = Outcome(_facts(samples, rows, out), SampleTable(samples, rows, out))
     if no_serve or as_json:
         return outcome
-    _print(outcome.text)
-    _show(port, opens=not no_open and _has_display())
+    from rich.console import Console
+
+    # now, and not when the command ends: the gallery is served until Ctrl-C
+    Console(soft_wrap=not sys.stdout.isatty()).print(outcome.text)
+    _serve_gallery(port, opens=not no_open and _has_display())
     raise typer.Exit
 
 
-def _print(table: Any) -> None:
-    """Now, and not when the command ends: the gallery is served until Ctrl-C."""
-    from rich.console import Console
-
-    Console(soft_wrap=not sys.stdout.isatty()).print(table)
-
-
-def _show(port: int, *, opens: bool) -> None:
-    """The starter gallery in a home of its own, unless RUMU_HOME names one; ready before it is opened."""
+def _serve_gallery(port: int, *, opens: bool) -> None:
+    """Serve the starter gallery, in a folder of its own unless RUMU_HOME names one, and open a browser."""
     import webbrowser
 
     from rumu.cli.serve import announce
@@ -91,42 +86,17 @@ def _show(port: int, *, opens: bool) -> None:
     )
 
 
-def _samples() -> Sequence[Sample]:
-    from rumu.gallery.starter import starter_samples
-
-    return starter_samples()
-
-
-def _works() -> Sequence[StarterWork]:
-    from rumu.gallery.starter import starter_works
-
-    return starter_works()
-
-
-def _marked(samples: Sequence[Sample], advance: Advance) -> list[IndexSample]:
-    """The marks alone."""
-    from rumu.gallery.starter import find_work
-    from rumu.report.pages import IndexSample
-
-    cuts = level_cuts("panel")
-    rows = []
-    for done, sample in enumerate(samples, start=1):
-        work = find_work(sample.work)
-        copy, _, mark = marked(sample.path, work.path, levels=cuts, script=work.script)
-        faults = tuple(fault.description for fault in sample.faults)
-        rows.append(IndexSample(work.title, sample.degree, faults, mark, "", copy))
-        advance(done, len(samples))
-    return rows
-
-
-def _written(samples: Sequence[Sample], out: Path, *, advance: Advance, total: int) -> list[IndexSample]:
+def _write_pages(samples: Sequence[Sample], out: Path, advance: Advance) -> list[IndexSample]:
     """The marks, with a page for each and an index of them and of the starter works."""
+    from rumu.gallery.starter import starter_works
     from rumu.outputs import whole_folder
     from rumu.report.pages import demo_index
 
+    works = starter_works()
+    total = len(samples) + len(works)
     with whole_folder(out, marker=MARKS) as folder:
-        rows = _sample_pages(samples, folder, advance=advance, total=total)
-        sheet = _sheet(_works(), advance=advance, done=len(samples), total=total)
+        rows = _mark_samples(samples, advance, total=total, folder=folder)
+        sheet = _sheet(works, advance=advance, done=len(samples), total=total)
         index = demo_index(rows, sheet, title="rumu 入木")
         (folder / "index.html").write_text(index, encoding="utf-8")
         facts = _facts(samples, rows, out)
@@ -134,9 +104,10 @@ def _written(samples: Sequence[Sample], out: Path, *, advance: Advance, total: i
     return rows
 
 
-def _sample_pages(
-    samples: Sequence[Sample], folder: Path, *, advance: Advance, total: int
+def _mark_samples(
+    samples: Sequence[Sample], advance: Advance, *, total: int, folder: Path | None = None
 ) -> list[IndexSample]:
+    """The marks, each with a page in the folder where one is given."""
     from rumu.gallery.starter import find_work
     from rumu.report.pages import IndexSample
     from rumu.report.wording import SIMULATED
@@ -145,10 +116,15 @@ def _sample_pages(
     rows = []
     for done, sample in enumerate(samples, start=1):
         work = find_work(sample.work)
-        copy, master, mark = marked(sample.path, work.path, levels=cuts, script=work.script)
-        href = f"{sample.id}.html"
-        names = (sample.id, f"{work.title.zh} {work.title.en}")
-        page(mark, copy=copy, master=master, names=names, levels=cuts, target=folder / href, note=SIMULATED)
+        copy, master, mark = assess_files(sample.path, work.path, levels=cuts, script=work.script)
+        href = ""
+        if folder is not None:
+            href = f"{sample.id}.html"
+            names = (sample.id, f"{work.title.zh} {work.title.en}")
+            target = folder / href
+            write_page(
+                mark, copy=copy, master=master, names=names, levels=cuts, target=target, note=SIMULATED
+            )
         faults = tuple(fault.description for fault in sample.faults)
         rows.append(IndexSample(work.title, sample.degree, faults, mark, href, copy))
         advance(done, total)
@@ -168,7 +144,7 @@ def _sheet(works: Sequence[StarterWork], *, advance: Advance, done: int, total: 
 
 
 def _facts(samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | None) -> dict[str, Any]:
-    told = [
+    marks = [
         {
             "id": sample.id,
             "work": sample.work,
@@ -179,10 +155,10 @@ def _facts(samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | N
         }
         for sample, row in zip(samples, rows, strict=True)
     ]
-    return {"out": out, "index": out and out / "index.html", "samples": told}
+    return {"out": out, "index": out and out / "index.html", "samples": marks}
 
 
-class _Table:
+class SampleTable:
     """The marks as a table for a terminal, drawn only when it is printed."""
 
     def __init__(self, samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | None) -> None:

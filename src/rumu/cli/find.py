@@ -9,18 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rumu.cli.options import AsJson
-from rumu.cli.outcome import Outcome, ends_well
-from rumu.cli.progress import bar
+from rumu.cli.terminal import Outcome, bar, print_outcome
 
 if TYPE_CHECKING:
     from rumu.gallery.search import MasterIndex, SearchResult
 
 
-def register(app: typer.Typer) -> None:
-    app.command()(find)
-
-
-@ends_well
+@print_outcome
 def find(
     copy: Annotated[Path, typer.Argument(metavar="COPY", help="The copy: an image or a surface folder.")],
     masters: Annotated[

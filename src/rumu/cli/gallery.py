@@ -1,4 +1,4 @@
-"""gallery list | show | add | import | export | remove: the works that there are, and how they come."""
+"""gallery list | show | add | import | export | remove: the works, and how they get in and out."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from rumu.cli.options import AsJson
-from rumu.cli.outcome import Outcome, ends_well
-from rumu.cli.progress import bar, working
+from rumu.cli.terminal import Outcome, bar, print_outcome, working
 
 if TYPE_CHECKING:
     from rumu.database.tables import Work
@@ -30,18 +29,11 @@ Licence = Annotated[str | None, typer.Option(help="Licence of the pictures; 'non
 Attribution = Annotated[str | None, typer.Option(help="The credit to give.")]
 
 
-def register(app: typer.Typer) -> None:
-    rooms = typer.Typer(help="The works of the gallery.", no_args_is_help=True, rich_markup_mode=None)
-    rooms.command("list")(list_works)
-    rooms.command("show")(show)
-    rooms.command("add")(add)
-    rooms.command("import")(import_works)
-    rooms.command("export")(export)
-    rooms.command("remove")(remove)
-    app.add_typer(rooms, name="gallery")
+app = typer.Typer(help="The works of the gallery.", no_args_is_help=True, rich_markup_mode=None)
 
 
-@ends_well
+@app.command("list")
+@print_outcome
 def list_works(
     *,
     script: Annotated[
@@ -69,13 +61,16 @@ def list_works(
     facts = {"total": page.total, "works": [_facts(work) for work in page.items]}
     if not page.items:
         return Outcome(facts, "no work matches")
-    lines = [f"{w.id:<18} {w.character}  {w.script:<9} {_once(w.hand_en, w.hand_zh)}" for w in page.items]
+    lines = [
+        f"{w.id:<18} {w.character}  {w.script:<9} {_both_names(w.hand_en, w.hand_zh)}" for w in page.items
+    ]
     if page.total > len(lines):
         lines.append(f"{len(lines)} of {page.total} works; --offset and --limit show others")
     return Outcome(facts, "\n".join(lines))
 
 
-@ends_well
+@app.command()
+@print_outcome
 def show(
     work_id: Id,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="PNG to write the picture to.")] = None,
@@ -89,10 +84,10 @@ def show(
     if out is not None:
         _write_png(gallery.store.read(found.picture), out)
     lines = [
-        f"{_once(found.title_zh, found.title_en)} ({found.id})",
-        f"  hand: {_once(found.hand_zh, found.hand_en) or 'not known'}",
-        f"  period: {_once(found.period_zh, found.period_en) or 'not known'}",
-        f"  shows: {_once(found.material_zh, found.material_en) or 'not said'}",
+        f"{_both_names(found.title_zh, found.title_en)} ({found.id})",
+        f"  hand: {_both_names(found.hand_zh, found.hand_en) or 'not known'}",
+        f"  period: {_both_names(found.period_zh, found.period_en) or 'not known'}",
+        f"  shows: {_both_names(found.material_zh, found.material_en) or 'not said'}",
         f"  height: {_HEIGHTS[found.height_source]}",
         f"  source: {found.source or 'not said'}",
         f"  licence: {found.licence}" + (f"; {found.attribution}" if found.attribution else ""),
@@ -101,7 +96,8 @@ def show(
     return Outcome({**_facts(found), "file": out}, "\n".join(lines))
 
 
-@ends_well
+@app.command()
+@print_outcome
 def add(
     path: Annotated[
         Path | None,
@@ -136,22 +132,22 @@ def add(
         raise typer.BadParameter("expected PATH, or --font with --characters")
     if spacing is not None and not spacing > 0:
         raise typer.BadParameter(f"expected millimetres per pixel above 0, got {spacing}")
-    told = _told(
+    shared = _shared_metadata(
         title_zh=title_zh, title_en=title_en, script=script, hand=hand, dynasty=dynasty, material=material,
         source=source, licence=licence, attribution=attribution,
     )  # fmt: skip
     gallery = open_gallery()
     from rumu.gallery.add_work import add_capture, add_glyphs, add_picture, named_collection
 
-    target, metadata = named_collection(collection), told.work_metadata(character=character)
+    target, metadata = named_collection(collection), shared.work_metadata(character=character)
     if font is not None:
         added = add_glyphs(gallery, font, characters or "", metadata=metadata, collection=target)
     elif path is not None and path.is_dir():
         with working("Reconstructing"):
-            added = (add_capture(gallery, path, metadata=_named(metadata, path), collection=target),)
+            added = (add_capture(gallery, path, metadata=_with_title(metadata, path), collection=target),)
     else:
         picture = Path(str(path))
-        metadata = _named(metadata, picture)
+        metadata = _with_title(metadata, picture)
         added = (
             add_picture(
                 gallery, picture, metadata=metadata, collection=target, method=method, spacing=spacing
@@ -161,7 +157,8 @@ def add(
     return Outcome({"works": [{"id": one.id, "new": one.new} for one in added]}, "\n".join(lines))
 
 
-@ends_well
+@app.command("import")
+@print_outcome
 def import_works(
     folder: Annotated[
         Path, typer.Argument(metavar="FOLDER", help="Folder with labels.csv, or one that export wrote.")
@@ -185,13 +182,13 @@ def import_works(
     from rumu.gallery.bulk_import import import_folder
     from rumu.gallery.catalog import open_gallery
 
-    told = _told(
+    shared = _shared_metadata(
         title_zh=title_zh, title_en=title_en, script=script, hand=hand, dynasty=dynasty, material=material,
         source=source, licence=licence, attribution=attribution, id=collection,
     )  # fmt: skip
     gallery = open_gallery(starter=not holds_starter(folder))
     with bar("Importing") as advance:
-        done = import_folder(gallery, folder, shared=told, progress=advance)
+        done = import_folder(gallery, folder, shared=shared, progress=advance)
     delete_orphans(gallery)
     lines = [f"{done.added} works added, {done.existing} were there already: {', '.join(done.collections)}"]
     if done.left_out:
@@ -201,7 +198,8 @@ def import_works(
     return Outcome({**facts, "left_out": left_out}, "\n".join(lines))
 
 
-@ends_well
+@app.command()
+@print_outcome
 def export(
     work_id: Annotated[
         str | None, typer.Argument(metavar="[ID]", help="With --html: the work to show.")
@@ -232,7 +230,8 @@ def export(
     return Outcome({"works": count, "out": out}, f"{count} works in {out}")
 
 
-@ends_well
+@app.command()
+@print_outcome
 def remove(
     work_id: Annotated[str | None, typer.Argument(metavar="[ID]", help="The work to remove.")] = None,
     collection: Annotated[
@@ -271,7 +270,7 @@ def _page(work_id: str, out: Path) -> Outcome:
     return Outcome({"id": work_id, "out": out, "bytes": size}, f"{work_id}: {out} ({size / 1e6:.1f} MB)")
 
 
-def _told(**given: str | None) -> SharedMetadata:
+def _shared_metadata(**given: str | None) -> SharedMetadata:
     from rumu.gallery.labels import SharedMetadata
     from rumu.values import Bilingual
 
@@ -282,8 +281,8 @@ def _told(**given: str | None) -> SharedMetadata:
     return SharedMetadata({name: text for name, text in given.items() if text}, both)
 
 
-def _named(metadata: Any, path: Path) -> Any:
-    """A work that nobody named is called by its character or its file."""
+def _with_title(metadata: Any, path: Path) -> Any:
+    """The metadata with a title: where none was given, the character or the name of the file."""
     from dataclasses import replace
 
     from rumu.values import Bilingual
@@ -311,7 +310,7 @@ def _write_png(data: bytes, target: Path) -> None:
         decode_picture(data).save(part, "PNG")
 
 
-def _once(first: str, second: str) -> str:
+def _both_names(first: str, second: str) -> str:
     """Both names, or one where they are the same."""
     return first if first == second else f"{first} {second}".strip()
 

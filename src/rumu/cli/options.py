@@ -7,14 +7,11 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from rumu.errors import CalibrationError, GalleryError, ImageError
-
-if TYPE_CHECKING:
-    from rumu.values import Level
 
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")
@@ -37,24 +34,24 @@ def not_an_input(output: Path | None, *inputs: Path | str | None) -> None:
             raise typer.BadParameter(f"{output} is an input and would be written over")
 
 
-class _OnlyAskingError(Exception):
+class _OnlyCheckingError(Exception):
     pass
 
 
-def ask_for_place(folder: Path, *, marker: str) -> None:
+def check_folder_writable(folder: Path, *, marker: str) -> None:
     """Raise OutputError now, when `folder` cannot be written, rather than after minutes of work."""
     from rumu.outputs import whole_folder
 
-    with contextlib.suppress(_OnlyAskingError), whole_folder(folder, marker=marker):
-        raise _OnlyAskingError  # leaves everything as it was
+    with contextlib.suppress(_OnlyCheckingError), whole_folder(folder, marker=marker):
+        raise _OnlyCheckingError  # leaves everything as it was
 
 
-def ask_for_file(path: Path) -> None:
+def check_file_writable(path: Path) -> None:
     """Raise OutputError now, when `path` cannot be written, rather than after minutes of work."""
     from rumu.outputs import whole_file
 
-    with contextlib.suppress(_OnlyAskingError), whole_file(path):
-        raise _OnlyAskingError  # leaves everything as it was
+    with contextlib.suppress(_OnlyCheckingError), whole_file(path):
+        raise _OnlyCheckingError  # leaves everything as it was
 
 
 def master_path(master: str, *, root: Path | None = None) -> Path:
@@ -112,12 +109,11 @@ def level_cuts(name: str) -> Mapping[str, float]:
     """
     from rumu.assessment.calibration import LEVELS, checked_cuts
 
-    if name in LEVELS:
-        return _plain(LEVELS[name])
     path = Path(name)
-    if path.suffix.lower() != ".json":
+    if name not in LEVELS and path.suffix.lower() != ".json":
         raise CalibrationError(f"levels {name!r}: expected one of {', '.join(LEVELS)}, or a .json file")
-    return _plain(checked_cuts(_json_object(path, of="levels"), name=str(path)))
+    cuts = LEVELS[name] if name in LEVELS else checked_cuts(_json_object(path, of="levels"), name=name)
+    return {str(level): low for level, low in cuts.items()}
 
 
 def _json_object(path: Path, *, of: str) -> Mapping[str, Any]:
@@ -130,7 +126,3 @@ def _json_object(path: Path, *, of: str) -> Mapping[str, Any]:
     if not isinstance(held, dict):
         raise CalibrationError(f"{path}: expected a JSON object of {of}, got {type(held).__name__}")
     return held
-
-
-def _plain(cuts: Mapping[Level, float]) -> dict[str, float]:
-    return {str(level): low for level, low in cuts.items()}

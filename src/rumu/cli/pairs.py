@@ -17,7 +17,7 @@ from rumu.outputs import whole_file
 
 if TYPE_CHECKING:
     from rumu.assessment.measurement import PreparedMaster
-    from rumu.cli.progress import Advance
+    from rumu.cli.terminal import Advance
     from rumu.values import Assessment
 
 COLUMNS = (
@@ -43,7 +43,7 @@ COLUMNS = (
 )
 
 
-class Pair(NamedTuple):
+class PairRow(NamedTuple):
     """One row as it stands in the table; None where the row ends too early or the column is not there."""
 
     copy: str | None
@@ -84,12 +84,12 @@ def assess_pairs(
     return marked, total - marked
 
 
-def _windows(pairs: Iterator[Pair], *, size: int = 2000) -> Iterator[list[Pair]]:
+def _windows(pairs: Iterator[PairRow], *, size: int = 2000) -> Iterator[list[PairRow]]:
     while window := list(itertools.islice(pairs, size)):
         yield window
 
 
-def read_pairs(path: Path) -> Iterator[Pair]:
+def read_pairs(path: Path) -> Iterator[PairRow]:
     """The rows of a CSV with the columns copy, reference and perhaps script, UTF-8 with or without BOM.
 
     Raises ImageError naming the file when it is missing, no UTF-8 text, or lacks a column.
@@ -106,7 +106,7 @@ def read_pairs(path: Path) -> Iterator[Pair]:
                 )
             rows.fieldnames = names
             for row in rows:
-                yield Pair(
+                yield PairRow(
                     row["copy"] or None, row["reference"] or None, (row.get("script") or "").strip() or None
                 )
     except OSError as error:
@@ -115,8 +115,8 @@ def read_pairs(path: Path) -> Iterator[Pair]:
         raise ImageError(f"{path}: expected a CSV in UTF-8, cannot read it ({error})") from error
 
 
-def mark_row(pair: Pair, *, root: Path, terms: Mapping[str, Any]) -> dict[str, Any]:
-    """One row of the result; whatever goes wrong is told in its column `refused`."""
+def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str, Any]:
+    """One row of the result; whatever goes wrong is said in its column `refused`."""
     row: dict[str, Any] = dict.fromkeys(COLUMNS, "") | {"copy": pair.copy, "reference": pair.reference}
     if pair.copy is None or pair.reference is None:
         return row | {"refused": "expected a copy and a reference in this row"}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rumu.cli.options import AsJson
-from rumu.cli.outcome import Outcome, ends_well
+from rumu.cli.terminal import Outcome, print_outcome
 
 if TYPE_CHECKING:
     from rumu.web.server import Listening
@@ -17,11 +17,7 @@ if TYPE_CHECKING:
 OWNER = "The first owner's link (works once)  館主的連結（只能用一次）:"
 
 
-def register(app: typer.Typer) -> None:
-    app.command()(serve)
-
-
-@ends_well
+@print_outcome
 def serve(
     *,
     host: Annotated[

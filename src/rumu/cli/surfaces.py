@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from rumu.cli.options import AsJson, ask_for_place, finite
-from rumu.cli.outcome import Outcome, ends_well
-from rumu.cli.progress import working
+from rumu.cli.options import AsJson, check_folder_writable, finite
+from rumu.cli.terminal import Outcome, print_outcome, working
 
 if TYPE_CHECKING:
     from rumu.values import Surface
@@ -25,13 +24,7 @@ Folder = Annotated[
 ]
 
 
-def register(app: typer.Typer) -> None:
-    app.command()(reconstruct)
-    app.command()(relief)
-    app.command()(relight)
-
-
-@ends_well
+@print_outcome
 def reconstruct(
     *,
     capture_dir: Annotated[
@@ -56,16 +49,16 @@ def reconstruct(
     from rumu.capture.folder import read_capture
     from rumu.surface.folder import MARKER
 
-    ask_for_place(out, marker=MARKER)
+    check_folder_writable(out, marker=MARKER)
     with working("Reconstructing"):
         capture = read_capture(capture_dir)
         if mm_per_pixel is not None:
             capture = replace(capture, spacing=finite(mm_per_pixel))
         surface = pipeline.reconstruct(capture, solver=solver, integrator=integrator, rectify=rectify)
-        return _written(surface, out, title=capture_dir.resolve().name)
+        return _write_surface(surface, out, title=capture_dir.resolve().name)
 
 
-@ends_well
+@print_outcome
 def relief(
     *,
     image: Annotated[
@@ -82,10 +75,10 @@ def relief(
 
     with working("Raising the ink"):
         surface = raised(image, method=method, mode=mode)
-        return _written(surface, out, title=image.stem)
+        return _write_surface(surface, out, title=image.stem)
 
 
-@ends_well
+@print_outcome
 def relight(
     *,
     surface_dir: Annotated[
@@ -118,7 +111,7 @@ def relight(
     return Outcome(facts, f"{target}: tilt {tilt:g}°, slant {slant:g}°")
 
 
-def _written(surface: Surface, out: Path, *, title: str) -> Outcome:
+def _write_surface(surface: Surface, out: Path, *, title: str) -> Outcome:
     from rumu.report.pages import surface_page
     from rumu.surface.folder import write_surface
 
@@ -134,10 +127,10 @@ def _written(surface: Surface, out: Path, *, title: str) -> Outcome:
         "mask_share": surface.mask.mean(),
         "quality": surface.quality,
     }
-    return Outcome(facts, _described(surface, out))
+    return Outcome(facts, _describe(surface, out))
 
 
-def _described(surface: Surface, out: Path) -> str:
+def _describe(surface: Surface, out: Path) -> str:
     from rumu.report.wording import SOURCES
 
     rows, columns = surface.height.shape

@@ -37,7 +37,7 @@ _LARGE_WRITING = MeshView(width=1000, cells=110)
 _LARGE_RELIEF = MeshView(width=1000, cells=110, elevation=62.0)  # deep objects hide themselves from lower
 
 
-class Shown(NamedTuple):
+class CaptionedPicture(NamedTuple):
     """One picture with what stands under it."""
 
     uri: str
@@ -103,7 +103,7 @@ def assessment_page(
         parts=_parts(assessment.parts),
         pose=_pose(assessment.registration),
         remarks=_remarks(assessment.remarks),
-        copy_picture=_uri(albedo_picture(copy)),
+        copy_picture=data_uri(albedo_picture(copy)),
         pictures=_side_by_side(copy, master),
         overlay=_overlay(assessment.registration, master),
         sources=_sources(assessment),
@@ -122,9 +122,9 @@ def surface_page(surface: Surface, *, title: str, notes: Sequence[Bilingual] = (
         size=f"{surface.height.shape[1]} × {surface.height.shape[0]}",
         spacing=f"{surface.spacing:.4g} {surface.unit}",
         maps=_maps(surface),
-        heights=_uri(heights),
+        heights=data_uri(heights),
         height_bar={"gradient": css_gradient(HEIGHT_STOPS), "low": low, "high": high, "unit": surface.unit},
-        lit=[(f"{tilt}°", _uri(shaded_picture(surface, tilt=tilt))) for tilt in (0, 90, 180, 270)],
+        lit=[(f"{tilt}°", data_uri(shaded_picture(surface, tilt=tilt))) for tilt in (0, 90, 180, 270)],
         mesh=_mesh(surface, view=_LARGE_RELIEF if surface.source == "photometric" else _LARGE_WRITING),
         quality=[(wording.quality_meaning(n), n, f"{v:.4g}") for n, v in surface.quality.items()],
     )
@@ -138,15 +138,17 @@ def demo_index(samples: Sequence[IndexSample], works: Sequence[IndexWork], *, ti
             sample,
             wording.LEVELS[sample.degree],
             wording.LEVELS[sample.assessment.level] if sample.assessment.level else None,
-            _uri(albedo_picture(sample.copy, settings=PictureSettings(side=320))) if sample.copy else None,
+            data_uri(albedo_picture(sample.copy, settings=PictureSettings(side=320)))
+            if sample.copy
+            else None,
         )
         for sample in samples
     ]
     sheet = [
         (
             work,
-            _uri(albedo_picture(work.surface, settings=small), small),
-            _uri(shaded_picture(work.surface, tilt=_LAMP_TILT, settings=small), small),
+            data_uri(albedo_picture(work.surface, settings=small), settings=small),
+            data_uri(shaded_picture(work.surface, tilt=_LAMP_TILT, settings=small), settings=small),
         )
         for work in works
     ]
@@ -281,7 +283,7 @@ def _box(region: tuple[float, float, float, float] | None) -> dict[str, float] |
     return {"left": 100 * x0, "top": 100 * y0, "width": 100 * (x1 - x0), "height": 100 * (y1 - y0)}
 
 
-def _side_by_side(copy: Surface, master: Surface) -> list[tuple[Shown, Shown]]:
+def _side_by_side(copy: Surface, master: Surface) -> list[tuple[CaptionedPicture, CaptionedPicture]]:
     """Copy and master as written, shaded, and as mesh."""
     written, lit = (
         Bilingual("原圖", "As written"),
@@ -294,24 +296,24 @@ def _side_by_side(copy: Surface, master: Surface) -> list[tuple[Shown, Shown]]:
     ]
 
 
-def _shown(picture: Picture, caption: Bilingual, who: str) -> Shown:
-    return Shown(_uri(picture), f"{caption.en}: {who}", caption)
+def _shown(picture: Picture, caption: Bilingual, who: str) -> CaptionedPicture:
+    return CaptionedPicture(data_uri(picture), f"{caption.en}: {who}", caption)
 
 
 def _lit(surface: Surface) -> Picture:
     return shaded_picture(surface, tilt=_LAMP_TILT)
 
 
-def _mesh(surface: Surface, who: str = "the surface", *, view: MeshView | None = None) -> Shown:
+def _mesh(surface: Surface, who: str = "the surface", *, view: MeshView | None = None) -> CaptionedPicture:
     picture, raised = mesh_picture(surface, view=view)
     zh, en = (f"（高度放大 {raised:.1f} 倍）", f", height × {raised:.1f}") if raised > 1.05 else ("", "")
-    return Shown(_uri(picture), f"Mesh: {who}", Bilingual(f"網格{zh}", f"Mesh{en}"))
+    return CaptionedPicture(data_uri(picture), f"Mesh: {who}", Bilingual(f"網格{zh}", f"Mesh{en}"))
 
 
 def _overlay(registration: Registration, master: Surface) -> dict[str, Any]:
     settings = OverlaySettings()
     return {
-        "uri": _uri(overlay_picture(registration, master=master, settings=settings)),
+        "uri": data_uri(overlay_picture(registration, master=master, settings=settings)),
         "gradient": css_gradient(RESIDUAL_STOPS),
         "full": settings.full,
         "missing": settings.missing,
@@ -325,33 +327,29 @@ def _sources(assessment: Assessment) -> list[Bilingual]:
     return [wording.SOURCES[source] for source in dict.fromkeys(assessment.source or ())]
 
 
-def _refused_pictures(copy: Surface | None, master: Surface) -> list[Shown]:
+def _refused_pictures(copy: Surface | None, master: Surface) -> list[CaptionedPicture]:
     shown = [] if copy is None else [_shown(albedo_picture(copy), Bilingual("臨作", "Copy"), "copy")]
     return [*shown, _shown(albedo_picture(master), Bilingual("範字", "Master"), "master")]
 
 
-def _maps(surface: Surface) -> list[Shown]:
+def _maps(surface: Surface) -> list[CaptionedPicture]:
     return [
-        Shown(
-            _uri(albedo_picture(surface)),
+        CaptionedPicture(
+            data_uri(albedo_picture(surface)),
             "Albedo",
             Bilingual("反照率", "Albedo: the sheet without its light"),
         ),
-        Shown(
-            _uri(normals_picture(surface)),
+        CaptionedPicture(
+            data_uri(normals_picture(surface)),
             "Normals",
             Bilingual("法線：紅 x，綠 y，藍 z", "Normals: red x, green y, blue z"),
         ),
-        Shown(
-            _uri(share_picture(surface.confidence)),
+        CaptionedPicture(
+            data_uri(share_picture(surface.confidence)),
             "Confidence",
             Bilingual("可信度：白為可信，黑為填補", "Confidence: white is sure, black was filled in"),
         ),
     ]
-
-
-def _uri(picture: Picture, settings: PictureSettings | None = None) -> str:
-    return data_uri(picture, settings=settings)
 
 
 def _render(template: str, **context: Any) -> str:

@@ -17,7 +17,7 @@ import typer
 from typer.testing import CliRunner
 
 from rumu.cli.options import AsJson
-from rumu.cli.outcome import Outcome, ends_well, plain
+from rumu.cli.terminal import Outcome, plain, print_outcome
 from rumu.errors import ImageError
 
 
@@ -26,7 +26,7 @@ def ended(command, *arguments, debug=""):
     app = typer.Typer(pretty_exceptions_enable=False)
 
     @app.command()
-    @ends_well
+    @print_outcome
     def only(*, as_json: AsJson = False) -> Outcome:
         return command()
 

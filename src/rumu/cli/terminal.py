@@ -1,6 +1,7 @@
-"""How a command ends: what it prints, where, and with which exit code.
+"""What a command shows: progress while it works, then its outcome, and with which exit code it ends.
 
-A command returns an Outcome or raises; `ends_well` turns either into output and an exit code, so that no
+Progress goes to stderr, and only when a person is looking at it.
+A command returns an Outcome or raises; `print_outcome` turns either into output and an exit code, so that no
 traceback reaches a person and `--json` is always one object on stdout and nothing else there.
 """
 
@@ -27,19 +28,25 @@ from rumu.errors import RumuError
 P = ParamSpec("P")
 
 FINE, FAILED, INTERRUPTED = 0, 1, 130
+"""Exit codes; the last is the shell's own for Ctrl-C."""
+Advance = Callable[[int, int], None]
+"""Called with (done, total)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """facts: what `--json` prints. text: what a person reads, a string or something rich can print.
-    refused: one line for stderr when the command did its work and the answer is no (exit code 1)."""
+    """What a command found.
+
+    facts: what `--json` prints. text: what a person reads, a string or something rich can print.
+    refused: one line for stderr when the command did its work and the answer is no (exit code 1).
+    """
 
     facts: Mapping[str, Any]
     text: Any
     refused: str | None = None
 
 
-def ends_well(command: Callable[P, Outcome]) -> Callable[P, None]:
+def print_outcome(command: Callable[P, Outcome]) -> Callable[P, None]:
     """Print what `command` returns, or one line about why it failed, and end with the right code."""
 
     @functools.wraps(command)
@@ -50,7 +57,7 @@ def ends_well(command: Callable[P, Outcome]) -> Callable[P, None]:
         except RumuError as error:
             _fail(str(error), as_json=as_json)
         except KeyboardInterrupt:
-            interrupted()
+            raise SystemExit(INTERRUPTED) from None
         except (typer.BadParameter, typer.Exit):
             raise
         except Exception as error:
@@ -87,10 +94,10 @@ def speak_plainly() -> None:
     with contextlib.suppress(ValueError):  # only the main thread may
         signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     if not _debugging():
-        # What the rooms warn about is said in UserWarning; the rest speaks to programmers.
+        # What rumu warns about is a UserWarning; the rest is for programmers.
         warnings.simplefilter("ignore")
         warnings.simplefilter("default", UserWarning)
-        warnings.showwarning = _warn
+        warnings.showwarning = lambda message, *_, **__: _complain(f"warning: {message}")
 
 
 @contextlib.contextmanager
@@ -99,14 +106,9 @@ def _quiet_pipe() -> Iterator[None]:
     try:
         yield
     except BrokenPipeError:
-        # Python flushes stdout once more at exit; it must find a place that takes it.
+        # Python flushes stdout once more at exit; it must find a file that takes it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise SystemExit(FINE) from None
-
-
-def interrupted() -> NoReturn:
-    """Ctrl-C: no words, the shell's own code."""
-    raise SystemExit(INTERRUPTED)
 
 
 def _print(outcome: Outcome, *, as_json: bool) -> None:
@@ -123,7 +125,7 @@ def _print(outcome: Outcome, *, as_json: bool) -> None:
 
 def _fail(message: str, *, as_json: bool) -> NoReturn:
     if as_json:
-        print(json.dumps({"error": _one_line(message)}, ensure_ascii=False), flush=True)
+        print(json.dumps({"error": " ".join(message.split())}, ensure_ascii=False), flush=True)
     _complain(message)
     raise SystemExit(FAILED) from None
 
@@ -140,16 +142,36 @@ def _unexpected(error: Exception) -> str:
 
 
 def _complain(message: str) -> None:
-    print(f"rumu: {_one_line(message)}", file=sys.stderr)
-
-
-def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
-    _complain(f"warning: {message}")
-
-
-def _one_line(message: str) -> str:
-    return " ".join(message.split())
+    """Print a message as one line on stderr."""
+    print(f"rumu: {' '.join(message.split())}", file=sys.stderr)
 
 
 def _debugging() -> bool:
     return os.environ.get("RUMU_DEBUG", "") not in ("", "0")
+
+
+@contextlib.contextmanager
+def bar(label: str) -> Iterator[Advance]:
+    """Yield a function of (done, total) that moves a bar; silent when stderr is no terminal."""
+    if not sys.stderr.isatty():
+        yield lambda done, total: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task(label, total=None)
+        yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
+@contextlib.contextmanager
+def working(label: str) -> Iterator[None]:
+    """A turning sign beside `label` while one long step runs; silent when stderr is no terminal."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(label):
+        yield
