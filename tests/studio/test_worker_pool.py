@@ -131,6 +131,32 @@ def test_a_worker_that_hangs_is_ended(workers, tmp_path):
         os.kill(hung, 0)
 
 
+def takes(storage, *, seconds):
+    time.sleep(seconds)
+    return os.getpid()
+
+
+def test_a_queue_that_is_too_long_ends_no_worker(storage, gallery):
+    """A class that hands in at once makes some wait too long; the worker is busy and does not hang."""
+    pool = WorkerPool(storage, processes=1)
+    worker, answers, busy = pool.ask(own_id), [], []
+
+    def ask():
+        try:
+            answers.append(pool.ask(takes, seconds=0.7, patience=1.6))
+        except Busy as error:
+            busy.append(error)
+
+    threads = [threading.Thread(target=ask) for _ in range(5)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(20)
+    assert len(answers) + len(busy) == 5 and busy
+    assert set(answers) == {worker} == {pool.ask(own_id)}
+    pool.stop()
+
+
 def test_another_executor_can_stand_in_its_place(storage, gallery):
     pool = WorkerPool(storage, make_executor=lambda: ThreadPoolExecutor(1))
     assert pool.ask(own_id) == os.getpid()

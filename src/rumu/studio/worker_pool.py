@@ -17,13 +17,16 @@ from rumu.studio.storage import Storage
 
 Answer = TypeVar("Answer")
 
+_THREADS = 2  # that work where there are no processes
+
 
 @dataclass(frozen=True, slots=True)
 class PoolSettings:
     """How a pool works.
 
-    waiting: requests that may wait or run at a time. patience: seconds that one may take. niceness: by how
-    much the priority of the workers is lowered, so that readers are answered before copies are marked.
+    waiting: requests that may wait or run at a time. patience: seconds that one may wait for a free worker,
+    and that it may run. niceness: by how much the priority of the workers is lowered, so that readers are
+    answered before copies are marked.
     """
 
     waiting: int = 64
@@ -51,6 +54,7 @@ class WorkerPool:
         self._processes = min(cores(), 4) if processes is None else processes
         self._make_executor = make_executor or self._default_executor
         self._slots = threading.BoundedSemaphore(self._settings.waiting)
+        self._free_workers = threading.BoundedSemaphore(self._processes or _THREADS)
         self._lock = threading.Lock()
         self._executor: Executor | None = None
         self._stopped = False
@@ -75,30 +79,41 @@ class WorkerPool:
     def ask(self, work: Callable[..., Answer], *, patience: float | None = None, **arguments: Any) -> Answer:
         """Return `work(storage, **arguments)` of a worker; work whose worker died is tried once more.
 
-        patience: seconds to wait for the answer, `math.inf` for ever, the settings' by default; a worker that
-        takes longer is ended. Raises Busy for that, when too many wait and after `stop`; RumuError when the
-        worker died twice; and what `work` raises.
+        patience: seconds to wait for a free worker and then for its answer, `math.inf` for ever, the
+        settings' by default; a worker that takes longer is ended. Raises Busy for both, when too many wait
+        and after `stop`; RumuError when the worker died twice; and what `work` raises.
         """
         seconds = self._settings.patience if patience is None else patience
+        timeout = None if seconds == math.inf else seconds
         if not self._slots.acquire(blocking=False):
             raise Busy
         try:
-            for _ in range(2):
-                executor = self._running_executor()
-                try:
-                    future = self._submit(executor, work, arguments)
-                    return future.result(timeout=None if seconds == math.inf else seconds)
-                except Exception as error:
-                    if isinstance(error, TimeoutError) and not future.done():
-                        if not future.cancel():  # it runs: a worker that hangs would hang for ever
-                            self._discard(executor)
-                        raise Busy from error
-                    if not isinstance(error, BrokenExecutor) and executor is self._executor:
-                        raise
-                    self._discard(executor)  # its worker died, or it was ended because of other work
-            raise RumuError("the process that did this work ended before it was done (out of memory?)")
+            # Work is submitted when a worker is free: what then takes too long hangs, and did not just queue.
+            if not self._free_workers.acquire(timeout=timeout):
+                raise Busy
+            try:
+                return self._run(work, arguments, timeout=timeout)
+            finally:
+                self._free_workers.release()
         finally:
             self._slots.release()
+
+    def _run(
+        self, work: Callable[..., Answer], arguments: dict[str, Any], *, timeout: float | None
+    ) -> Answer:
+        for _ in range(2):
+            executor = self._running_executor()
+            try:
+                future = self._submit(executor, work, arguments)
+                return future.result(timeout=timeout)
+            except Exception as error:
+                if isinstance(error, TimeoutError) and not future.done():
+                    self._discard(executor)  # a worker that hangs would hang for ever
+                    raise Busy from error
+                if not isinstance(error, BrokenExecutor) and executor is self._executor:
+                    raise
+                self._discard(executor)  # its worker died, or it was ended because of other work
+        raise RumuError("the process that did this work ended before it was done (out of memory?)")
 
     def _submit(
         self, executor: Executor, work: Callable[..., Answer], arguments: dict[str, Any]
@@ -126,7 +141,7 @@ class WorkerPool:
 
     def _default_executor(self) -> Executor:
         if self._processes == 0:
-            return ThreadPoolExecutor(2, thread_name_prefix="rumu-worker")
+            return ThreadPoolExecutor(_THREADS, thread_name_prefix="rumu-worker")
         return process_executor(self._processes, niceness=self._settings.niceness)
 
 
