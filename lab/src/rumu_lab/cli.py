@@ -107,7 +107,7 @@ def _run_one(name: str, settings: RunSettings, more: dict[str, Any]) -> Outcome:
         raise CalibrationError(f"{name}: {reason}")
     with bar(f"Running {name}") as advance:
         found = run_one(name, replace(settings, progress=advance), **more)
-    return Outcome(found.summary(), found.text())
+    return Outcome(dict(found.facts), found.text())
 
 
 def _run_all(settings: RunSettings) -> Outcome:

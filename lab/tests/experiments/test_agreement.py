@@ -16,7 +16,7 @@ MARKS = np.clip(RNG.normal(55, 12, len(CHARACTERS)), 5, 95)
 
 def method(name, noise, seed):
     raw = (MARKS + noise * np.random.default_rng(seed).normal(size=len(MARKS))) / 100.0
-    return agreement.Graded(name, raw, agreement.held_out(raw, MARKS, CHARACTERS))
+    return agreement.GradedMethod(name, raw, agreement.held_out(raw, MARKS, CHARACTERS))
 
 
 def compared(*methods):

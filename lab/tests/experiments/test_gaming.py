@@ -52,7 +52,7 @@ def test_a_sample_does_not_pass(tmp_path):
     done = []
     settings = RunSettings(tmp_path, tmp_path, progress=lambda k, n: done.append((k, n)))
     some = list(gaming.trials(tmp_path))[::40]
-    found = gaming.findings_on(some, settings)
+    found = gaming.run(settings, chosen=some)
     assert done == [(k, len(some)) for k in range(1, len(some) + 1)]
     assert found.facts["above"] == []
     rows = list(csv.DictReader((tmp_path / "tables" / "gaming.csv").open(encoding="utf-8")))

@@ -19,8 +19,8 @@ def measured(monkeypatch, graded, quick, e3c_data):
     def use(measure):
         monkeypatch.setattr(
             human_marks,
-            "grade_all",
-            lambda tasks, settings: [measure(t, marks[t.key]) for t in tasks],
+            "measure_each",
+            lambda work, tasks, settings: [measure(t, marks[t.key]) for t in tasks],
         )
 
     use(lambda task, mark: graded(task, mark, noise=0.3))

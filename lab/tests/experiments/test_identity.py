@@ -54,7 +54,7 @@ def test_pairs_of_one_character_come_from_two_works(data):
 
 def test_a_sample_is_parted(data, tmp_path):
     pairs = list(identity.pairs(data, most=12))
-    found = identity.findings_on(pairs, RunSettings(data, tmp_path))
+    found = identity.run(RunSettings(data, tmp_path), chosen=pairs)
     facts = found.facts
     assert json.loads(json.dumps(facts)) == facts
     for where in ("regular, six works", "E3C copies and templates"):

@@ -15,7 +15,7 @@ MIDDLES = dict(zip(DEGREES, (0.2, 0.48, 0.62, 0.85), strict=True))
 def measured(monkeypatch, graded):
     """Every copy gets the middle of its level, but seal script is marked one level too low."""
 
-    def measure(tasks, settings):
+    def measure(work, tasks, settings):
         marks = []
         for task in tasks:
             degree = task.key.split("/")[2]
@@ -24,7 +24,7 @@ def measured(monkeypatch, graded):
             marks.append(graded(task, MIDDLES[degree]))
         return marks
 
-    monkeypatch.setattr(levels, "grade_all", measure)
+    monkeypatch.setattr(levels, "measure_each", measure)
 
 
 def test_levels_by_script(measured, quick):
@@ -47,8 +47,8 @@ def test_with_people(measured, quick, e3c_data, graded, monkeypatch):
     copies = {f"human/{c.image.name}": c.mark / 100 for c in chosen_copies(quick)}
     monkeypatch.setattr(
         human_marks,
-        "grade_all",
-        lambda tasks, settings: [graded(t, copies[t.key]) for t in tasks],
+        "measure_each",
+        lambda work, tasks, settings: [graded(t, copies[t.key]) for t in tasks],
     )
     found = levels.run(quick)
     ours, rater, common = found.facts["human"]

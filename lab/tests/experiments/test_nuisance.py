@@ -38,7 +38,7 @@ def test_drift_is_measured_in_steps():
 
 
 def test_the_losers_are_named(quick, graded, monkeypatch):
-    def measure(tasks, settings):
+    def measure(work, tasks, settings):
         found = []
         for task in tasks:
             severity = int(task.key.rsplit("/", 1)[1]) if task.key.startswith("severities") else 0
@@ -46,8 +46,8 @@ def test_the_losers_are_named(quick, graded, monkeypatch):
             found.append(graded(task, 0.9 - 0.06 * severity - moved, noise=0.0))
         return found
 
-    monkeypatch.setattr(severities, "grade_all", measure)
-    monkeypatch.setattr(nuisance, "grade_all", measure)
+    monkeypatch.setattr(severities, "measure_each", measure)
+    monkeypatch.setattr(nuisance, "measure_each", measure)
     found = nuisance.run(quick)
     assert found.facts["losers"] == ["JPEG 50"]
     assert found.facts["step_of_severity"] == pytest.approx(6.0)

@@ -34,7 +34,9 @@ def measured(monkeypatch, falling):
     """Puts a way of measuring in the place of the real one."""
 
     def use(measure):
-        monkeypatch.setattr(severities, "grade_all", lambda tasks, settings: [measure(t) for t in tasks])
+        monkeypatch.setattr(
+            severities, "measure_each", lambda work, tasks, settings: [measure(t) for t in tasks]
+        )
 
     use(falling)
     return use

@@ -54,7 +54,8 @@ def fit(raw: FloatArray, marks: FloatArray) -> Calibrator:
     x, y = np.asarray(raw, float), np.asarray(marks, float)
     _check(x, y)
     middle, spread = float(x.mean()), float(x.std())
-    level = _logit(float(np.median(y)))
+    share = min(max(float(np.median(y)) / 100.0, 1e-6), 1.0 - 1e-6)
+    level = math.log(share / (1.0 - share))
     if spread < NO_SPREAD:
         return Calibrator(level, 0.0)
     z = (x - middle) / spread
@@ -79,8 +80,3 @@ def _check(raw: FloatArray, marks: FloatArray) -> None:
         raise CalibrationError("expected raw grades and marks that are finite, got NaN or infinite ones")
     if marks.min() < 0 or marks.max() > 100:
         raise CalibrationError(f"expected marks from 0 to 100, got {marks.min():g} to {marks.max():g}")
-
-
-def _logit(mark: float) -> float:
-    share = min(max(mark / 100.0, 1e-6), 1.0 - 1e-6)
-    return math.log(share / (1.0 - share))

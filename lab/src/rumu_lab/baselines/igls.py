@@ -21,12 +21,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cache
 from itertools import product
 
 import numpy as np
 
-from rumu.values import BoolArray, FloatArray
+from rumu.values import IntArray
 from rumu_lab.baselines.cell import SIDE, Cell, Raw
 from rumu_lab.baselines.mamdani import Corners, FuzzySystem
 
@@ -64,23 +63,39 @@ def raw(probe: Cell, reference: Cell) -> Raw:
     """
     settings = IglsSettings()
     scores = measure(probe, reference, settings=settings)
-    grade = _system().infer(tuple(quantise(score, steps=settings.steps) for score in scores.values()))
-    low, high = _system().infer((0.0, 0.0, 0.0)), _system().infer((1.0, 1.0, 1.0))
+    system = FuzzySystem(LEVELS, GRADES, rules())
+    grade = system.infer(tuple(quantise(score, steps=settings.steps) for score in scores.values()))
+    low, high = system.infer((0.0, 0.0, 0.0)), system.infer((1.0, 1.0, 1.0))
     return Raw(min(max((grade - low) / (high - low), 0.0), 1.0), scores | {"grade": grade})
 
 
 def measure(probe: Cell, reference: Cell, *, settings: IglsSettings) -> dict[str, float]:
     """How well centre, size and projections agree, each in [0, 1], not quantised."""
-    off = float(np.linalg.norm(_centroid(probe.ink) - _centroid(reference.ink))) / SIDE
-    ratio = max(
-        abs(math.log(own / there)) for own, there in zip(_box(probe.ink), _box(reference.ink), strict=True)
-    )
-    moved = np.mean([np.abs(d).mean() for d in _differences(probe, reference, bins=settings.bins)])
+    own, there = (np.array(np.nonzero(cell.ink)[::-1]) for cell in (probe, reference))  # x and y of the ink
+    axes = list(zip(own, there, strict=True))
+    off = float(np.linalg.norm(own.mean(axis=1) - there.mean(axis=1))) / SIDE
+    ratio = max(abs(math.log((int(np.ptp(a)) + 1) / (int(np.ptp(b)) + 1))) for a, b in axes)
+    moved = float(np.mean([_projections_apart(a, b, bins=settings.bins) for a, b in axes]))
     return {
-        "centre": _share(off, settings.off_centre),
-        "size": _share(ratio, math.log(settings.size)),
-        "projections": _share(float(moved), settings.projection),
+        "centre": max(0.0, 1.0 - off / settings.off_centre),
+        "size": max(0.0, 1.0 - ratio / math.log(settings.size)),
+        "projections": max(0.0, 1.0 - moved / settings.projection),
     }
+
+
+def _projections_apart(own: IntArray, there: IntArray, *, bins: int) -> float:
+    """Earth mover's distance, in cells, of two projections brought to one centre and size.
+
+    own, there: (N,) places of the ink along one axis, in pixels. What lies beyond the cell
+    is in the last bin.
+    """
+    a, b = ((places - places.mean()) / SIDE for places in (own, there))
+    a = a * (b.std() / max(float(a.std()), 1e-9))
+    one, two = (
+        np.histogram(np.clip(places, -0.5, 0.5), bins=bins, range=(-0.5, 0.5))[0] / len(places)
+        for places in (a, b)
+    )
+    return float(np.abs(np.cumsum(one - two)).mean())
 
 
 def quantise(score: float, *, steps: int) -> float:
@@ -88,60 +103,14 @@ def quantise(score: float, *, steps: int) -> float:
     return round(score * steps) / steps if steps else score
 
 
-def _share(amount: float, worst: float) -> float:
-    return max(0.0, 1.0 - amount / worst)
-
-
 def rules() -> dict[tuple[int, ...], int]:
     """Levels of (centre, size, projections), 0 low to 2 high -> grade, BAD to EXCELLENT; all 27.
 
     The projections weigh as much as the other two together.
     """
-
-    def conclude(centre: int, size: int, projections: int) -> int:
+    table = {}
+    for levels in product(range(3), repeat=3):
+        centre, size, projections = levels
         weight = centre + size + 2 * projections
-        return BAD if weight <= 2 else MEDIUM if weight <= 4 else GOOD if weight <= 6 else EXCELLENT
-
-    return {levels: conclude(*levels) for levels in product(range(3), repeat=3)}
-
-
-@cache
-def _system() -> FuzzySystem:
-    return FuzzySystem(LEVELS, GRADES, rules())
-
-
-def _centroid(ink: BoolArray) -> FloatArray:
-    rows, columns = np.nonzero(ink)
-    return np.array([columns.mean(), rows.mean()])
-
-
-def _box(ink: BoolArray) -> tuple[int, int]:
-    """Width and height of the ink's box, in pixels."""
-    columns, rows = np.flatnonzero(ink.any(axis=0)), np.flatnonzero(ink.any(axis=1))
-    return int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1
-
-
-def _differences(probe: Cell, reference: Cell, *, bins: int) -> tuple[FloatArray, FloatArray]:
-    """Cumulative projections of the probe minus the reference's, onto x and onto y (rows): (bins,) each.
-
-    Their mean absolute value is the earth mover's distance in cells.
-    """
-    (x, y), (x_there, y_there) = _places(probe.ink), _places(reference.ink)
-
-    def difference(own: FloatArray, other: FloatArray) -> FloatArray:
-        alike = own * (other.std() / max(float(own.std()), 1e-9))
-        return np.cumsum(_projection(alike, bins=bins) - _projection(other, bins=bins))
-
-    return difference(x, x_there), difference(y, y_there)
-
-
-def _places(ink: BoolArray) -> tuple[FloatArray, FloatArray]:
-    """Positions x (right) and y (down) of every ink pixel from the centroid, in cells: (N,) each."""
-    rows, columns = np.nonzero(ink)
-    return (columns - columns.mean()) / SIDE, (rows - rows.mean()) / SIDE
-
-
-def _projection(places: FloatArray, *, bins: int) -> FloatArray:
-    """(bins,) share of the ink in each strip across one cell; what lies beyond is in the outermost."""
-    counts = np.histogram(np.clip(places, -0.5, 0.5), bins=bins, range=(-0.5, 0.5))[0]
-    return np.asarray(counts / len(places))
+        table[levels] = BAD if weight <= 2 else MEDIUM if weight <= 4 else GOOD if weight <= 6 else EXCELLENT
+    return table

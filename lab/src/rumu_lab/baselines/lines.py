@@ -19,7 +19,7 @@ from rumu_lab.baselines.cell import Cell
 
 
 @dataclass(frozen=True, slots=True)
-class LineSettings:
+class CutSettings:
     """Where strokes are joined and cut.
 
     continuation: most degrees that a stroke turns in a fork. corner: degrees at which a stroke is cut.
@@ -67,7 +67,7 @@ def lines_of(cell: Cell) -> tuple[StrokeLine, ...]:
 
 def cut_lines(skeleton: Skeleton) -> tuple[StrokeLine, ...]:
     """Strokes by good continuation, cut at corners; pixels of the mask, y downward, longest first."""
-    settings = LineSettings()
+    settings = CutSettings()
     side = box_side(np.concatenate([s.points for s in skeleton.segments]))
     found = []
     for stroke in strokes(skeleton, turn=settings.continuation):

@@ -43,31 +43,23 @@ class FuzzySystem:
     universe: tuple[float, float] = (0.0, 100.0)
 
     @cached_property
-    def _axis(self) -> FloatArray:
-        return np.linspace(*self.universe, 801)
-
-    @cached_property
-    def _sets(self) -> FloatArray:
-        return np.array([trapezoid(self._axis, corners) for corners in self.outputs])
-
-    @cached_property
-    def _conditions(self) -> FloatArray:
-        return np.array(list(self.rules))
-
-    @cached_property
-    def _conclusions(self) -> FloatArray:
-        return np.array(list(self.rules.values()))
+    def _sampled(self) -> tuple[FloatArray, FloatArray]:
+        """(801,) values of the answer, and (outputs, 801) how far each belongs to each output."""
+        axis = np.linspace(*self.universe, 801)
+        return axis, np.array([trapezoid(axis, corners) for corners in self.outputs])
 
     def strengths(self, values: Sequence[float]) -> FloatArray:
         """(outputs,) in [0, 1]: how far each output is concluded from one value an input."""
         memberships = np.array([[float(trapezoid(v, level)) for level in self.levels] for v in values])
-        holds = memberships[np.arange(len(values)), self._conditions].min(axis=1)
-        return np.array([holds[self._conclusions == k].max(initial=0.0) for k in range(len(self.outputs))])
+        holds = memberships[np.arange(len(values)), np.array(list(self.rules))].min(axis=1)
+        conclusions = np.array(list(self.rules.values()))
+        return np.array([holds[conclusions == k].max(initial=0.0) for k in range(len(self.outputs))])
 
     def infer(self, values: Sequence[float]) -> float:
         """The answer, within `universe`. Raises RegistrationError where no rule holds at all."""
-        cut = np.minimum(self._sets, self.strengths(values)[:, None]).max(axis=0)
+        axis, sets = self._sampled
+        cut = np.minimum(sets, self.strengths(values)[:, None]).max(axis=0)
         total = float(cut.sum())
         if not total > 0.0:
             raise RegistrationError(f"expected values that some rule speaks of, got {tuple(values)}")
-        return float(cut @ self._axis) / total
+        return float(cut @ axis) / total

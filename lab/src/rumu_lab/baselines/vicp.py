@@ -29,6 +29,7 @@ from rumu.values import BoolArray, FloatArray
 from rumu_lab.baselines.cell import SIDE, Cell, Raw
 from rumu_lab.baselines.disk_spline import fit_disk_spline, sweep
 from rumu_lab.baselines.lines import StrokeLine, lines_of, skeleton_of
+from rumu_lab.baselines.overlap import iou
 from rumu_lab.baselines.similarity_icp import Similarity, SimilarityIcpSettings, similarity_icp
 from rumu_lab.baselines.stroke_pairs import (
     Curves,
@@ -108,7 +109,7 @@ def raw(probe: Cell, reference: Cell) -> Raw:
     settings = VicpSettings()
     pose = lay_on(probe, reference)
     moved = [StrokeLine(pose(line.points), line.radius * pose.scale) for line in vectorise(probe).lines]
-    whole = _overlap(sweep(moved, side=SIDE), _area(reference))
+    whole = iou(sweep(moved, side=SIDE), _area(reference))
     local, parts = _stroke_similarity(moved, vectorise(reference), settings)
     grade = settings.whole * whole + (1.0 - settings.whole) * local
     return Raw(
@@ -129,10 +130,6 @@ def _area(reference: Cell) -> BoolArray:
     return sweep(vectorise(reference).lines, side=SIDE)
 
 
-def _overlap(one: BoolArray, two: BoolArray) -> float:
-    return int(np.count_nonzero(one & two)) / max(1, int(np.count_nonzero(one | two)))
-
-
 PARTS = ("position", "length", "direction", "shape", "thickness")
 
 
@@ -141,7 +138,10 @@ def _stroke_similarity(
 ) -> tuple[float, dict[str, float]]:
     """Mean similarity of the strokes by length, 0 where a stroke has no partner, and its parts."""
     copy_lines, lines = cut_alike(moved, model.lines, width=model.width)
-    copy, reference = (curves_of([_in_cells(line) for line in some]) for some in (copy_lines, lines))
+    copy, reference = (
+        curves_of([StrokeLine(line.points / SIDE, line.radius / SIDE) for line in some])
+        for some in (copy_lines, lines)
+    )
     parts = local_similarities(copy, reference, settings=settings)
     worth = parts.mean(axis=0)
     pairs = pair_lines(worth, reference, copy)
@@ -177,7 +177,3 @@ def local_similarities(copy: Curves, reference: Curves, *, settings: VicpSetting
             np.maximum(0.0, 1.0 - thickness),
         ]
     )
-
-
-def _in_cells(line: StrokeLine) -> StrokeLine:
-    return StrokeLine(line.points / SIDE, line.radius / SIDE)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from rumu.values import Bilingual, FloatArray
-from rumu_lab.experiments.agreement import Graded, held_out, raw_of, side_by_side
+from rumu_lab.experiments.agreement import GradedMethod, held_out, raw_grades, side_by_side
 from rumu_lab.experiments.e3c import HeldOutMarks, chosen_copies, held_out_marks
 from rumu_lab.experiments.findings import Cell, Column, Findings, Table
 from rumu_lab.experiments.grading import Grades, GradingTask
@@ -52,7 +52,7 @@ def run(settings: RunSettings) -> Findings:
     kept = [(c, g) for c, g in zip(copies, grades, strict=True) if g.refused is None]
     marks = np.array([c.mark for c, _ in kept])
     characters = [c.character for c, _ in kept]
-    raw = raw_of([g for _, g in kept])
+    raw = raw_grades([g for _, g in kept])
     density = raw.pop(DENSITY)
     gains = gain_rows(raw, marks, characters, settings)
     groups: list[dict[str, Cell]] = []
@@ -65,7 +65,7 @@ def run(settings: RunSettings) -> Findings:
         "characters": len(set(characters)),
         "base": base_variant(),
         "variants": _rows_beside(
-            [Graded(name, v, held_out(v, marks, characters)) for name, v in raw.items()],
+            [GradedMethod(name, v, held_out(v, marks, characters)) for name, v in raw.items()],
             marks,
             characters,
             ours=base_variant(),
@@ -81,7 +81,7 @@ def run(settings: RunSettings) -> Findings:
 
 
 def _rows_beside(
-    graded: Sequence[Graded],
+    graded: Sequence[GradedMethod],
     marks: FloatArray,
     characters: Sequence[str],
     *,
@@ -183,7 +183,7 @@ def group_rows(
     """Rows of all variants as in Table 2, and what each group adds to the Spearman within a character."""
     marks, characters = held_out.panel, held_out.characters.tolist()
     given = group_marks(held_out)
-    graded = [Graded(name, values, values) for name, values in given.items()]
+    graded = [GradedMethod(name, values, values) for name, values in given.items()]
     rows = _rows_beside(graded, marks, characters, ours=WHOLE, settings=settings)
     gains: list[dict[str, Cell]] = [
         {
@@ -325,10 +325,10 @@ def _sentences(facts: Mapping[str, Any]) -> tuple[Bilingual, ...]:
         f"within a character {span}.",
     )
     groups = [g for g in facts["gains"] if str(g["what"]).startswith("group ")]
-    return (alone, _left_out(groups)) if groups else (alone,)
+    return (alone, _groups_sentence(groups)) if groups else (alone,)
 
 
-def _left_out(groups: Sequence[Mapping[str, Any]]) -> Bilingual:
+def _groups_sentence(groups: Sequence[Mapping[str, Any]]) -> Bilingual:
     """Which groups the fitted mark is shown to need, and which another group can stand in for."""
 
     def named(clear: bool) -> str:

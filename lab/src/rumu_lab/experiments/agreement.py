@@ -27,7 +27,7 @@ CONSTANT = "constant"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Graded:
+class GradedMethod:
     """One method on N copies.
 
     raw: (N,) what it says by itself, from which ranks are taken; None for a constant, which ranks nothing.
@@ -39,7 +39,7 @@ class Graded:
     given: FloatArray
 
 
-def raw_of(measured: Sequence[Grades]) -> dict[str, FloatArray]:
+def raw_grades(measured: Sequence[Grades]) -> dict[str, FloatArray]:
     """Method -> (N,) raw grades of copies that were not refused."""
     return {name: np.array([m.raw[name] for m in measured]) for name in measured[0].raw}
 
@@ -56,17 +56,17 @@ def held_out(raw: FloatArray, marks: FloatArray, folds: Labels) -> FloatArray:
     return given
 
 
-def constant(marks: FloatArray, folds: Labels) -> Graded:
+def constant(marks: FloatArray, folds: Labels) -> GradedMethod:
     """The median of the other folds' marks, for every copy."""
     labels = np.asarray(folds)
     given = np.empty(len(marks))
     for fold in np.unique(labels):
         given[labels == fold] = np.median(marks[labels != fold])
-    return Graded(CONSTANT, None, given)
+    return GradedMethod(CONSTANT, None, given)
 
 
 def side_by_side(
-    methods: Sequence[Graded],
+    methods: Sequence[GradedMethod],
     marks: FloatArray,
     clusters: Labels,
     *,

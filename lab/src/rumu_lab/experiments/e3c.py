@@ -60,25 +60,21 @@ class MeasuredCopy:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeldOutMarks:
-    """Marks on held-out characters beside the panel's. scores, low, high: (N,) for the marked copies."""
+    """Marks on held-out characters beside the panel's.
+
+    panel, characters, scores, low, high: (N,) for the marked copies: the panel's marks, what was copied, our
+    scores and the ends of their intervals.
+    """
 
     measured: tuple[MeasuredCopy, ...]
     refused: tuple[MeasuredCopy, ...]
+    panel: FloatArray
+    characters: np.ndarray
     scores: FloatArray
     low: FloatArray
     high: FloatArray
     calibration: Calibration
     figures: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def panel(self) -> FloatArray:
-        """(N,) the panel's marks."""
-        return np.array([m.copy.mark for m in self.measured])
-
-    @property
-    def characters(self) -> np.ndarray:
-        """(N,) characters of the copies."""
-        return np.array([m.copy.character for m in self.measured])
 
     def text(self) -> str:
         """The figures as a person reads them."""
@@ -227,7 +223,7 @@ def hold_out_characters(measured: Sequence[MeasuredCopy], others: list[Features]
         low[own], high[own] = (np.clip(scores[own] + end, 0, 100) for end in ends)
     ends = np.percentile(marks - scores, TAILS)
     final = replace(fit_panel(kept, others), interval=(float(ends[0]), float(ends[1])))
-    result = HeldOutMarks(tuple(kept), tuple(refused), scores, low, high, final)
+    result = HeldOutMarks(tuple(kept), tuple(refused), marks, characters, scores, low, high, final)
     return replace(result, figures=_figures(result))
 
 

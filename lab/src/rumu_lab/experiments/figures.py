@@ -42,7 +42,7 @@ def _pyplot() -> Any:
     return pyplot
 
 
-def _saved(figure: Any, path: Path) -> list[Path]:
+def _save(figure: Any, path: Path) -> list[Path]:
     """PNG and SVG, each whole or not at all."""
     from rumu.outputs import whole_file
 
@@ -106,9 +106,9 @@ def error_bars(
         ax.plot([max(row["mae"] - row["sd"], 0), row["mae"] + row["sd"]], [y, y], color=SOFT, lw=0.8)
         ax.plot([row["mae_low"], row["mae_high"]], [y, y], color=INK, lw=2.2)
         ax.text(0.3, y, f"{row['mae']:.1f} ± {row['sd']:.1f}", va="center", fontsize=7.5, color="white")
-    _named(ax, [method_name(row["method"]) for row in rows])
+    _name_rows(ax, [method_name(row["method"]) for row in rows])
     ax.set_xlabel(label)
-    return _saved(figure, path)
+    return _save(figure, path)
 
 
 def dots(
@@ -133,9 +133,9 @@ def dots(
         if row.get(low) is not None:
             ax.plot([row[low], row[high]], [y, y], color=colour, lw=1.6)
         ax.plot([row[value]], [y], "o", color=colour, ms=5)
-    _named(ax, [method_name(row[name]) for row in shown])
+    _name_rows(ax, [method_name(row[name]) for row in shown])
     ax.set_xlabel(label)
-    return _saved(figure, path)
+    return _save(figure, path)
 
 
 def lines(
@@ -160,7 +160,7 @@ def lines(
     ax.set_ylabel(y_label)
     ax.set_ylim(0, 102)
     ax.legend(frameon=False)
-    return _saved(figure, path)
+    return _save(figure, path)
 
 
 def bars(
@@ -184,12 +184,12 @@ def bars(
         ax.axvline(limit, color=INK, lw=1.0, ls="--")
     if logarithmic:
         ax.set_xscale("log")
-    _named(ax, [method_name(row[name]) for row in shown])
+    _name_rows(ax, [method_name(row[name]) for row in shown])
     ax.set_xlabel(label)
-    return _saved(figure, path)
+    return _save(figure, path)
 
 
-def _named(ax: Any, names: Sequence[str]) -> None:
+def _name_rows(ax: Any, names: Sequence[str]) -> None:
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
     ax.tick_params(axis="y", length=0)

@@ -56,10 +56,6 @@ class Findings:
     sentences: tuple[Bilingual, ...] = ()
     words: str = ""
 
-    def summary(self) -> dict[str, Any]:
-        """All figures, plain."""
-        return dict(self.facts)
-
     def text(self) -> str:
         """Tables and sentences for a terminal."""
         words = [self.words] if self.words else []

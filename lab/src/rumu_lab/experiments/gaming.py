@@ -52,13 +52,12 @@ class ImpostorMark:
     right: bool = False
 
 
-def run(settings: RunSettings) -> Findings:
-    """Assess every impostor of the starter works and, where the data holds them, of the E3C templates."""
-    return findings_on(list(trials(settings.data)), settings)
+def run(settings: RunSettings, *, chosen: Sequence[Trial] | None = None) -> Findings:
+    """Assess every impostor of the starter works and, where the data holds them, of the E3C templates.
 
-
-def findings_on(chosen: Sequence[Trial], settings: RunSettings) -> Findings:
-    """What some impostors got; writes OUT/tables/gaming.csv, one row a trial."""
+    Writes OUT/tables/gaming.csv, one row a trial. chosen: other trials than all of them.
+    """
+    chosen = list(trials(settings.data)) if chosen is None else chosen
     marks = measure_each(mark_trial, chosen, settings)
     if settings.tables is not None:
         write_table(marks, settings.tables / "gaming.csv")

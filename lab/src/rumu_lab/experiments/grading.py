@@ -6,13 +6,12 @@ All methods see the same two surfaces.
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rumu_lab.experiments.measuring import master_at, measure_each
-from rumu_lab.experiments.run_settings import RunSettings
+from rumu_lab.experiments.measuring import master_at
 from rumu_lab.experiments.simulated_copies import Recipe
 
 if TYPE_CHECKING:
@@ -56,11 +55,6 @@ class Grades:
     def mark(self) -> float:
         """Our mark as shipped, 0-100; NaN when refused."""
         return 100.0 * self.raw[OURS] if self.raw else float("nan")
-
-
-def grade_all(tasks: Sequence[GradingTask], settings: RunSettings) -> list[Grades]:
-    """All tasks by our mark and by every other method, in order."""
-    return measure_each(grade, tasks, settings)
 
 
 def grade(task: GradingTask) -> Grades:

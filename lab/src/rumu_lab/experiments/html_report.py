@@ -251,7 +251,10 @@ def _render(
             "title": e.title,
             "origin": found[e.name],
             "findings": findings[e.name],
-            "figures": [(_data_uri(out / f.files[0]), f) for f in drawn[e.name]],
+            "figures": [
+                (f"data:image/png;base64,{base64.b64encode((out / f.files[0]).read_bytes()).decode()}", f)
+                for f in drawn[e.name]
+            ],
         }
         for e in EXPERIMENTS
         if e.name in found
@@ -266,7 +269,3 @@ def _render(
         warnings=warnings,
         paper=PAPER_SAYS,
     )
-
-
-def _data_uri(path: Path) -> str:
-    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,17 +12,18 @@ from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.agreement import (
     COLUMNS,
     FEW_CLUSTERS,
-    Graded,
+    GradedMethod,
     constant,
     held_out,
-    raw_of,
+    raw_grades,
     side_by_side,
     verdict,
     verdict_sentence,
 )
 from rumu_lab.experiments.e3c import Copy, chosen_copies, held_out_marks
 from rumu_lab.experiments.findings import Cell, Findings, Table
-from rumu_lab.experiments.grading import OURS, OWN, Grades, GradingTask, grade_all
+from rumu_lab.experiments.grading import OURS, OWN, Grades, GradingTask, grade
+from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import Written
 
@@ -37,7 +39,10 @@ def run(settings: RunSettings) -> Findings:
     marks = np.array([c.mark for c, _ in pairs])
     characters = [c.character for c, _ in pairs]
     own = own_marks([c for c, _ in pairs], [m for _, m in pairs], settings)
-    methods = [Graded(OWN_SCALE, own, own), *_graded([m for _, m in pairs], own, marks, characters)]
+    methods = [
+        GradedMethod(OWN_SCALE, own, own),
+        *_grade_methods([m for _, m in pairs], own, marks, characters),
+    ]
     fewest = int(settings.protocol.plain["human"]["fewest_within"])
     rows = side_by_side(methods, marks, characters, ours=SHARED, protocol=settings.protocol, fewest=fewest)
     besides = (OWN_SCALE, *OWN[1:])
@@ -51,7 +56,7 @@ def run(settings: RunSettings) -> Findings:
         "refused": [m.key for m in measured if m.refused is not None],
         "characters": len(counts),
         "characters_within": sum(n >= fewest for n in counts.values()),
-        "could_not_grade": _failures(measured),
+        "could_not_grade": dict(Counter(name for m in measured for name in m.failed)),
         "methods": rows,
         "verdict": found,
         "verdict_as_used": verdict(as_used, ours=OWN_SCALE, besides=(SHARED, *OWN[1:])),
@@ -64,10 +69,8 @@ def run(settings: RunSettings) -> Findings:
 
 def grade_copies(copies: list[Copy], settings: RunSettings) -> list[Grades]:
     """Every copy by every method, in order."""
-    return grade_all(
-        [GradingTask(f"human/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies],
-        settings,
-    )
+    tasks = [GradingTask(f"human/{c.image.name}", c.character, c.template, Written(c.image)) for c in copies]
+    return measure_each(grade, tasks, settings)
 
 
 def own_marks(copies: list[Copy], measured: list[Grades], settings: RunSettings) -> FloatArray:
@@ -94,19 +97,14 @@ def one_rater(copies: list[Copy]) -> dict[str, float]:
     return {"mae": float(np.mean(errors)), "sd": float(np.std(errors)), "n": len(errors)}
 
 
-def _graded(
+def _grade_methods(
     measured: list[Grades], own: FloatArray, marks: FloatArray, characters: list[str]
-) -> list[Graded]:
+) -> list[GradedMethod]:
     """Every method through the shared calibrator; ours enters with its held-out mark as raw grade."""
-    raw = raw_of(measured) | {OURS: own / 100.0}
+    raw = raw_grades(measured) | {OURS: own / 100.0}
     names = {OURS: SHARED}
-    graded = [Graded(names.get(n, n), r, held_out(r, marks, characters)) for n, r in raw.items()]
+    graded = [GradedMethod(names.get(n, n), r, held_out(r, marks, characters)) for n, r in raw.items()]
     return [*graded, constant(marks, characters)]
-
-
-def _failures(measured: list[Grades]) -> dict[str, int]:
-    failed = [name for m in measured for name in m.failed]
-    return {name: failed.count(name) for name in dict.fromkeys(failed)}
 
 
 def _table(rows: list[dict[str, Cell]], facts: Mapping[str, Any]) -> Table:

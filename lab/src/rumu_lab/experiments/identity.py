@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import csv
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -60,13 +60,13 @@ class PairMeasures:
     measures: Mapping[str, float] | None
 
 
-def run(settings: RunSettings) -> Findings:
-    """Measure the pairs of every set. Raises RumuError when the data is not there."""
-    return findings_on(list(pairs(settings.data)), settings)
+def run(settings: RunSettings, *, chosen: Sequence[CharacterPair] | None = None) -> Findings:
+    """How well each measure tells pairs of one character from pairs of two.
 
-
-def findings_on(chosen: Sequence[CharacterPair], settings: RunSettings) -> Findings:
-    """How well each measure parts some pairs; writes OUT/tables/identity.csv, one row a pair."""
+    Writes OUT/tables/identity.csv, one row a pair. chosen: other pairs than all of them. Raises RumuError
+    when the data is not there.
+    """
+    chosen = list(pairs(settings.data)) if chosen is None else chosen
     measured = measure_each(measure_pair, chosen, settings)
     if settings.tables is not None:
         write_table(measured, settings.tables / "identity.csv")
@@ -95,11 +95,11 @@ def pairs(data: Path, *, most: int | None = None, seed: int = 0) -> Iterator[Cha
     """
     rng = np.random.default_rng(seed)
     regular = read_masters(data / "masters" / "regular")
-    yield from _pairs_of_masters("regular, six works", regular, _work, most=most, rng=rng)
+    yield from _pairs_of_masters("regular, six works", regular, most=most, rng=rng)
     running = read_masters(data / "masters" / "running-lantingxu")
     clear = [m for m in running if "dingwu" not in m.path.parts]
-    yield from _pairs_of_masters("Lanting Xu, three versions in ink", clear, _work, most=most, rng=rng)
-    yield from _pairs_of_masters("Lanting Xu with the rubbing", running, _work, most=most, rng=rng)
+    yield from _pairs_of_masters("Lanting Xu, three versions in ink", clear, most=most, rng=rng)
+    yield from _pairs_of_masters("Lanting Xu with the rubbing", running, most=most, rng=rng)
     copies = read_copies(data)
     templates = sorted({copy.template for copy in copies})
     for copy in copies if most is None else copies[:: max(len(copies) // most, 1)]:
@@ -109,14 +109,9 @@ def pairs(data: Path, *, most: int | None = None, seed: int = 0) -> Iterator[Cha
             yield CharacterPair("E3C copies and templates", copy.character, copy.image, template, same)
 
 
-def _work(master: Master) -> str:
-    return master.path.parent.name
-
-
 def _pairs_of_masters(
     where: str,
     masters: Sequence[Master],
-    group: Callable[[Master], str],
     *,
     most: int | None,
     rng: np.random.Generator,
@@ -126,15 +121,15 @@ def _pairs_of_masters(
     by_work: dict[str, list[Master]] = defaultdict(list)
     for master in masters:
         by_character[master.character or ""].append(master)
-        by_work[group(master)].append(master)
-    shared = [c for c, found in by_character.items() if len({group(m) for m in found}) > 1]
+        by_work[master.path.parent.name].append(master)
+    shared = [c for c, found in by_character.items() if len({m.path.parent.name for m in found}) > 1]
     chosen = shared if most is None else [shared[k] for k in rng.permutation(len(shared))[:most]]
     for character in chosen:
         found = by_character[character]
         copy = found[int(rng.integers(len(found)))]
-        same = [m for m in found if group(m) != group(copy)]
+        same = [m for m in found if m.path.parent.name != copy.path.parent.name]
         right = same[int(rng.integers(len(same)))]
-        others = [m for m in by_work[group(right)] if m.character != character]
+        others = [m for m in by_work[right.path.parent.name] if m.character != character]
         wrong = others[int(rng.integers(len(others)))]
         yield CharacterPair(where, character, copy.path, right.path, True)
         yield CharacterPair(where, character, copy.path, wrong.path, False)

@@ -16,10 +16,11 @@ import numpy as np
 from rumu.errors import CalibrationError
 from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments import human_marks
-from rumu_lab.experiments.agreement import CONSTANT, constant, held_out, raw_of
+from rumu_lab.experiments.agreement import CONSTANT, constant, held_out, raw_grades
 from rumu_lab.experiments.e3c import chosen_copies
 from rumu_lab.experiments.findings import Cell, Column, Findings, Table
-from rumu_lab.experiments.grading import OURS, Grades, GradingTask, grade_all
+from rumu_lab.experiments.grading import OURS, Grades, GradingTask, grade
+from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import AtDegree
 from rumu_lab.experiments.statistics import exact_interval, weighted_kappa
@@ -78,7 +79,7 @@ def grade_degrees(settings: RunSettings) -> list[DegreeCopy]:
         GradingTask(f"levels/{w.id}/{degree}/{seed}", w.id, w.path, AtDegree(w.path, degree, seed))
         for w, degree, seed in plan
     ]
-    measured = grade_all(tasks, settings)
+    measured = measure_each(grade, tasks, settings)
     return [DegreeCopy(w.script, degree, m) for (w, degree, _), m in zip(plan, measured, strict=True)]
 
 
@@ -114,17 +115,13 @@ def human_rows(settings: RunSettings) -> tuple[list[dict[str, Cell]], str | None
     own = human_marks.own_marks([c for c, _ in pairs], [m for _, m in pairs], settings)
     cuts = settings.protocol.cut_offs
     truth = [level_number(c.mark, cuts) for c, _ in pairs]
+    others = [level_number(10.0 * float(np.mean(c.ratings[1:])), cuts) for c, _ in pairs]
+    first = [level_number(10.0 * c.ratings[0], cuts) for c, _ in pairs]
     return [
         level_row("regular script, human marks", truth, [level_number(s, cuts) for s in own]),
-        level_row("one rater, human marks", *_rater_levels([c for c, _ in pairs], cuts)),
+        level_row("one rater, human marks", others, first),
         level_row("always the commonest level", truth, [max(set(truth), key=truth.count)] * len(truth)),
     ], None
-
-
-def _rater_levels(copies: Sequence[Any], cuts: Mapping[str, float]) -> tuple[list[int], list[int]]:
-    """Levels of the first rater's mark and of the mean of the others': what one person reaches."""
-    others = [level_number(10.0 * float(np.mean(c.ratings[1:])), cuts) for c in copies]
-    return others, [level_number(10.0 * c.ratings[0], cuts) for c in copies]
 
 
 def method_rows(made: Sequence[DegreeCopy], cuts: Mapping[str, float]) -> list[dict[str, Cell]]:
@@ -134,7 +131,7 @@ def method_rows(made: Sequence[DegreeCopy], cuts: Mapping[str, float]) -> list[d
     marks = np.array([middles[DEGREES.index(m.degree)] for m in kept])
     truth, scripts = [DEGREES.index(m.degree) for m in kept], [m.script for m in kept]
     given: dict[str, FloatArray] = {
-        name: held_out(raw, marks, scripts) for name, raw in raw_of([m.grades for m in kept]).items()
+        name: held_out(raw, marks, scripts) for name, raw in raw_grades([m.grades for m in kept]).items()
     }
     given[CONSTANT] = constant(marks, scripts).given
     rows = [level_row(name, truth, [level_number(v, cuts) for v in values]) for name, values in given.items()]

@@ -14,7 +14,8 @@ import numpy as np
 
 from rumu.values import Bilingual
 from rumu_lab.experiments.findings import Cell, Column, Findings, Table
-from rumu_lab.experiments.grading import OURS, Grades, GradingTask, grade_all
+from rumu_lab.experiments.grading import OURS, Grades, GradingTask, grade
+from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.severities import starter_subjects, step_of, steps_of, whole_series
 from rumu_lab.experiments.simulated_copies import AtDegree, Disturbed
@@ -73,7 +74,7 @@ def grade_shots(settings: RunSettings) -> list[Shot]:
                 made = Disturbed(copy, kind["kind"], amount, plain["seed"])
                 key = f"nuisance/{name}/{kind['name']}"
                 plan.append((name, kind["name"], GradingTask(key, work.id, work.path, made)))
-    measured = grade_all([t for *_, t in plan], settings)
+    measured = measure_each(grade, [t for *_, t in plan], settings)
     return [Shot(copy, nuisance, m) for (copy, nuisance, _), m in zip(plan, measured, strict=True)]
 
 

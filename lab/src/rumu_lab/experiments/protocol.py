@@ -22,76 +22,54 @@ class ExperimentProtocol:
 
     plain: the file's content. sha256: of its bytes, in hex. quick: a small subset is run, to see that
     everything works; its figures are no result.
+    works: ids of the starter works that simulated copies are made of. scripts: the five, in the order of the
+    tables. faults: names of the fault families, in the order that shares them out; faults_for_each_work: how
+    many each work gets. severities: those above 0. simulation_seed: of the faults.
+    expected_scores: name of a table -> expected score at severity 0, 1, ... 5; the first is the declared one.
+    level_seeds: of the copies at the four degrees. cut_offs: lowest score of each level, as used in Table 1.
+    resamples: of a bootstrap; resampling_seed: of every bootstrap.
     """
 
     plain: Mapping[str, Any]
     sha256: str
-    quick: bool = False
-
-    @property
-    def works(self) -> tuple[str, ...]:
-        """Ids of the starter works that simulated copies are made of."""
-        return tuple(self.plain["quick"]["works"] if self.quick else self.plain["works"])
-
-    @property
-    def scripts(self) -> tuple[str, ...]:
-        """The five scripts, in the order of the tables."""
-        return tuple(self.plain["scripts"])
-
-    @property
-    def faults(self) -> tuple[str, ...]:
-        """Names of the fault families, in the order that shares them out."""
-        return tuple(self.plain["simulated"]["faults"])
-
-    @property
-    def faults_for_each_work(self) -> int:
-        """How many fault families each work gets."""
-        room = self.plain["quick"] if self.quick else self.plain["simulated"]
-        return int(room["faults_for_each_work"])
-
-    @property
-    def severities(self) -> tuple[int, ...]:
-        """Severities above 0."""
-        return tuple(self.plain["simulated"]["severities"])
-
-    @property
-    def simulation_seed(self) -> int:
-        """Seed of the faults."""
-        return int(self.plain["simulated"]["seed"])
-
-    @property
-    def expected_scores(self) -> dict[str, tuple[float, ...]]:
-        """Name of a table -> expected score at severity 0, 1, ... 5; the first is the declared one."""
-        tables = self.plain["simulated"]["expected_scores"]
-        return {name: tuple(map(float, scores)) for name, scores in tables.items()}
-
-    @property
-    def level_seeds(self) -> tuple[int, ...]:
-        """Seeds of the copies at the four degrees."""
-        return tuple(self.plain["quick"]["level_seeds"] if self.quick else self.plain["levels"]["seeds"])
-
-    @property
-    def cut_offs(self) -> dict[str, float]:
-        """Lowest score of each level, as used in Table 1."""
-        levels = self.plain["levels"]
-        return {name: float(low) for name, low in levels["cut_offs"][levels["used"]].items()}
-
-    @property
-    def resamples(self) -> int:
-        """Resamples of a bootstrap."""
-        return int((self.plain["quick"] if self.quick else self.plain["metrics"])["resamples"])
-
-    @property
-    def resampling_seed(self) -> int:
-        """Seed of every bootstrap."""
-        return int(self.plain["metrics"]["seed"])
+    quick: bool
+    works: tuple[str, ...]
+    scripts: tuple[str, ...]
+    faults: tuple[str, ...]
+    faults_for_each_work: int
+    severities: tuple[int, ...]
+    simulation_seed: int
+    expected_scores: Mapping[str, tuple[float, ...]]
+    level_seeds: tuple[int, ...]
+    cut_offs: Mapping[str, float]
+    resamples: int
+    resampling_seed: int
 
 
 @lru_cache(maxsize=2)
 def declared(*, quick: bool = False) -> ExperimentProtocol:
     """The protocol that comes with the package."""
     content = (resources.files("rumu_lab.experiments") / "protocol.json").read_bytes()
-    return ExperimentProtocol(json.loads(content), hashlib.sha256(content).hexdigest(), quick)
+    plain = json.loads(content)
+    simulated, levels, metrics, small = (plain[k] for k in ("simulated", "levels", "metrics", "quick"))
+    return ExperimentProtocol(
+        plain=plain,
+        sha256=hashlib.sha256(content).hexdigest(),
+        quick=quick,
+        works=tuple(small["works"] if quick else plain["works"]),
+        scripts=tuple(plain["scripts"]),
+        faults=tuple(simulated["faults"]),
+        faults_for_each_work=int((small if quick else simulated)["faults_for_each_work"]),
+        severities=tuple(simulated["severities"]),
+        simulation_seed=int(simulated["seed"]),
+        expected_scores={
+            name: tuple(map(float, scores)) for name, scores in simulated["expected_scores"].items()
+        },
+        level_seeds=tuple(small["level_seeds"] if quick else levels["seeds"]),
+        cut_offs={name: float(low) for name, low in levels["cut_offs"][levels["used"]].items()},
+        resamples=int((small if quick else metrics)["resamples"]),
+        resampling_seed=int(metrics["seed"]),
+    )
 
 
 def share_faults(number: int, *, protocol: ExperimentProtocol, each: int | None = None) -> tuple[str, ...]:

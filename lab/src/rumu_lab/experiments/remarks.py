@@ -99,18 +99,18 @@ class FaultTrial:
     refused: str | None = None
 
 
-def run(settings: RunSettings) -> Findings:
-    """Put every fault into every master and make the remarks. Raises CalibrationError without the data."""
-    return findings_on(standard_masters(settings.data), settings)
-
-
-def findings_on(
-    masters: Sequence[RemarkMaster], settings: RunSettings, *, severities: tuple[float, ...] = MIDDLE
+def run(
+    settings: RunSettings,
+    *,
+    masters: Sequence[RemarkMaster] | None = None,
+    severities: tuple[float, ...] = MIDDLE,
 ) -> Findings:
-    """How many faults are named, over some masters; writes OUT/tables/remarks.csv, one row a copy.
+    """Put every fault into every master, and see whether the remarks name it.
 
-    severities: of SEVERITIES.
+    Writes OUT/tables/remarks.csv, one row a copy. masters: others than the standard ones. severities: of
+    SEVERITIES. Raises CalibrationError when the data is not there.
     """
+    masters = standard_masters(settings.data) if masters is None else masters
     work = functools.partial(try_master, severities=severities)
     trials = [trial for some in measure_each(work, masters, settings) for trial in some]
     if settings.tables is not None:
@@ -254,15 +254,16 @@ def figures(trials: Sequence[FaultTrial]) -> dict[str, Any]:
     faulted = [t for t in trials if not t.fault.startswith("clean")]
     clean = [t for t in trials if t.fault.startswith("clean")]
     asked = {(name, severity) for name, severity in ASKED}
+    usual = {(name, severity) for name in ANSWERS for severity in SEVERITIES}
     names = {
-        name: [t for t in faulted if t.fault == name and (name, t.severity) not in asked - _usual()]
+        name: [t for t in faulted if t.fault == name and (name, t.severity) not in asked - usual]
         for name in ANSWERS
     }
     names |= {f"{name} {severity:g}": [t for t in faulted if (t.fault, t.severity) == (name, severity)]
               for name, severity in ASKED}  # fmt: skip
-    usual = sorted({t.severity for t in faulted if (t.fault, t.severity) not in asked})
+    severities = sorted({t.severity for t in faulted if (t.fault, t.severity) not in asked})
     return {
-        "severities": ", ".join(f"{s:g}" for s in usual),
+        "severities": ", ".join(f"{s:g}" for s in severities),
         "copies": sum(not t.seen for t in faulted),
         "held_out_masters": len({t.master for t in trials if not t.seen}),
         "seen_masters": sorted({t.master for t in trials if t.seen}),
@@ -288,10 +289,6 @@ def figures(trials: Sequence[FaultTrial]) -> dict[str, Any]:
 
 WHOLE = frozenset(("lean", "size", "offset", "heavy", "thin", "pale", "rough", "dry", "squeeze"))
 """Remarks on the whole character."""
-
-
-def _usual() -> set[tuple[str, float]]:
-    return {(name, severity) for name in ANSWERS for severity in SEVERITIES}
 
 
 def _shares(trials: list[FaultTrial]) -> dict[str, float]:

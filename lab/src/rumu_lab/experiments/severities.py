@@ -17,16 +17,17 @@ from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.agreement import (
     COLUMNS,
     FEW_CLUSTERS,
-    Graded,
+    GradedMethod,
     constant,
     held_out,
-    raw_of,
+    raw_grades,
     side_by_side,
     verdict,
     verdict_sentence,
 )
 from rumu_lab.experiments.findings import Cell, Column, Findings, Table
-from rumu_lab.experiments.grading import OURS, OWN, Grades, GradingTask, grade_all
+from rumu_lab.experiments.grading import OURS, OWN, Grades, GradingTask, grade
+from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.protocol import ExperimentProtocol, share_faults
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import Faulty, Written
@@ -81,7 +82,7 @@ def steps_of(subjects: Sequence[Subject], settings: RunSettings) -> list[Step]:
         (s, fault, severity) for s in subjects for fault in s.faults for severity in (0, *protocol.severities)
     ]
     tasks = {key_of(*step): task_of(*step, seed=protocol.simulation_seed) for step in plan}
-    by_key = {g.key: g for g in grade_all(list(tasks.values()), settings)}
+    by_key = {g.key: g for g in measure_each(grade, list(tasks.values()), settings)}
     return [Step(*step, by_key[key_of(*step)]) for step in plan]
 
 
@@ -185,14 +186,14 @@ def _rows(
     once = _each_once(steps)
     marks = np.array([expected[s.severity] for s in once])
     folds, clusters = [s.subject.fold for s in once], [s.subject.name for s in once]
-    return side_by_side(_graded(once, marks, folds), marks, clusters, ours=SHARED, protocol=protocol)
+    return side_by_side(_grade_methods(once, marks, folds), marks, clusters, ours=SHARED, protocol=protocol)
 
 
-def _graded(once: Sequence[Step], marks: FloatArray, folds: list[str]) -> list[Graded]:
-    raw = raw_of([s.grades for s in once])
+def _grade_methods(once: Sequence[Step], marks: FloatArray, folds: list[str]) -> list[GradedMethod]:
+    raw = raw_grades([s.grades for s in once])
     shipped = np.array([s.grades.mark for s in once])
-    graded = [Graded(SHARED if n == OURS else n, r, held_out(r, marks, folds)) for n, r in raw.items()]
-    return [Graded(SHIPPED, shipped, shipped), *graded, constant(marks, folds)]
+    graded = [GradedMethod(SHARED if n == OURS else n, r, held_out(r, marks, folds)) for n, r in raw.items()]
+    return [GradedMethod(SHIPPED, shipped, shipped), *graded, constant(marks, folds)]
 
 
 def _worst_fold(steps: Sequence[Step], expected: Sequence[float]) -> dict[str, Any]:
@@ -200,7 +201,7 @@ def _worst_fold(steps: Sequence[Step], expected: Sequence[float]) -> dict[str, A
     once = _each_once(steps)
     marks = np.array([expected[s.severity] for s in once])
     folds = np.array([s.subject.fold for s in once])
-    raw = raw_of([s.grades for s in once])[OURS]
+    raw = raw_grades([s.grades for s in once])[OURS]
     error = np.abs(held_out(raw, marks, folds) - marks)
     by_fold = {str(f): float(error[folds == f].mean()) for f in np.unique(folds)}
     worst = max(by_fold, key=lambda fold: by_fold[fold])

@@ -83,7 +83,7 @@ class Disturbed:
 
     def picture(self) -> Picture:
         """(H, W, 3) uint8."""
-        light = np.repeat(_copied(self.copy)[..., None], 3, axis=2).astype(np.float32) / 255.0
+        light = np.repeat(_picture_of(self.copy)[..., None], 3, axis=2).astype(np.float32) / 255.0
         changed = _NUISANCES[self.kind](light, self.amount, np.random.default_rng(self.seed))
         return np.asarray(np.round(255.0 * np.clip(changed, 0.0, 1.0)), dtype=np.uint8)
 
@@ -97,7 +97,7 @@ def ink_of(master: Path) -> npt.NDArray[np.bool_]:
 
 
 @lru_cache(maxsize=4)  # many disturbed pictures of one copy come in a row
-def _copied(copy: AtDegree | Faulty) -> Picture:
+def _picture_of(copy: AtDegree | Faulty) -> Picture:
     return copy.picture()
 
 

@@ -34,18 +34,32 @@ def impostor(mask: BoolArray, kind: str, *, seed: int = 0) -> Picture:
 
     Raises SurfaceError for an unknown kind or an empty mask.
     """
-    if kind not in _MAKERS:
+    if kind not in IMPOSTORS:
         raise SurfaceError(f"expected an impostor among {', '.join(IMPOSTORS)}, got {kind!r}")
-    return _MAKERS[kind](Glyph(np.asarray(mask)), np.random.default_rng([seed, IMPOSTORS.index(kind)]))
+    glyph, rng = Glyph(np.asarray(mask)), np.random.default_rng([seed, IMPOSTORS.index(kind)])
+    if kind in _DRAWN:
+        return _DRAWN[kind](glyph, rng)
+    if kind in ("mirrored", "upside_down", "outline"):
+        return _from_ink(glyph, kind, rng)
+    return _paper_or_noise(glyph.mask.shape, kind, rng)
 
 
-def _blank(glyph: Glyph, rng: np.random.Generator) -> Picture:
-    """Paper with the faint grain that paper has."""
-    return np.rint(rng.normal(PAPER, 2.0, glyph.mask.shape)).clip(0, 255).astype(np.uint8)
+def _paper_or_noise(shape: tuple[int, ...], kind: str, rng: np.random.Generator) -> Picture:
+    """No writing at all: paper with its faint grain, black paper, or noise."""
+    if kind == "blank":
+        return np.rint(rng.normal(PAPER, 2.0, shape)).clip(0, 255).astype(np.uint8)
+    if kind == "black":
+        return np.full(shape, INK // 4, np.uint8)
+    return rng.integers(0, 256, shape if kind == "gray_noise" else (*shape, 3), dtype=np.uint8)
 
 
-def _black(glyph: Glyph, rng: np.random.Generator) -> Picture:
-    return np.full(glyph.mask.shape, INK // 4, np.uint8)
+def _from_ink(glyph: Glyph, kind: str, rng: np.random.Generator) -> Picture:
+    """The ink mirrored, upside down, or a line of 2 to 8 pixels (of 512) along the edge of every stroke."""
+    if kind == "outline":
+        wide = glyph.scale * float(rng.uniform(2.0, 8.0))
+        return picture_of(coverage(wide / 2 - np.abs(glyph.depth)))
+    ink = coverage(glyph.depth)[:, ::-1]
+    return picture_of(ink if kind == "mirrored" else ink[::-1])
 
 
 def _filled_square(glyph: Glyph, rng: np.random.Generator) -> Picture:
@@ -60,20 +74,6 @@ def _one_stroke(glyph: Glyph, rng: np.random.Generator) -> Picture:
     inks = [stroke.ink for stroke in glyph.strokes]
     some = [ink for ink in inks if 2 * np.count_nonzero(ink) < np.count_nonzero(glyph.mask)] or inks
     return picture_of(coverage(depth_of(some[int(rng.integers(len(some)))])))
-
-
-def _mirrored(glyph: Glyph, rng: np.random.Generator) -> Picture:
-    return picture_of(coverage(glyph.depth)[:, ::-1])
-
-
-def _upside_down(glyph: Glyph, rng: np.random.Generator) -> Picture:
-    return picture_of(coverage(glyph.depth)[::-1, ::-1])
-
-
-def _outline(glyph: Glyph, rng: np.random.Generator) -> Picture:
-    """A line two to eight pixels wide (of 512) traced along the edge of every stroke."""
-    wide = glyph.scale * float(rng.uniform(2.0, 8.0))
-    return picture_of(coverage(wide / 2 - np.abs(glyph.depth)))
 
 
 def _blobs(glyph: Glyph, rng: np.random.Generator) -> Picture:
@@ -108,25 +108,13 @@ def _scribble(glyph: Glyph, rng: np.random.Generator) -> Picture:
     return picture_of(coverage(brush_depth(glyph.mask.shape, line, np.full(len(line), radius))))
 
 
-def _gray_noise(glyph: Glyph, rng: np.random.Generator) -> Picture:
-    return rng.integers(0, 256, glyph.mask.shape, dtype=np.uint8)
-
-
-def _coloured_noise(glyph: Glyph, rng: np.random.Generator) -> Picture:
-    return rng.integers(0, 256, (*glyph.mask.shape, 3), dtype=np.uint8)
-
-
-_MAKERS: Mapping[str, Callable[[Glyph, np.random.Generator], Picture]] = {
-    "blank": _blank,
-    "black": _black,
+IMPOSTORS: tuple[str, ...] = (
+    *("blank", "black", "filled_square", "one_stroke", "mirrored", "upside_down", "outline"),
+    *("blobs", "scribble", "gray_noise", "coloured_noise"),
+)
+_DRAWN: Mapping[str, Callable[[Glyph, np.random.Generator], Picture]] = {
     "filled_square": _filled_square,
     "one_stroke": _one_stroke,
-    "mirrored": _mirrored,
-    "upside_down": _upside_down,
-    "outline": _outline,
     "blobs": _blobs,
     "scribble": _scribble,
-    "gray_noise": _gray_noise,
-    "coloured_noise": _coloured_noise,
 }
-IMPOSTORS: tuple[str, ...] = tuple(_MAKERS)
