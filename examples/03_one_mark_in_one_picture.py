@@ -13,7 +13,7 @@ from rumu.gallery.starter import find_work, starter_samples
 from rumu.pipeline import surface_of
 from rumu.report.mesh_picture import MeshView, mesh_picture
 from rumu.report.overlay import OverlaySettings, overlay_picture
-from rumu.report.pictures import PAPER, albedo_picture, fitted
+from rumu.report.pictures import PAPER, albedo_picture, shrink_to_fit
 
 SIDE, GAP = 300, 12
 
@@ -26,7 +26,7 @@ def tile(picture: np.ndarray) -> np.ndarray:
     """The picture in the middle of a square of paper."""
     if picture.ndim == 2:  # gray on white becomes gray on paper
         picture = np.round(picture[..., None] / 255 * np.array(PAPER)).astype(np.uint8)
-    small = fitted(picture, side=SIDE)
+    small = shrink_to_fit(picture, side=SIDE)
     square = np.full((SIDE, SIDE, 3), PAPER, dtype=np.uint8)
     top, left = (SIDE - small.shape[0]) // 2, (SIDE - small.shape[1]) // 2
     square[top : top + small.shape[0], left : left + small.shape[1]] = small

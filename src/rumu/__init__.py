@@ -1,7 +1,7 @@
 """rumu 入木: Chinese calligraphy as 3-D surfaces, and an honest mark for a learner's copy.
 
-The public doors are listed in `__all__`; each is loaded when it is first used, so that importing rumu
-costs nothing.
+The public names are listed in `__all__`; each is loaded when it is first used, so that importing rumu
+takes next to no time.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 __version__ = "0.3.0"
 
-_HOMES = {
+_MODULES = {
     "read_capture": "rumu.capture.folder",
     "reconstruct": "rumu.pipeline",
     "relief": "rumu.surface.relief",
@@ -60,9 +60,9 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
+    if name not in _MODULES:
         raise AttributeError(f"module 'rumu' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+    return getattr(import_module(_MODULES[name]), name)
 
 
 def __dir__() -> list[str]:

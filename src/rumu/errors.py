@@ -8,7 +8,7 @@
     ├── RefusedImage        a picture that holds nothing to mark: blank, black, noise
     ├── CalibrationError    marks that cannot carry a calibration
     ├── GalleryError        a work that is not there or not whole
-    └── OutputError         a place that cannot be written
+    └── OutputError         a file or folder that cannot be written
 
 Each message names what was given, what was expected and what came.
 """
@@ -20,7 +20,13 @@ from typing import Any
 
 
 class RumuError(Exception):
-    """Base of every error raised on purpose; its text is one clear line for a person."""
+    """Base of every error raised on purpose.
+
+    Parameters
+    ----------
+    message
+        One clear line for a person: what was given, what was expected and what came.
+    """
 
 
 class ImageError(RumuError):
@@ -59,4 +65,4 @@ class GalleryError(RumuError):
 
 
 class OutputError(RumuError):
-    """A place that cannot be written."""
+    """A file or folder that cannot be written."""

@@ -1,4 +1,4 @@
-"""An output appears whole or not at all: it is written beside its place and moved there at the end."""
+"""An output appears whole or not at all: it is written beside its target and moved there at the end."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def whole_folder(path: str | Path, *, marker: str) -> Iterator[Path]:
 
     A folder already at `path` is replaced only when it is empty or holds a file named `marker`, that is,
     when it is an earlier output of the same kind; any other folder is left alone.
-    Raises OutputError when the place cannot be written.
+    Raises OutputError when it cannot be written.
     """
     target = Path(path)
     replaceable = target.is_dir() and ((target / marker).is_file() or not any(target.iterdir()))

@@ -15,15 +15,15 @@ from rumu.report.pictures import (
     RESIDUAL_STOPS,
     PictureSettings,
     albedo_picture,
-    coloured,
+    colour_scale,
     css_gradient,
     data_uri,
-    fitted,
     height_picture,
     normals_picture,
     png_bytes,
     shaded_picture,
     share_picture,
+    shrink_to_fit,
     srgb,
 )
 
@@ -39,9 +39,9 @@ def test_srgb_at_known_values():
 
 
 def test_a_picture_is_shrunk_and_never_enlarged():
-    assert fitted(np.zeros((100, 400), np.float32), side=200).shape == (50, 200)
-    assert fitted(np.zeros((3, 4), np.float32), side=200).shape == (3, 4)
-    assert fitted(np.ones((1, 4000, 3), np.float32), side=100).shape == (1, 100, 3)
+    assert shrink_to_fit(np.zeros((100, 400), np.float32), side=200).shape == (50, 200)
+    assert shrink_to_fit(np.zeros((3, 4), np.float32), side=200).shape == (3, 4)
+    assert shrink_to_fit(np.ones((1, 4000, 3), np.float32), side=100).shape == (1, 100, 3)
 
 
 @pytest.mark.parametrize("shape", [(5, 7), (5, 7, 3)])
@@ -118,10 +118,10 @@ def test_shares_are_gray():
 
 def test_the_residual_scale_darkens_steadily():
     """Read in grey, a louder colour must not look quieter."""
-    colours = coloured(np.linspace(0, 1, 20), stops=RESIDUAL_STOPS).astype(float)
+    colours = colour_scale(np.linspace(0, 1, 20), stops=RESIDUAL_STOPS).astype(float)
     lightness = colours @ [0.2126, 0.7152, 0.0722]
     assert (np.diff(lightness[7:]) < 0).all() and lightness[-1] < 0.5 * lightness[0]
-    assert coloured(np.array([-1.0, 9.0]), stops=RESIDUAL_STOPS).tolist() == [
+    assert colour_scale(np.array([-1.0, 9.0]), stops=RESIDUAL_STOPS).tolist() == [
         list(RESIDUAL_STOPS[0]),
         list(RESIDUAL_STOPS[-1]),
     ]

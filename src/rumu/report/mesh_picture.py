@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from rumu.report.pictures import PAPER, Picture, fitted, srgb
+from rumu.report.pictures import PAPER, Picture, shrink_to_fit, srgb
 from rumu.values import BoolArray, FloatArray, Surface
 
 
@@ -37,15 +37,15 @@ _LAMP = np.array([-0.5, 0.45, 0.74])
 def mesh_picture(surface: Surface, *, view: MeshView | None = None) -> tuple[Picture, float]:
     """The picture (rows, view.width, 3) on paper colour, and the factor by which the height was raised."""
     view = view or MeshView()
-    surface = _around_mask(surface, margin=view.margin)
-    height, drawn = _sampled(surface, view)
+    surface = _crop_to_mask(surface, margin=view.margin)
+    height, drawn = _sample_height(surface, view)
     xyz, exaggeration = _vertices(height, drawn, view)
-    screen, depth = _projected(xyz, view)
-    quads = _quads_of(drawn)
-    return _painted(screen, depth, _colours(surface, xyz), quads, view), exaggeration
+    screen, depth = _project(xyz, view)
+    quads = _whole_quads(drawn)
+    return _paint_quads(screen, depth, _colours(surface, xyz), quads, view), exaggeration
 
 
-def _around_mask(surface: Surface, *, margin: float) -> Surface:
+def _crop_to_mask(surface: Surface, *, margin: float) -> Surface:
     """The part that holds the ink or the object; what lies around it only makes it small."""
     if not surface.mask.any():
         return surface
@@ -65,7 +65,7 @@ def _around_mask(surface: Surface, *, margin: float) -> Surface:
     )
 
 
-def _sampled(surface: Surface, view: MeshView) -> tuple[FloatArray, BoolArray]:
+def _sample_height(surface: Surface, view: MeshView) -> tuple[FloatArray, BoolArray]:
     """Height at the vertices, in units of the longer side, and which of them are drawn.
 
     Means over pixels: a nearest sample would drop strokes thinner than a cell. A photometric surface is drawn
@@ -73,10 +73,10 @@ def _sampled(surface: Surface, view: MeshView) -> tuple[FloatArray, BoolArray]:
     """
     height = (surface.height / (surface.spacing * max(surface.height.shape))).astype(np.float32)
     if surface.source != "photometric" or surface.mask.all():
-        height = fitted(height, side=view.cells + 1)
+        height = shrink_to_fit(height, side=view.cells + 1)
         return height, np.ones(height.shape, dtype=bool)
-    weight = fitted(surface.mask.astype(np.float32), side=view.cells + 1)
-    total = fitted(height * surface.mask, side=view.cells + 1)
+    weight = shrink_to_fit(surface.mask.astype(np.float32), side=view.cells + 1)
+    total = shrink_to_fit(height * surface.mask, side=view.cells + 1)
     drawn = weight > 0.5
     return np.where(drawn, total / np.maximum(weight, 0.5), 0.0), drawn
 
@@ -96,7 +96,7 @@ def _vertices(height: FloatArray, drawn: BoolArray, view: MeshView) -> tuple[Flo
     return np.stack([xx, yy, z * exaggeration], axis=-1), exaggeration
 
 
-def _quads_of(drawn: BoolArray) -> BoolArray:
+def _whole_quads(drawn: BoolArray) -> BoolArray:
     """(rows - 1, columns - 1): quads of which all four corners are drawn; all, when there are none."""
     quads = drawn[:-1, :-1] & drawn[:-1, 1:] & drawn[1:, :-1] & drawn[1:, 1:]
     return quads if quads.any() else np.ones_like(quads)
@@ -111,40 +111,32 @@ def _colours(surface: Surface, xyz: FloatArray) -> FloatArray:
     normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
     lamp = _LAMP / np.linalg.norm(_LAMP)
     light = 0.42 + 0.7 * np.clip(normal @ lamp, 0, 1)
-    gloss = np.clip(normal @ _half_vector(lamp), 0, 1) ** 24
+    half = lamp + np.array([0.0, -0.6, 0.8])  # half way to the eye
+    gloss = np.clip(normal @ (half / np.linalg.norm(half)), 0, 1) ** 24
     if surface.source == "photometric":
         base = _quad_albedo(surface, rows, columns)
     else:
-        base = _quad_ink(surface, rows, columns)
+        ink = _mean_over_quads(surface.mask.astype(np.float32), rows, columns)[..., None]
+        base = np.array(PAPER) * (1 - ink) * 0.98 + np.array((112, 132, 140)) * ink
     return np.asarray(np.clip(base * light[..., None] + 38 * gloss[..., None], 0, 255))
-
-
-def _half_vector(lamp: FloatArray) -> FloatArray:
-    half = lamp + np.array([0.0, -0.6, 0.8])
-    return np.asarray(half / np.linalg.norm(half))
-
-
-def _quad_ink(surface: Surface, rows: int, columns: int) -> FloatArray:
-    ink = _quads(surface.mask.astype(np.float32), rows, columns)[..., None]
-    return np.asarray(np.array(PAPER) * (1 - ink) * 0.98 + np.array((112, 132, 140)) * ink)
 
 
 def _quad_albedo(surface: Surface, rows: int, columns: int) -> FloatArray:
     coded = srgb(surface.albedo / max(float(np.percentile(surface.albedo, 99)), 1e-6)).astype(np.float32)
     if coded.ndim == 2:
         coded = np.repeat(coded[..., None], 3, axis=2)
-    quads = _quads(coded, rows, columns)
+    quads = _mean_over_quads(coded, rows, columns)
     # A mesh of black albedo would hide its own form: lift it toward clay.
     return np.asarray(0.55 * quads + 0.45 * np.array((196, 186, 170)))
 
 
-def _quads(array: npt.NDArray[np.float32], rows: int, columns: int) -> FloatArray:
+def _mean_over_quads(array: npt.NDArray[np.float32], rows: int, columns: int) -> FloatArray:
     import cv2
 
     return np.asarray(cv2.resize(array, (columns - 1, rows - 1), interpolation=cv2.INTER_AREA))
 
 
-def _projected(xyz: FloatArray, view: MeshView) -> tuple[FloatArray, FloatArray]:
+def _project(xyz: FloatArray, view: MeshView) -> tuple[FloatArray, FloatArray]:
     """Screen positions (rows, columns, 2) with y down, and depth away from the eye (rows, columns)."""
     turn, lift = np.radians(view.azimuth), np.radians(view.elevation)
     x = xyz[..., 0] * np.cos(turn) - xyz[..., 1] * np.sin(turn)
@@ -153,7 +145,7 @@ def _projected(xyz: FloatArray, view: MeshView) -> tuple[FloatArray, FloatArray]
     return np.stack([x, -up], axis=-1), y * np.cos(lift) - xyz[..., 2] * np.sin(lift)
 
 
-def _painted(
+def _paint_quads(
     screen: FloatArray, depth: FloatArray, colours: FloatArray, drawn: BoolArray, view: MeshView
 ) -> Picture:
     """The quads that are `drawn`, far ones first."""
@@ -171,4 +163,4 @@ def _painted(
     for index in np.argsort(-middle):
         cv2.fillConvexPoly(canvas, quads[index], fills[index].tolist())
         cv2.polylines(canvas, [quads[index]], True, lines[index].tolist(), 1, cv2.LINE_AA)
-    return np.asarray(fitted(canvas, side=max(canvas.shape[:2]) // _OVERSAMPLING))
+    return np.asarray(shrink_to_fit(canvas, side=max(canvas.shape[:2]) // _OVERSAMPLING))

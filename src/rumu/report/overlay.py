@@ -1,4 +1,4 @@
-"""Copy and master laid on each other: where the copy strays, and what it leaves out."""
+"""Copy and master laid on each other: where the copy deviates, and what it leaves out."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rumu.report.pictures import PAPER, RESIDUAL_STOPS, Picture, coloured
+from rumu.report.pictures import PAPER, RESIDUAL_STOPS, Picture, colour_scale
 from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
 
 MASTER_INK = (228, 222, 210)
@@ -32,16 +32,19 @@ class OverlaySettings:
 def overlay_picture(
     registration: Registration, *, master: Surface, settings: OverlaySettings | None = None
 ) -> Picture:
-    """The master's ink pale, the copy's points coloured by their distance to it, and the master's points that
-    the copy leaves uncovered as blue rings: (side, side, 3) uint8."""
+    """Copy on master, (side, side, 3) uint8.
+
+    The master's ink is pale, the copy's points have the colour of their distance to it, and the master's
+    points that the copy does not cover are blue rings.
+    """
     settings = settings or OverlaySettings()
     copy, model = _planar(registration)
     reach = max(np.abs(copy).max(), np.abs(model).max()) * (1 + settings.margin)
     scale = settings.side / float(reach)  # the canvas is twice the picture and spans twice the reach
     canvas = _master_ink(master.mask, registration.reference, settings, scale)
-    strays = _distances(copy, model)
-    order = np.argsort(strays)  # the loudest on top
-    colours = coloured(strays / settings.full, stops=RESIDUAL_STOPS)
+    distances = _distances(copy, model)
+    order = np.argsort(distances)  # the loudest on top
+    colours = colour_scale(distances / settings.full, stops=RESIDUAL_STOPS)
     dot = 0.85 * scale * _pitch(copy)  # neighbours just touch: the points read as ink
     _dots(canvas, copy[order], colours[order], scale, radius=dot)
     _rings(canvas, model[_distances(model, copy) > settings.missing], scale, radius=dot)

@@ -38,7 +38,7 @@ _LARGE_RELIEF = MeshView(width=1000, cells=110, elevation=62.0)  # deep objects 
 
 
 class CaptionedPicture(NamedTuple):
-    """One picture with what stands under it."""
+    """One picture with its alternative text and caption."""
 
     uri: str
     alt: str
@@ -93,7 +93,7 @@ def assessment_page(
     if assessment.refused is not None or copy is None or assessment.registration is None:
         en = assessment.refused or "there is nothing to compare"
         reason = Bilingual(assessment.refused_zh or "沒有可比的內容。", en)
-        return _render("refused.html", **context, reason=reason, pictures=_refused_pictures(copy, master))
+        return _render("refused.html", **context, reason=reason, pictures=_pictures_of_refused(copy, master))
     return _render(
         "assessment.html",
         **context,
@@ -106,7 +106,8 @@ def assessment_page(
         copy_picture=data_uri(albedo_picture(copy)),
         pictures=_side_by_side(copy, master),
         overlay=_overlay(assessment.registration, master),
-        sources=_sources(assessment),
+        # each once: copy and master mostly share theirs
+        sources=[wording.SOURCES[source] for source in dict.fromkeys(assessment.source or ())],
     )
 
 
@@ -174,14 +175,14 @@ def _parts(parts: Mapping[str, float]) -> list[tuple[Bilingual, Bilingual, float
 
 
 def _pose(registration: Registration) -> list[tuple[Bilingual, str, Bilingual]]:
-    """Lean, place and size of the copy as written, with which way."""
+    """Lean, position and size of the copy as written, and in which direction they are off."""
     lean, scale = registration.angle, registration.scale
     right, up = (float(v) * 100 for v in registration.shift)
     return [
         (
             Bilingual("傾斜", "Lean"),
             f"{abs(lean):.1f}°",
-            _either(
+            _choose_by_sign(
                 lean,
                 0.05,
                 Bilingual("右傾", "clockwise"),
@@ -192,7 +193,7 @@ def _pose(registration: Registration) -> list[tuple[Bilingual, str, Bilingual]]:
         (
             Bilingual("左右", "Across"),
             f"{abs(right):.1f} %",
-            _either(
+            _choose_by_sign(
                 right,
                 0.05,
                 Bilingual("偏右", "to the right"),
@@ -203,7 +204,7 @@ def _pose(registration: Registration) -> list[tuple[Bilingual, str, Bilingual]]:
         (
             Bilingual("上下", "Up and down"),
             f"{abs(up):.1f} %",
-            _either(
+            _choose_by_sign(
                 up,
                 0.05,
                 Bilingual("偏高", "too high"),
@@ -214,7 +215,7 @@ def _pose(registration: Registration) -> list[tuple[Bilingual, str, Bilingual]]:
         (
             Bilingual("大小", "Size"),
             f"{scale * 100:.0f} %",
-            _either(
+            _choose_by_sign(
                 scale - 1,
                 0.005,
                 Bilingual("為範字之比，偏大", "of the master's, larger"),
@@ -225,7 +226,9 @@ def _pose(registration: Registration) -> list[tuple[Bilingual, str, Bilingual]]:
     ]
 
 
-def _either(value: float, still: float, plus: Bilingual, minus: Bilingual, none: Bilingual) -> Bilingual:
+def _choose_by_sign(
+    value: float, still: float, plus: Bilingual, minus: Bilingual, none: Bilingual
+) -> Bilingual:
     if abs(value) < still:
         return none
     return plus if value > 0 else minus
@@ -242,22 +245,22 @@ def _remarks(remarks: Sequence[Remark]) -> list[dict[str, Any]]:
             "text": Bilingual(remark.zh, remark.en),
             "size": wording.with_unit(remark.size, remark.unit),
             "box": None if remark.outline else _box(remark.region),
-            "lines": _drawn(remark, taken),
+            "lines": _svg_outline(remark, taken),
         }
         for number, remark in enumerate(ordered, start=1)
     ]
 
 
-def _drawn(remark: Remark, taken: list[tuple[float, float]]) -> dict[str, Any] | None:
-    """A remark's outline as points of an SVG of 1000 by 1000, and where its number stands.
+def _svg_outline(remark: Remark, taken: list[tuple[float, float]]) -> dict[str, Any] | None:
+    """A remark's outline as points of an SVG of 1000 by 1000, and the position of its number.
 
-    taken: where other numbers stand; this one is added. A stroke that is missing is drawn dashed: it shows
+    taken: positions of other numbers; this one is added. A stroke that is missing is drawn dashed: it shows
     where it should be.
     """
     if not remark.outline:
         return None
     lines = [1000 * np.clip(np.array(line, float), 0, 1) for line in remark.outline]
-    at = _free_place(lines[0], taken)
+    at = _number_position(lines[0], taken)
     taken.append(at)
     return {
         "points": [" ".join(f"{x:.0f},{y:.0f}" for x, y in line) for line in lines if len(line) > 1],
@@ -268,7 +271,7 @@ def _drawn(remark: Remark, taken: list[tuple[float, float]]) -> dict[str, Any] |
     }
 
 
-def _free_place(line: FloatArray, taken: list[tuple[float, float]]) -> tuple[float, float]:
+def _number_position(line: FloatArray, taken: list[tuple[float, float]]) -> tuple[float, float]:
     """The point of a line nearest its middle on which no number stands, or the one farthest from all."""
     order = np.argsort(np.abs(np.arange(len(line)) - len(line) // 2), kind="stable")
     away = [min((float(np.hypot(*(line[k] - other))) for other in taken), default=np.inf) for k in order]
@@ -285,23 +288,21 @@ def _box(region: tuple[float, float, float, float] | None) -> dict[str, float] |
 
 def _side_by_side(copy: Surface, master: Surface) -> list[tuple[CaptionedPicture, CaptionedPicture]]:
     """Copy and master as written, shaded, and as mesh."""
-    written, lit = (
-        Bilingual("原圖", "As written"),
-        Bilingual("曲面（左上來光）", "Surface, lit from the upper left"),
-    )
-    return [
-        (_shown(albedo_picture(copy), written, "copy"), _shown(albedo_picture(master), written, "master")),
-        (_shown(_lit(copy), lit, "copy"), _shown(_lit(master), lit, "master")),
-        (_mesh(copy, "copy"), _mesh(master, "master")),
+    written = Bilingual("原圖", "As written")
+    lit = Bilingual("曲面（左上來光）", "Surface, lit from the upper left")
+    columns = [
+        [
+            _captioned(albedo_picture(surface), written, who),
+            _captioned(shaded_picture(surface, tilt=_LAMP_TILT), lit, who),
+            _mesh(surface, who),
+        ]
+        for surface, who in ((copy, "copy"), (master, "master"))
     ]
+    return list(zip(*columns, strict=True))
 
 
-def _shown(picture: Picture, caption: Bilingual, who: str) -> CaptionedPicture:
+def _captioned(picture: Picture, caption: Bilingual, who: str) -> CaptionedPicture:
     return CaptionedPicture(data_uri(picture), f"{caption.en}: {who}", caption)
-
-
-def _lit(surface: Surface) -> Picture:
-    return shaded_picture(surface, tilt=_LAMP_TILT)
 
 
 def _mesh(surface: Surface, who: str = "the surface", *, view: MeshView | None = None) -> CaptionedPicture:
@@ -322,14 +323,9 @@ def _overlay(registration: Registration, master: Surface) -> dict[str, Any]:
     }
 
 
-def _sources(assessment: Assessment) -> list[Bilingual]:
-    """Each source once: copy and master mostly share theirs."""
-    return [wording.SOURCES[source] for source in dict.fromkeys(assessment.source or ())]
-
-
-def _refused_pictures(copy: Surface | None, master: Surface) -> list[CaptionedPicture]:
-    shown = [] if copy is None else [_shown(albedo_picture(copy), Bilingual("臨作", "Copy"), "copy")]
-    return [*shown, _shown(albedo_picture(master), Bilingual("範字", "Master"), "master")]
+def _pictures_of_refused(copy: Surface | None, master: Surface) -> list[CaptionedPicture]:
+    shown = [] if copy is None else [_captioned(albedo_picture(copy), Bilingual("臨作", "Copy"), "copy")]
+    return [*shown, _captioned(albedo_picture(master), Bilingual("範字", "Master"), "master")]
 
 
 def _maps(surface: Surface) -> list[CaptionedPicture]:

@@ -47,7 +47,7 @@ def srgb(linear: FloatArray, *, bits: int = 8) -> Picture:
     return np.asarray(np.round(coded * (2**bits - 1)), dtype=np.uint8 if bits == 8 else np.uint16)
 
 
-def fitted(array: npt.NDArray[Any], *, side: int) -> npt.NDArray[Any]:
+def shrink_to_fit(array: npt.NDArray[Any], *, side: int) -> npt.NDArray[Any]:
     """`array` shrunk so that its longer side is at most `side`, by means over pixels; never enlarged."""
     import cv2
 
@@ -64,21 +64,21 @@ def data_uri(picture: Picture, *, settings: PictureSettings | None = None) -> st
     settings = settings or PictureSettings()
     kind, data = "png", png_bytes(picture)
     if len(data) > settings.jpeg_over:
-        kind, data = "jpeg", _encoded(picture, "JPEG", quality=settings.jpeg_quality)
+        kind, data = "jpeg", _encode(picture, "JPEG", quality=settings.jpeg_quality)
     return f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 
 def png_bytes(picture: Picture) -> bytes:
     """The file content of `picture`, uint8 or uint16, gray or RGB."""
     if picture.dtype == np.uint8:
-        return _encoded(picture, "PNG", compress_level=7)
+        return _encode(picture, "PNG", compress_level=7)
     import cv2  # Pillow writes no 16-bit colour
 
     ordered = picture if picture.ndim == 2 else picture[:, :, ::-1]
     return bytes(cv2.imencode(".png", ordered)[1])
 
 
-def _encoded(picture: Picture, kind: str, **options: Any) -> bytes:
+def _encode(picture: Picture, kind: str, **options: Any) -> bytes:
     import io
 
     from PIL import Image
@@ -91,7 +91,7 @@ def _encoded(picture: Picture, kind: str, **options: Any) -> bytes:
 def albedo_picture(surface: Surface, *, settings: PictureSettings | None = None) -> Picture:
     """The sheet as a camera saw it: albedo, brightest percent at white, in sRGB."""
     settings = settings or PictureSettings()
-    small = fitted(surface.albedo, side=settings.side)
+    small = shrink_to_fit(surface.albedo, side=settings.side)
     return srgb(small / max(float(np.percentile(small, 99)), 1e-6))
 
 
@@ -105,7 +105,7 @@ def shaded_picture(
     pale = np.broadcast_to(np.array(settings.clay, dtype=np.float32), (*surface.height.shape, 3))
     clay = replace(surface, albedo_from=pale)
     lit = relight(clay, tilt=tilt, slant=settings.slant if slant is None else slant)
-    return srgb(fitted(np.asarray(lit, dtype=np.float32), side=settings.side))
+    return srgb(shrink_to_fit(np.asarray(lit, dtype=np.float32), side=settings.side))
 
 
 def normals_picture(surface: Surface, *, settings: PictureSettings | None = None) -> Picture:
@@ -114,7 +114,7 @@ def normals_picture(surface: Surface, *, settings: PictureSettings | None = None
     colours = np.round((surface.normals + 1) * 127.5).astype(np.uint8)
     if surface.source == "photometric":
         colours[~surface.mask] = PAPER
-    return np.asarray(fitted(colours, side=settings.side))
+    return np.asarray(shrink_to_fit(colours, side=settings.side))
 
 
 def height_picture(
@@ -128,20 +128,20 @@ def height_picture(
     inside = surface.height[surface.mask] if surface.mask.any() else surface.height
     low, high = (float(v) for v in np.percentile(inside, (0.5, 99.5)))
     low = min(low, 0.0) if surface.source != "photometric" else low
-    share = fitted((surface.height - low) / max(high - low, 1e-12), side=settings.side)
-    picture = coloured(share, stops=HEIGHT_STOPS)
+    share = shrink_to_fit((surface.height - low) / max(high - low, 1e-12), side=settings.side)
+    picture = colour_scale(share, stops=HEIGHT_STOPS)
     if surface.source == "photometric":
-        picture[fitted(surface.mask.astype(np.float32), side=settings.side) < 0.5] = PAPER
+        picture[shrink_to_fit(surface.mask.astype(np.float32), side=settings.side) < 0.5] = PAPER
     return picture, (low, high)
 
 
 def share_picture(share: FloatArray, *, settings: PictureSettings | None = None) -> Picture:
     """A map of shares in [0, 1] as gray: 0 is dark, 1 is white."""
     settings = settings or PictureSettings()
-    return np.asarray(np.round(np.clip(fitted(share, side=settings.side), 0, 1) * 255), dtype=np.uint8)
+    return np.asarray(np.round(np.clip(shrink_to_fit(share, side=settings.side), 0, 1) * 255), dtype=np.uint8)
 
 
-def coloured(share: FloatArray, *, stops: tuple[tuple[int, int, int], ...]) -> Picture:
+def colour_scale(share: FloatArray, *, stops: tuple[tuple[int, int, int], ...]) -> Picture:
     """(...,) shares in [0, 1], clipped -> (..., 3) colours between the stops."""
     at = np.linspace(0, 1, len(stops))
     clipped = np.clip(share, 0, 1)

@@ -156,7 +156,7 @@ QUALITY: dict[str, Bilingual] = {
 
 
 def quality_meaning(name: str) -> Bilingual:
-    """What a named figure of `Surface.quality` tells; an unknown one is shown by its name alone."""
+    """What a named figure of `Surface.quality` means; an unknown one is shown by its name alone."""
     plain = name.replace("_", " ")
     return QUALITY.get(name, Bilingual(plain, plain))
 
@@ -176,20 +176,20 @@ def with_unit(size: float, unit: str) -> str:
 
 
 def basis(mark: Assessment) -> list[Bilingual]:
-    """What a mark rests on that a person must be told: another calibration, own weights, the interval."""
-    said = []
+    """What a person must know that a mark rests on: another calibration, own weights, the interval."""
+    lines = []
     if mark.calibration:
-        said.append(Bilingual(f"另用校準：{mark.calibration}", f"Another calibration: {mark.calibration}"))
+        lines.append(Bilingual(f"另用校準：{mark.calibration}", f"Another calibration: {mark.calibration}"))
     if mark.weights:
         zh, en = (
             join.join(f"{PARTS[name][0][k]} {weight:g}" for name, weight in mark.weights.items())
             for k, join in enumerate(("、", ", "))
         )
-        said.append(
+        lines.append(
             Bilingual(
                 f"分數按自定權重合計各分項：{zh}。", f"The score weighs the parts by your own weights: {en}."
             )
         )
     if mark.interval_note:
-        said.append(Bilingual(mark.interval_note_zh or mark.interval_note, mark.interval_note))
-    return said
+        lines.append(Bilingual(mark.interval_note_zh or mark.interval_note, mark.interval_note))
+    return lines
