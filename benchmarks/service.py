@@ -1,16 +1,12 @@
-"""How the service bears a class: readers and writers at once, from a process of their own.
+"""Performance of the service: readers and writers at once, from a process of their own.
 
     python benchmarks/service.py [--seconds 60] [--readers 50] [--writers 5] [--pause 3.0]
 
 Starts `rumu serve` on loopback with a gallery in a temporary folder. Each reader opens pages as a browser
-does: a list
-with its thumbnails, then a work with what the viewer loads; a page counts when all of it has come. Between
-pages a
-reader looks for `pause` seconds on average. Each writer sends a 512 x 512 copy to be marked and kept, and
-sends the next
-once it is marked. Prints errors, the times of pages and marks, and the server's memory before and after.
-The machine's
-load is printed with them: what else runs counts, too.
+does: a list with its thumbnails, then a work with the files that the viewer loads. A page counts when all of
+it has arrived, and between pages a reader waits for `pause` seconds on average. Each writer sends a 512 x 512
+copy to be marked and kept, and sends the next one when the mark arrives. Prints errors, the times of pages
+and marks, and the server's memory before and after, with the machine's load: other programs slow it down.
 """
 
 from __future__ import annotations
@@ -41,9 +37,8 @@ PASSWORD = "a long password"
 SHOWN = ("heights", "normals", "albedo", "picture", "mask")
 
 
-class Line:
-    """One connection that is kept. Plain, so that what is measured is the service and not a client's
-    library."""
+class Connection:
+    """One kept-alive connection, in plain code: the service is measured, not an HTTP client."""
 
     def __init__(self, port: int) -> None:
         self.port, self.busy = port, asyncio.Lock()
@@ -55,8 +50,8 @@ class Line:
         async with self.busy:
             if self.reader is None or self.writer is None:
                 self.reader, self.writer = await asyncio.open_connection("127.0.0.1", self.port)
-            asked = f"GET {url} HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept-Encoding: gzip\r\n\r\n"
-            self.writer.write(asked.encode())
+            request = f"GET {url} HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept-Encoding: gzip\r\n\r\n"
+            self.writer.write(request.encode())
             head = (await self.reader.readuntil(b"\r\n\r\n")).lower()
             length = int(head.split(b"content-length:")[1].split(b"\r\n")[0])
             return int(head[9:12]), head, await self.reader.readexactly(length)
@@ -67,18 +62,19 @@ class Line:
 
 
 class Visit:
-    """One browser: six connections, and what it has loaded already. A writer logs in and sends."""
+    """One browser: six connections, and the files that it has already. A writer logs in and sends."""
 
     def __init__(self, url: str, times: dict[str, list[float]], errors: Counter[str]) -> None:
         self.url, self.times, self.errors, self.seen = url, times, errors, set[str]()
-        self.lines = [Line(int(url.rstrip("/").rpartition(":")[2])) for _ in range(6)]
+        self.connections = [Connection(int(url.rstrip("/").rpartition(":")[2])) for _ in range(6)]
 
     async def get(self, url: str) -> Any:
-        """Once, where it may be kept for ever."""
+        """The JSON at a URL, None for a file. An immutable file is fetched once."""
         if url in self.seen:
             return None
-        line = min(self.lines, key=lambda one: one.busy.locked() or one.writer is None)
-        status, head, body = await (line if not line.busy.locked() else random.choice(self.lines)).get(url)
+        best = min(self.connections, key=lambda one: one.busy.locked() or one.writer is None)
+        connection = random.choice(self.connections) if best.busy.locked() else best
+        status, head, body = await connection.get(url)
         if status != 200:
             self.errors[f"{status} {url.split('?', maxsplit=1)[0]}"] += 1
         if b"immutable" in head:
@@ -90,19 +86,19 @@ class Visit:
     async def page(self, kind: str, load: Any) -> Any:
         started = time.perf_counter()
         try:
-            told = await load
+            result = await load
         except (httpx.HTTPError, OSError, EOFError) as error:
             self.errors[type(error).__name__] += 1
             return None
         self.times[kind].append(time.perf_counter() - started)
-        return told
+        return result
 
-    async def listed(self) -> list[dict[str, Any]]:
+    async def load_list(self) -> list[dict[str, Any]]:
         page, _ = await asyncio.gather(self.get("/api/works?limit=30"), self.get("/api/facets"))
         await asyncio.gather(*(self.get(card["thumb"]) for card in page["items"]))
         return list(page["items"])
 
-    async def work(self, work_id: str) -> None:
+    async def load_work(self, work_id: str) -> None:
         _, viewer = await asyncio.gather(
             self.get(f"/api/works/{work_id}"), self.get(f"/api/works/{work_id}/viewer")
         )
@@ -115,8 +111,8 @@ class Visit:
 
     async def headers(self) -> dict[str, str]:
         token = (await self.client.get("/api/session")).json()["csrf"]
-        told = {"name": self.name, "password": PASSWORD}
-        answer = await self.client.post("/api/login", json=told, headers={"X-CSRF-Token": token})
+        credentials = {"name": self.name, "password": PASSWORD}
+        answer = await self.client.post("/api/login", json=credentials, headers={"X-CSRF-Token": token})
         return {"X-CSRF-Token": answer.json()["csrf"]}
 
     async def mark(self, headers: dict[str, str], sample: Any, data: bytes) -> None:
@@ -127,20 +123,20 @@ class Visit:
             self.errors[f"{answer.status_code} /api/marks"] += 1
 
     async def close(self) -> None:
-        for line in self.lines:
+        for line in self.connections:
             line.close()
 
 
 async def read(visit: Visit, until: float, pause: float) -> None:
     await asyncio.sleep(random.random() * pause)
     while time.perf_counter() < until:
-        cards = await visit.page("page", visit.listed())
+        cards = await visit.page("page", visit.load_list())
         for card in random.sample(cards or [], min(3, len(cards or []))):
             await asyncio.sleep(random.expovariate(1 / pause))
-            await visit.page("page", visit.work(card["id"]))
+            await visit.page("page", visit.load_work(card["id"]))
         await asyncio.sleep(random.expovariate(1 / pause))
         if random.random() < 0.2:
-            visit.seen.clear()  # somebody new sits down
+            visit.seen.clear()  # a new reader, with an empty cache
 
 
 async def write(visit: Visit, until: float) -> None:
@@ -152,33 +148,33 @@ async def write(visit: Visit, until: float) -> None:
     await visit.client.aclose()
 
 
-async def load(url: str, asked: argparse.Namespace) -> dict[str, Any]:
+async def load(url: str, options: argparse.Namespace) -> dict[str, Any]:
     times: dict[str, list[float]] = {"page": [], "mark": []}
     errors: Counter[str] = Counter()
-    visits = [Visit(url, times, errors) for _ in range(asked.readers + asked.writers)]
-    for k, visit in enumerate(visits[asked.readers :]):
+    visits = [Visit(url, times, errors) for _ in range(options.readers + options.writers)]
+    for k, visit in enumerate(visits[options.readers :]):
         visit.log_in(f"pupil{k}")
-    until = time.perf_counter() + asked.seconds
-    work = [read(visit, until, asked.pause) for visit in visits[: asked.readers]]
-    work += [write(visit, until) for visit in visits[asked.readers :]]
+    until = time.perf_counter() + options.seconds
+    work = [read(visit, until, options.pause) for visit in visits[: options.readers]]
+    work += [write(visit, until) for visit in visits[options.readers :]]
     await asyncio.gather(*work)
     await asyncio.gather(*(visit.close() for visit in visits))
     return {"times": times, "errors": dict(errors)}
 
 
-def in_own_process(url: str, asked: argparse.Namespace) -> dict[str, Any]:
+def load_in_process(url: str, options: argparse.Namespace) -> dict[str, Any]:
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(_loaded, (url, asked))
+        return pool.apply(_run_load, (url, options))
 
 
-def _loaded(url: str, asked: argparse.Namespace) -> dict[str, Any]:
-    return asyncio.run(load(url, asked))
+def _run_load(url: str, options: argparse.Namespace) -> dict[str, Any]:
+    return asyncio.run(load(url, options))
 
 
 def memory(pid: int) -> float:
-    """MB that a process and all below it hold, each shared page counted for its share."""
+    """Proportional set size in MB of a process and its descendants."""
     total = 0.0
-    for one in _family(pid):
+    for one in _process_tree(pid):
         try:
             rows = Path(f"/proc/{one}/smaps_rollup").read_text().splitlines()
         except OSError:
@@ -187,19 +183,19 @@ def memory(pid: int) -> float:
     return total
 
 
-def _family(pid: int) -> list[int]:
-    found = [pid]
+def _process_tree(pid: int) -> list[int]:
+    results = [pid]
     for stat in Path("/proc").glob("[0-9]*/stat"):
         try:
             parent = int(stat.read_text().rsplit(")", 1)[1].split()[1])
         except OSError:
             continue
         if parent == pid:
-            found += _family(int(stat.parent.name))
-    return found
+            results += _process_tree(int(stat.parent.name))
+    return results
 
 
-def told(name: str, seconds: list[float]) -> str:
+def describe(name: str, seconds: list[float]) -> str:
     if not seconds:
         return f"{name}: none"
     p50, p95 = np.percentile(seconds, (50, 95)) * 1000
@@ -212,12 +208,12 @@ def main() -> None:
     parser.add_argument("--readers", type=int, default=50)
     parser.add_argument("--writers", type=int, default=5)
     parser.add_argument("--pause", type=float, default=3.0)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="rumu-bench-") as folder:
         database, files = f"{folder}/rumu.sqlite", f"{folder}/files"
         gallery = open_gallery(database=database, files=files)
         with gallery.database.writing() as session:
-            for k in range(asked.writers):
+            for k in range(options.writers):
                 create_person(session, name=f"pupil{k}", password=PASSWORD, role="pupil")
         gallery.database.close()
         command = ("serve", "--port", "0", "--json", "--database", database, "--files", files)
@@ -226,26 +222,26 @@ def main() -> None:
         )
         try:
             url = json.loads(server.stdout.readline())["url"]
-            measured(url, server.pid, asked)
+            measure(url, server.pid, options)
         finally:
             server.terminate()
             server.wait(30)
 
 
-def measured(url: str, pid: int, asked: argparse.Namespace) -> None:
+def measure(url: str, pid: int, options: argparse.Namespace) -> None:
     with httpx.Client(base_url=url, trust_env=False, timeout=60) as client:
         client.get("/api/works")
     time.sleep(20)  # the first start makes thumbnails, maps and samples
     print(f"load average before: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
-    warm = argparse.Namespace(**vars(asked) | {"seconds": min(10.0, asked.seconds)})
-    in_own_process(url, warm)
+    warm = argparse.Namespace(**vars(options) | {"seconds": min(10.0, options.seconds)})
+    load_in_process(url, warm)
     before = memory(pid)
-    found = in_own_process(url, asked)
+    results = load_in_process(url, options)
     after = memory(pid)
-    print(f"{asked.readers} readers, {asked.writers} writers, {asked.seconds:.0f} s")
-    print(told("pages", found["times"]["page"]))
-    print(told("marks", found["times"]["mark"]))
-    print(f"errors: {sum(found['errors'].values())} {found['errors'] or ''}")
+    print(f"{options.readers} readers, {options.writers} writers, {options.seconds:.0f} s")
+    print(describe("pages", results["times"]["page"]))
+    print(describe("marks", results["times"]["mark"]))
+    print(f"errors: {sum(results['errors'].values())} {results['errors'] or ''}")
     print(f"memory of the service: {before:.0f} MB before, {after:.0f} MB after")
     print(f"load average after: {os.getloadavg()[0]:.1f}")
 

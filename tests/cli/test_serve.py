@@ -9,7 +9,7 @@ import pytest
 
 from rumu.gallery.catalog import open_gallery
 from rumu.studio.people import create_person
-from rumu.web.server import Listening, listen
+from rumu.web.server import ServerAddress, listen
 
 
 @pytest.fixture
@@ -72,6 +72,6 @@ def test_what_is_wrong_is_said_before_anything_is_made(rumu, not_run, tmp_path, 
 def test_the_link_is_for_eyes_and_programs(capsys):
     from rumu.cli.serve import announce
 
-    listening = Listening("http://127.0.0.1:1/", "http://127.0.0.1:1/#/join/x")
-    announce(listening, as_json=True)
-    assert json.loads(capsys.readouterr().out) == {"url": listening.url, "owner_link": listening.owner_link}
+    address = ServerAddress("http://127.0.0.1:1/", "http://127.0.0.1:1/#/join/x")
+    announce(address, as_json=True)
+    assert json.loads(capsys.readouterr().out) == {"url": address.url, "owner_link": address.owner_link}

@@ -48,8 +48,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
     line = server.stdout.readline()
     try:
         assert line, (home / "stderr").read_text()
-        said = json.loads(line)
-        yield Site(said["url"].rstrip("/"), said["owner_link"])
+        facts = json.loads(line)
+        yield Site(facts["url"].rstrip("/"), facts["owner_link"])
     finally:
         server.terminate()
         server.wait(timeout=20)
@@ -58,10 +58,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
 
 @dataclass(frozen=True, slots=True)
 class Visitor:
-    """One person at one browser: `page`, and what the page complained of.
-
-    refused: answers of the server by which it refused something.
-    """
+    """A person at a browser. complaints: the page's errors. refused: responses with a status from 400 on."""
 
     page: Page
     url: str
@@ -69,9 +66,9 @@ class Visitor:
     refused: list[Response]
 
     def forgive(self) -> None:
-        """Forget every complaint so far: the browser reports the refusals, as it should, if not at once."""
+        """Forget the complaints so far, once the browser has reported every refused request."""
         until = time.monotonic() + PATIENCE / 1000
-        while sum(_REFUSED in said for said in self.complaints) < len(self.refused):
+        while sum(_REFUSED in message for message in self.complaints) < len(self.refused):
             assert time.monotonic() < until, "the browser has not reported every refusal"
             self.page.wait_for_timeout(20)
         self.complaints.clear()
@@ -87,7 +84,7 @@ Arrive = Callable[..., Visitor]
 
 
 def _context(browser: Browser, **options: Any) -> BrowserContext:
-    """A browser of its own, as patient as the machine needs."""
+    """A browser context of its own, with timeouts for a slow machine."""
     context = browser.new_context(**({"locale": "en-GB"} | options))
     context.set_default_timeout(PATIENCE)
     context.set_default_navigation_timeout(3 * PATIENCE)  # the first page also wakes browser and server
@@ -96,7 +93,7 @@ def _context(browser: Browser, **options: Any) -> BrowserContext:
 
 @pytest.fixture
 def arrive(site: Site, browser: Browser) -> Iterator[Arrive]:
-    """Make a visitor with a browser of their own; at the end no page may have complained."""
+    """Make visitors, each with a browser of their own; at the end no page may have reported an error."""
     contexts: list[BrowserContext] = []
     visitors: list[Visitor] = []
 
@@ -107,7 +104,9 @@ def arrive(site: Site, browser: Browser) -> Iterator[Arrive]:
         refused: list[Response] = []
         page.on("response", lambda answer: refused.append(answer) if answer.status >= 400 else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)
+        page.on(
+            "console", lambda message: complaints.append(message.text) if message.type == "error" else None
+        )
         contexts.append(context)
         visitors.append(Visitor(page, site.url, complaints, refused))
         return visitors[-1]
@@ -125,7 +124,7 @@ def visitor(arrive: Arrive) -> Visitor:
 
 @pytest.fixture(scope="session")
 def people(site: Site, browser: Browser) -> dict[str, tuple[str, str]]:
-    """Name and password of an owner, a teacher and two pupils, who came by their links."""
+    """Names and passwords of an owner, a teacher and two pupils, who joined by their links."""
     made: dict[str, tuple[str, str]] = {}
     context = _context(browser)
     page = context.new_page()

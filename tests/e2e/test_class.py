@@ -46,20 +46,20 @@ def test_a_lesson(as_person: LogIn, arrive: Arrive) -> None:
     write(pupil.page, "regular-ren")
     with pupil.page.expect_response(re.compile("/api/marks")) as coming:
         pupil.page.get_by_role("button", name="Mark it").click()
-    kept = coming.value.json()
-    assert kept["task"] and task.endswith(kept["task"])
-    assert kept["mark"]["score"] is not None, kept["mark"]["refused"]
+    attempt = coming.value.json()
+    assert attempt["task"] and task.endswith(attempt["task"])
+    assert attempt["mark"]["score"] is not None, attempt["mark"]["refused"]
 
     page.reload()
     row = page.locator("tbody tr").filter(has_text="Amy")
-    expect(row).to_contain_text(str(round(kept["mark"]["score"])))
+    expect(row).to_contain_text(str(round(attempt["mark"]["score"])))
     page.get_by_role("button", name="Your mark for Amy").click()
     page.get_by_role("dialog").get_by_label(re.compile("^Your mark")).fill("71")
     page.get_by_role("button", name="Save").click()
     page.reload()
     expect(page.locator("tbody tr").filter(has_text="Amy")).to_contain_text("71")
 
-    pupil.page.goto(f"{pupil.url}/#/attempts/{kept['id']}")
+    pupil.page.goto(f"{pupil.url}/#/attempts/{attempt['id']}")
     expect(pupil.page.locator("main")).to_contain_text("Teacher Ouyang")
     expect(pupil.page.locator("svg title", has_text="Teacher's mark: 71")).to_have_count(1)
     pupil.page.goto(f"{pupil.url}/#/practice")
@@ -95,13 +95,13 @@ def test_a_class_ends_and_its_pupils_keep_what_they_wrote(as_person: LogIn, arri
 
     page.get_by_role("link", name="To the class").click()
     page.get_by_role("button", name="Delete this class").click()
-    asked = page.get_by_role("dialog")
-    expect(asked).to_contain_text("tasks: 1, names on its list of pupils: 1")
-    expect(asked.get_by_role("button", name="Keep it")).to_be_focused()
+    dialog = page.get_by_role("dialog")
+    expect(dialog).to_contain_text("tasks: 1, names on its list of pupils: 1")
+    expect(dialog.get_by_role("button", name="Keep it")).to_be_focused()
     page.keyboard.press("Enter")
-    expect(asked).to_have_count(0)
+    expect(dialog).to_have_count(0)
     page.get_by_role("button", name="Delete this class").click()
-    asked.get_by_role("button", name="Yes, delete").click()
+    dialog.get_by_role("button", name="Yes, delete").click()
     page.wait_for_url(re.compile("#/classes$"))
     expect(page.locator("main")).not_to_contain_text("五年一班")
 
@@ -116,10 +116,10 @@ def test_a_pair_is_judged_once(as_person: LogIn) -> None:
     visitor = as_person("teacher")
     page = visitor.go("/judge")
     expect(page.locator(".judge-copy").first).to_be_enabled()
-    with page.expect_response(re.compile(r"/api/comparisons$")) as told:
+    with page.expect_response(re.compile(r"/api/comparisons$")) as response:
         page.keyboard.press("1")
-    assert told.value.ok
-    first = told.value.request.post_data_json
+    assert response.value.ok
+    first = response.value.request.post_data_json
     expect(page.get_by_role("progressbar")).to_have_attribute("value", "1")
     with page.expect_response(re.compile(r"/api/comparisons$")) as again:
         page.keyboard.press("3")

@@ -26,11 +26,11 @@ def form_of(page: Page) -> Locator:
 
 
 def field(form: Locator, label: str) -> Locator:
-    asked = [form.get_by_role(role, name=label, exact=True) for role in ("textbox", "combobox")]  # type: ignore[arg-type]
-    return asked[0].or_(asked[1])
+    fields = [form.get_by_role(role, name=label, exact=True) for role in ("textbox", "combobox")]  # type: ignore[arg-type]
+    return fields[0].or_(fields[1])
 
 
-def told(page: Page) -> dict[str, Any]:
+def read_work(page: Page) -> dict[str, Any]:
     """The facts as the service has them."""
     facts: dict[str, Any] = page.evaluate("async (id) => (await fetch(`/api/works/${id}`)).json()", WORK)
     return facts
@@ -50,21 +50,21 @@ def entitle(page: Page, title: str) -> None:
 
 def test_an_owner_changes_the_title_and_changes_it_back(as_person: LogIn) -> None:
     page = work_page(as_person("owner"))
-    before = told(page)
+    before = read_work(page)
     entitle(page, "The sun, as the owner calls it")
     versioned = ("files", "thumb", "thumb_normals")  # addresses change with every change
-    now = told(page)
+    now = read_work(page)
     renamed = before | {"title": before["title"] | {"en": "The sun, as the owner calls it"}}
     assert now == renamed | {name: now[name] for name in versioned}
     page.reload()
     expect(page.get_by_role("heading", level=1)).to_have_text("The sun, as the owner calls it")
     entitle(page, before["title"]["en"])
-    assert told(page)["title"] == before["title"]
+    assert read_work(page)["title"] == before["title"]
 
 
 def test_every_fact_can_be_changed_and_is_seen_at_once(as_person: LogIn) -> None:
     page = work_page(as_person("owner"))
-    before = told(page)
+    before = read_work(page)
     new = {
         "Hand (Chinese)": "某人",
         "Hand (English)": "Somebody",
@@ -89,8 +89,8 @@ def test_every_fact_can_be_changed_and_is_seen_at_once(as_person: LogIn) -> None
         field(form, label).fill(value)
     form.get_by_label("Script").select_option(before["script"])
     saved(form)
-    kept = ("title", "hand", "period", "material", "script", "source", "licence", "attribution", "spacing")
-    assert {name: told(page)[name] for name in kept} == {name: before[name] for name in kept}
+    names = ("title", "hand", "period", "material", "script", "source", "licence", "attribution", "spacing")
+    assert {name: read_work(page)[name] for name in names} == {name: before[name] for name in names}
 
 
 def test_the_size_of_a_pixel_is_given_and_taken_back(as_person: LogIn) -> None:
@@ -109,7 +109,7 @@ def test_the_size_of_a_pixel_is_given_and_taken_back(as_person: LogIn) -> None:
 def test_what_cannot_be_is_refused_kindly_and_changes_nothing(as_person: LogIn) -> None:
     owner = as_person("owner")
     page = work_page(owner)
-    before = told(page)
+    before = read_work(page)
     form = form_of(page)
     for label in ("Title (Chinese)", "Title (English)"):
         form.get_by_label(label).fill(" ")
@@ -121,7 +121,7 @@ def test_what_cannot_be_is_refused_kindly_and_changes_nothing(as_person: LogIn) 
     form.get_by_role("button", name="Save").click()
     expect(form.get_by_role("alert")).not_to_contain_text("needs a title")
     expect(form.get_by_role("alert")).to_be_visible()
-    assert told(page) == before
+    assert read_work(page) == before
     owner.forgive()
 
 
@@ -143,11 +143,11 @@ def test_why_an_import_failed_is_told_in_the_reader_s_language(as_person: LogIn)
     broken = {"name": "a.zip", "mimeType": "application/zip", "buffer": b"PK\x03\x04 and no more"}
     page.locator("input[type=file]").set_input_files(broken)  # type: ignore[arg-type]
     page.get_by_role("button", name="Send").click()
-    told = page.locator(".job").get_by_role("alert")
-    expect(told).to_contain_text("Expected a whole zip file without a password")
-    expect(told).not_to_contain_text("zip 檔")
+    alert = page.locator(".job").get_by_role("alert")
+    expect(alert).to_contain_text("Expected a whole zip file without a password")
+    expect(alert).not_to_contain_text("zip 檔")
     page.get_by_role("button", name="中文").click()
-    expect(told).to_have_text("這不是完整的 zip 檔。")
+    expect(alert).to_have_text("這不是完整的 zip 檔。")
 
 
 def test_a_pupil_is_not_offered_to(as_person: LogIn) -> None:
@@ -157,8 +157,8 @@ def test_a_pupil_is_not_offered_to(as_person: LogIn) -> None:
 
 
 def test_what_is_not_there_is_told_in_a_heading(visitor: Visitor) -> None:
-    for path, said in (("/nowhere", "no such page"), ("/works/nothing", "no such work")):
+    for path, heading in (("/nowhere", "no such page"), ("/works/nothing", "no such work")):
         page = visitor.go(path)
-        expect(page.get_by_role("heading", level=1)).to_contain_text(said)
+        expect(page.get_by_role("heading", level=1)).to_contain_text(heading)
         expect(page.get_by_role("main").get_by_role("link", name="Back to the gallery")).to_be_visible()
     visitor.forgive()

@@ -24,7 +24,7 @@ PASSWORD = "a long password"
 
 
 class Browser:
-    """Keeps cookies, and sends the token with what changes something."""
+    """Keeps cookies, and sends the CSRF token with every request."""
 
     def __init__(self, client: TestClient) -> None:
         self.client = client
@@ -34,8 +34,8 @@ class Browser:
         headers = {"X-CSRF-Token": self.facts["csrf"]} | more.pop("headers", {})
         return self.client.request(method, url, headers=headers, follow_redirects=False, **more)
 
-    def let_in(self, tickets: Any, person_id: str) -> Browser:
-        """With a session of the service's own making: passwords take long, and have a test of their own."""
+    def log_in(self, tickets: Any, person_id: str) -> Browser:
+        """Log in by a session that the service makes: passwords take long, and have a test of their own."""
         self.client.cookies.clear()
         self.client.cookies.set(COOKIE, tickets.serialise(tickets.create(person_id=person_id)))
         self.facts = self.client.get("/api/session").json()
@@ -59,15 +59,15 @@ class World:
 
     def browser(self, name: str | None = None) -> Browser:
         browser = Browser(TestClient(self.app, raise_server_exceptions=False))
-        return browser if name is None else browser.let_in(self.service.tickets, self.ids[name])
+        return browser if name is None else browser.log_in(self.service.tickets, self.ids[name])
 
 
-def settings_in(folder: Path, **more: Any) -> ServiceSettings:
+def make_settings(folder: Path, **more: Any) -> ServiceSettings:
     storage = Storage(database=more.pop("database", str(folder / "rumu.sqlite")), files=str(folder / "files"))
     return ServiceSettings(storage, processes=0, prepare=False, **more)
 
 
-def populated(app: Any) -> dict[str, str]:
+def add_people(app: Any) -> dict[str, str]:
     """館主 (owner), 林 and 陳 (teachers), 吳 (pupil of 林), 周 (pupil of 陳)."""
     ids = {}
     with app.state.service.gallery.database.writing() as session:
@@ -89,23 +89,23 @@ def populated(app: Any) -> dict[str, str]:
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    """One for all tests of a module: they may read it, and add to it what harms no other."""
-    app = create_app(settings_in(tmp_path_factory.mktemp("world")))
+    """A service for all tests of a module: they may read it, and add what does not disturb the others."""
+    app = create_app(make_settings(tmp_path_factory.mktemp("world")))
     with TestClient(app):
-        yield World(app, populated(app))
+        yield World(app, add_people(app))
 
 
 @pytest.fixture
-def own_world(tmp_path: Path) -> Iterator[Callable[..., World]]:
-    """Make one of this test alone, with settings."""
+def new_world(tmp_path: Path) -> Iterator[Callable[..., World]]:
+    """Make a service for this test alone, with settings."""
     opened = []
 
     def make(*, people: bool = True, **settings: Any) -> World:
-        app = create_app(settings_in(tmp_path, **settings))
+        app = create_app(make_settings(tmp_path, **settings))
         client = TestClient(app)
         client.__enter__()
         opened.append(client)
-        return World(app, populated(app) if people else {})
+        return World(app, add_people(app) if people else {})
 
     yield make
     for client in opened:
@@ -124,11 +124,11 @@ def copy_of() -> Callable[..., bytes]:
 
 @pytest.fixture(scope="session")
 def code_of() -> Callable[[Any], str]:
-    """The code of a refusal, which is told in both languages."""
+    """The code of an error, which has a sentence in both languages."""
 
     def read(answer: Any) -> str:
-        told = json.loads(answer.text)["error"]
-        assert told["zh"] and told["en"]
-        return str(told["code"])
+        error = json.loads(answer.text)["error"]
+        assert error["zh"] and error["en"]
+        return str(error["code"])
 
     return read

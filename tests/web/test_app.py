@@ -90,10 +90,10 @@ def test_images_for_viewers_of_other_sites(world):
 def test_a_visitor_tries_and_nothing_is_kept(world, copy_of, code_of, tmp_path):
     browser = world.browser()
     answer = browser.marked(copy_of(), keep="false")
-    told = answer.json()
-    assert answer.status_code == 201 and told["id"] is None and told["picture"] is None
-    assert told["mark"]["score"] and len(told["mark"]["residual"]["copy"]) > 500
-    assert told["mark"]["align"]["matrix"][:1] != [0]
+    body = answer.json()
+    assert answer.status_code == 201 and body["id"] is None and body["picture"] is None
+    assert body["mark"]["score"] and len(body["mark"]["residual"]["copy"]) > 500
+    assert body["mark"]["align"]["matrix"][:1] != [0]
     assert code_of(browser.marked(copy_of())) == "login"
     assert world.browser("館主")("GET", "/api/attempts").json()["total"] == 0
 
@@ -103,27 +103,27 @@ def test_pictures_that_are_none_and_copies_that_are_refused(world, copy_of, code
     assert code_of(browser.marked(b"no picture", keep="false")) == "no_picture"
     assert code_of(browser.marked(copy_of()[:3000], keep="false")) == "no_picture"
     assert code_of(browser.marked(copy_of(), keep="false", work="none")) == "not_found"
-    told = browser.marked(copy_of(work="regular-shui"), keep="false", work="seal-tian").json()["mark"]
-    assert told["refused"] is None or told["refused"]["zh"]
+    body = browser.marked(copy_of(work="regular-shui"), keep="false", work="seal-tian").json()["mark"]
+    assert body["refused"] is None or body["refused"]["zh"]
     import numpy as np
     from PIL import Image
 
     blank = io.BytesIO()
     Image.fromarray(np.full((200, 200), 255, np.uint8)).save(blank, "PNG")
-    told = browser.marked(blank.getvalue(), keep="false").json()["mark"]
-    assert told["score"] is None and told["refused"]["code"] and told["refused"]["zh"]
+    body = browser.marked(blank.getvalue(), keep="false").json()["mark"]
+    assert body["score"] is None and body["refused"]["code"] and body["refused"]["zh"]
 
 
-def test_from_the_owner_s_link_to_the_marks_of_a_class(own_world, copy_of):
-    world = own_world(people=False)
+def test_from_the_owner_s_link_to_the_marks_of_a_class(new_world, copy_of):
+    world = new_world(people=False)
     token = world.service.owner_link().rsplit("/", 1)[1]
     owner = world.browser()
     assert not owner.facts["owner_exists"]
     assert owner("GET", f"/api/invitations/{token}").json()["role"] == "owner"
 
     def joins(browser, link, name):
-        told = {"name": name, "password": "a long password"}
-        answer = browser("POST", f"/api/invitations/{link.rsplit('/', 1)[-1]}", json=told)
+        credentials = {"name": name, "password": "a long password"}
+        answer = browser("POST", f"/api/invitations/{link.rsplit('/', 1)[-1]}", json=credentials)
         assert answer.status_code == 201, answer.text
         browser.facts = answer.json()
         return browser
@@ -156,9 +156,9 @@ def test_from_the_owner_s_link_to_the_marks_of_a_class(own_world, copy_of):
     )
     given = teacher("PUT", f"/api/attempts/{marks[1]['id']}/mark", json={"mark": 77, "note": "好"})
     assert given.status_code == 200
-    shown = pupil("GET", f"/api/attempts/{marks[1]['id']}").json()
-    assert shown["teacher_marks"] == [{"teacher": "林", "mark": 77.0, "note": "好"}]
-    assert shown["mark"]["residual"]["master"]
+    attempt = pupil("GET", f"/api/attempts/{marks[1]['id']}").json()
+    assert attempt["teacher_marks"] == [{"teacher": "林", "mark": 77.0, "note": "好"}]
+    assert attempt["mark"]["residual"]["master"]
     rows = list(
         csv.DictReader(
             io.StringIO(teacher("GET", f"/api/tasks/{task}/marks.csv").content.decode("utf-8-sig"))
@@ -178,8 +178,8 @@ def test_from_the_owner_s_link_to_the_marks_of_a_class(own_world, copy_of):
     assert pupil("GET", "/api/attempts").json()["total"] == 1
 
 
-def test_the_simulated_samples_are_judged(own_world):
-    world = own_world()
+def test_the_simulated_samples_are_judged(new_world):
+    world = new_world()
     add_samples(world.service.gallery, storage=world.service.settings.storage)
     pupil = world.browser("吳")
     pair = pupil("GET", "/api/comparisons/next").json()
@@ -193,17 +193,17 @@ def test_the_simulated_samples_are_judged(own_world):
     assert (row["left"], row["right"], row["work"]) == (verdict["left"], verdict["right"], pair["work"]["id"])
 
 
-def test_the_owner_changes_the_gallery(own_world):
-    world = own_world()
+def test_the_owner_changes_the_gallery(new_world):
+    world = new_world()
     owner = world.browser("館主")
-    told = {
+    body = {
         "x": 0.2,
         "y": 0.4,
         "title": {"zh": "起筆", "en": "Entry"},
         "text": {"zh": "逆鋒", "en": "against"},
     }
-    said = owner("POST", "/api/works/regular-shui/annotations", json=told).json()
-    url = f"/api/works/regular-shui/annotations/{said['id']}"
+    annotation = owner("POST", "/api/works/regular-shui/annotations", json=body).json()
+    url = f"/api/works/regular-shui/annotations/{annotation['id']}"
     assert owner("PATCH", url, json={"x": 0.5}).json()["title"]["zh"] == "起筆"
     assert owner("GET", "/api/works/regular-shui").json()["annotations"][-1]["x"] == 0.5
     assert owner("DELETE", url).status_code == 204
@@ -221,8 +221,8 @@ def test_the_owner_changes_the_gallery(own_world):
     assert owner("GET", "/api/works").json()["total"] == before - 1
 
 
-def test_the_size_of_a_pixel_is_given_and_taken_back(own_world, code_of):
-    world = own_world()
+def test_the_size_of_a_pixel_is_given_and_taken_back(new_world, code_of):
+    world = new_world()
     owner, url = world.browser("館主"), "/api/works/regular-shui"
     assert owner("GET", f"{url}/viewer").json()["unit"] == "px"
     assert owner("PATCH", url, json={"spacing": 0.25}).json()["spacing"] == 0.25
@@ -236,8 +236,8 @@ def test_the_size_of_a_pixel_is_given_and_taken_back(own_world, code_of):
     assert owner("PATCH", url, json={"spacing": None}).status_code == 200  # as it is
 
 
-def test_a_teacher_adds_a_work(own_world, copy_of):
-    world = own_world()
+def test_a_teacher_adds_a_work(new_world, copy_of):
+    world = new_world()
     teacher = world.browser("林")
     facts = {"title_zh": "我的天", "character": "天", "script": "regular", "collection": "課堂"}
     answer = teacher("POST", "/api/works", data=facts, files={"picture": ("x", copy_of())})

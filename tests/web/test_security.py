@@ -1,4 +1,4 @@
-"""Before a request is read: who asks, from which page, and how much they send."""
+"""The security middleware: CSRF tokens, sessions, sizes of bodies, headers, rate limits."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ def test_only_the_gallery_for_viewers_is_open_to_other_sites(world):
         assert "access-control-allow-origin" not in client.get(url).headers
 
 
-def test_a_body_is_bounded_by_what_it_announces_and_by_what_comes(own_world, code_of):
-    world = own_world(body_limits=BodyLimits(default=1000, mark=2000, work=3000, zip=4000))
+def test_a_body_is_bounded_by_what_it_announces_and_by_what_comes(new_world, code_of):
+    world = new_world(body_limits=BodyLimits(default=1000, mark=2000, work=3000, zip=4000))
     browser = world.browser("館主")
 
     def chunks(size):
@@ -88,15 +88,15 @@ def test_a_body_is_bounded_by_what_it_announces_and_by_what_comes(own_world, cod
         ("/api/works", 3000),
         ("/api/imports", 4000),
     ):
-        told = browser("POST", url, content=b"x" * (most + 100))
+        announced = browser("POST", url, content=b"x" * (most + 100))
         streamed = browser(
             "POST",
             url,
             content=chunks(most + 200),
             headers={"Content-Type": "multipart/form-data; boundary=x"},
         )
-        assert (told.status_code, streamed.status_code) == (413, 413), url
-        assert code_of(told) == code_of(streamed) == "too_large"
+        assert (announced.status_code, streamed.status_code) == (413, 413), url
+        assert code_of(announced) == code_of(streamed) == "too_large"
 
 
 @pytest.mark.parametrize("length", ["-1", "x", "9" * 30])
@@ -130,8 +130,8 @@ def test_a_forged_or_damaged_cookie_is_a_visitor(world):
         )
 
 
-def test_rates(own_world, code_of):
-    world = own_world(
+def test_rates(new_world, code_of):
+    world = new_world(
         rate_limits=RateLimitSettings(
             login="5/minute", login_name="3/minute", tries="1/minute", all="30/minute"
         )

@@ -1,5 +1,4 @@
-"""A server that is killed outright, and started again: what was confirmed is there, what was begun is
-done."""
+"""A server that is killed and started again: what it confirmed is there, and what it began is finished."""
 
 from __future__ import annotations
 
@@ -29,7 +28,7 @@ from rumu.web.server import is_loopback, listen, serve
 from rumu.web.settings import ServiceSettings
 
 PASSWORD = "a long password"
-COUNT = 600  # works of the shelf: more than two batches of an import
+COUNT = 600  # works of the zip: more than two batches of an import
 
 
 class Server:
@@ -75,28 +74,28 @@ class Server:
 
 @pytest.fixture
 def start(tmp_path, database_url):
-    """Start a server on one database and store; each start is the same place."""
+    """Start a server; every start uses the same database and store."""
     started = []
     gallery = open_gallery(database=database_url, files=tmp_path / "files")
     with gallery.database.writing() as session:
         create_person(session, name="館主", password=PASSWORD, role="owner")
 
-    def one_more():
+    def start_server():
         server = Server(database_url, tmp_path / "files")
         started.append(server)
         server.log_in()
         return server
 
-    one_more.gallery = gallery
-    yield one_more
+    start_server.gallery = gallery
+    yield start_server
     for server in started:
         if server.process.poll() is None:
             server.end()
     gallery.database.close()
 
 
-def shelf(count: int = COUNT) -> bytes:
-    """A zip of so many pictures with labels.csv."""
+def zip_of_pictures(count: int = COUNT) -> bytes:
+    """A zip of `count` pictures with labels.csv."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         lines = ["file,character,script,work"]
@@ -111,38 +110,38 @@ def shelf(count: int = COUNT) -> bytes:
     return stream.getvalue()
 
 
-def job_of(gallery, job_id) -> Job:
+def read_job(gallery, job_id) -> Job:
     with gallery.database.reading() as session:
         return session.get_one(Job, job_id)
 
 
-def awaited(gallery, job_id, *, state="done", seconds=90) -> Job:
+def wait_for_job(gallery, job_id, *, state="done", seconds=90) -> Job:
     until = time.monotonic() + seconds
-    while (job := job_of(gallery, job_id)).state != state:
+    while (job := read_job(gallery, job_id)).state != state:
         assert job.state in ("queued", "running") and time.monotonic() < until, (job.state, job.error_en)
         time.sleep(0.05)
     return job
 
 
 def test_an_import_that_was_cut_off_is_finished_by_the_next_server(start):
-    """Killed in the midst of it: nothing that was in is lost, nothing is there twice, all of it comes in."""
+    """The server is killed during an import: no work is lost, none is there twice, all are imported."""
     first = start()
-    answer = first.post("/api/imports", files={"zip": ("a.zip", shelf())})
+    answer = first.post("/api/imports", files={"zip": ("a.zip", zip_of_pictures())})
     assert answer.status_code == 202
     job_id = answer.json()["job"]["id"]
     until = time.monotonic() + 60
-    while job_of(start.gallery, job_id).state == "queued" and time.monotonic() < until:
+    while read_job(start.gallery, job_id).state == "queued" and time.monotonic() < until:
         time.sleep(0.005)
     first.end()
-    assert job_of(start.gallery, job_id).state in ("running", "done")
+    assert read_job(start.gallery, job_id).state in ("running", "done")
     second = start()
-    job = awaited(start.gallery, job_id)
+    job = wait_for_job(start.gallery, job_id)
     assert job.result["added"] + job.result["there"] == COUNT
     assert second.client.get("/api/works?q=號&limit=1").json()["total"] == COUNT
 
 
 def test_what_was_answered_for_is_there_after_a_kill(start, copy_of):
-    """Marks are sent while the server is killed: every answer that came is kept, whole."""
+    """The server is killed while copies are sent: every attempt that it confirmed is stored, whole."""
     server = start()
     confirmed: list[str] = []
 
@@ -165,16 +164,16 @@ def test_what_was_answered_for_is_there_after_a_kill(start, copy_of):
     sender.join(30)
     server.end()
     again = start()
-    kept = {one["id"] for one in again.client.get("/api/attempts?limit=200").json()["items"]}
-    assert len(confirmed) >= 4 and set(confirmed) <= kept
-    for one in kept:  # also one that was kept but not answered for any more
+    stored = {one["id"] for one in again.client.get("/api/attempts?limit=200").json()["items"]}
+    assert len(confirmed) >= 4 and set(confirmed) <= stored
+    for one in stored:  # also one that was stored but not confirmed
         assert again.client.get(f"/api/attempts/{one}").json()["mark"]["residual"]["copy"]
         assert again.client.get(f"/api/attempts/{one}/picture").status_code == 200
 
 
 def test_an_upload_that_was_cut_off_leaves_nothing(start, tmp_path):
     server = start()
-    data = shelf(50)
+    data = zip_of_pictures(50)
 
     def half():
         yield b'--x\r\nContent-Disposition: form-data; name="zip"; filename="a.zip"\r\n\r\n'
@@ -201,7 +200,7 @@ def test_a_queued_job_waits_for_the_next_server(start):
     with start.gallery.database.writing() as session:
         job_id = job_queue.add(session, "prepare", {}, person_id=None).id
     server = start()
-    assert awaited(start.gallery, job_id, seconds=200).result["works"] >= 30
+    assert wait_for_job(start.gallery, job_id, seconds=200).result["works"] >= 30
     server.end(signal.SIGTERM)
     assert server.process.returncode in (0, 143, -signal.SIGTERM)
 
@@ -209,7 +208,7 @@ def test_a_queued_job_waits_for_the_next_server(start):
 def test_others_reach_nothing_that_nobody_owns(tmp_path):
     settings = ServiceSettings(Storage(str(tmp_path / "a.sqlite"), str(tmp_path / "files")), processes=0)
     with pytest.raises(RumuError, match="expected an owner"):
-        serve(settings, host="0.0.0.0", port=0, says=lambda listening: pytest.fail("it listens"))
+        serve(settings, host="0.0.0.0", port=0, on_listen=lambda address: pytest.fail("it listens"))
 
 
 def test_small_answers_are_sent_at_once():
@@ -250,13 +249,13 @@ def test_no_process_is_left_when_a_server_ends(start):
 
 
 def _children(pid: int) -> list[int]:
-    found = []
+    children = []
     for task in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
             fields = task.read_text().rsplit(")", 1)[1].split()
             if int(fields[1]) == pid:
-                found += [int(task.parent.name), *_children(int(task.parent.name))]
-    return found
+                children += [int(task.parent.name), *_children(int(task.parent.name))]
+    return children
 
 
 def _alive(pid: int) -> bool:

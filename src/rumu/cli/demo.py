@@ -81,8 +81,8 @@ def _serve_gallery(port: int, *, opens: bool) -> None:
         ServiceSettings(storage),
         host="127.0.0.1",
         port=port,
-        says=announce,
-        ready=(lambda listening: webbrowser.open(listening.url)) if opens else None,
+        on_listen=announce,
+        on_ready=(lambda address: webbrowser.open(address.url)) if opens else None,
     )
 
 

@@ -12,7 +12,7 @@ from rumu.cli.options import AsJson
 from rumu.cli.terminal import Outcome, print_outcome
 
 if TYPE_CHECKING:
-    from rumu.web.server import Listening
+    from rumu.web.server import ServerAddress
 
 OWNER = "The first owner's link (works once)  館主的連結（只能用一次）:"
 
@@ -54,16 +54,16 @@ def serve(
         database=database, files=files, calibration=calibration and calibration.resolve()
     )
     settings = ServiceSettings(storage, processes=processes)
-    run(settings, host=host, port=port, says=lambda listening: announce(listening, as_json=as_json))
+    run(settings, host=host, port=port, on_listen=lambda address: announce(address, as_json=as_json))
     raise typer.Exit
 
 
-def announce(listening: Listening, *, as_json: bool = False) -> None:
+def announce(address: ServerAddress, *, as_json: bool = False) -> None:
     """Say where it is, and to whom nobody has opened yet."""
     if as_json:
-        facts = {"url": listening.url, "owner_link": listening.owner_link}
+        facts = {"url": address.url, "owner_link": address.owner_link}
         print(json.dumps(facts), flush=True)
         return
-    print(f"rumu: {listening.url}  (Ctrl-C ends it)", flush=True)
-    if listening.owner_link is not None:
-        print(f"{OWNER}\n    {listening.owner_link}", flush=True)
+    print(f"rumu: {address.url}  (Ctrl-C ends it)", flush=True)
+    if address.owner_link is not None:
+        print(f"{OWNER}\n    {address.owner_link}", flush=True)

@@ -34,8 +34,8 @@ THREADS = 12  # for requests; more would only contend, and marks wait in threads
 
 _ABOUT = (
     "Chinese calligraphy as surfaces, and an honest mark for a learner's copy. Reading the gallery is open. "
-    "What changes something needs the header X-CSRF-Token with the token that GET /api/session tells, and "
-    "mostly a login. Texts are in traditional Chinese (zh) and English (en). Refusals are "
+    "Requests that change something need the header X-CSRF-Token with the token of GET /api/session, and "
+    "most of them a login. Texts are in traditional Chinese (zh) and English (en). Errors are "
     "{error: {code, zh, en}}."
 )
 _ROUTERS = (

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from anyio.to_thread import run_sync
-from fastapi import Depends, Path, Query, Request, Response
+from fastapi import Depends, HTTPException, Path, Query, Request, Response
 from pydantic import AfterValidator, StringConstraints
 
 from rumu.studio.errors import NotAllowed
 from rumu.studio.people import Identity
 from rumu.studio.tickets import DAYS_VALID, Ticket
-from rumu.web.error_handlers import LoginNeededError
 from rumu.web.security import COOKIE
 from rumu.web.service import Service
 
@@ -27,17 +26,9 @@ async def get_service(request: Request) -> Service:
 ServiceDep = Annotated[Service, Depends(get_service)]
 
 
-async def get_ticket(request: Request) -> Ticket | None:
-    """The ticket of the session, as the security middleware read it; None where there was none."""
-    ticket: Ticket | None = request.scope["state"]["ticket"]
-    return ticket
-
-
-TicketDep = Annotated[Ticket | None, Depends(get_ticket)]
-
-
-async def get_user(ticket: TicketDep, service: ServiceDep) -> Identity | None:
+async def get_user(request: Request, service: ServiceDep) -> Identity | None:
     """The person who is logged in, or None for a visitor."""
+    ticket: Ticket | None = request.state.ticket
     if ticket is None or ticket.person_id is None:
         return None  # most requests of the gallery: neither a thread nor a query
     return await run_sync(service.identify, ticket)
@@ -47,9 +38,9 @@ OptionalUser = Annotated[Identity | None, Depends(get_user)]
 
 
 async def require_login(user: OptionalUser) -> Identity:
-    """The person who is logged in. Raises LoginNeededError for a visitor."""
+    """The person who is logged in. Raises HTTPException for a visitor."""
     if user is None:
-        raise LoginNeededError
+        raise HTTPException(401, "login")
     return user
 
 

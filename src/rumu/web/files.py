@@ -10,8 +10,8 @@ from typing import Any
 
 from cachetools import LRUCache, cachedmethod
 
+from rumu.database.tables import Work
 from rumu.gallery.assets import Assets, assets_of, picture_assets
-from rumu.gallery.catalog import work
 from rumu.gallery.derived import etag, stored_file
 from rumu.gallery.gallery import Gallery
 from rumu.studio import worker_tasks
@@ -45,20 +45,28 @@ class DerivedFiles:
         self._contents_changed = threading.Condition()
         self._etags: dict[FileAddress, str] = {}
 
-    def of_work(
-        self, work_id: str, kind: str, *, exaggeration: float = 1.0, client_etags: Collection[str] = ()
+    def get(
+        self,
+        source: Work | str,
+        kind: str,
+        *,
+        exaggeration: float = 1.0,
+        client_etags: Collection[str] = (),
     ) -> FileContent:
-        """A file of a work. client_etags: if the file's is among them, the data are left empty.
+        """A file derived from a work, or from a picture by its key in the store.
 
+        client_etags: if the file's is among them, the data are left empty.
         Raises GalleryError as `rumu.gallery.derived.derived` does.
         """
-        assets = assets_of(self._gallery.store, work(self._gallery, work_id))
-        return self._content(assets, kind, exaggeration, client_etags, {"work_id": work_id})
-
-    def of_picture(self, key: str, kind: str, *, client_etags: Collection[str] = ()) -> FileContent:
-        """A file of a picture in the store, such as an attempt's."""
-        assets = picture_assets(self._gallery.store, key)
-        return self._content(assets, kind, 1.0, client_etags, {"picture": key})
+        of: dict[str, Any]
+        if isinstance(source, Work):
+            assets, of = assets_of(self._gallery.store, source), {"work_id": source.id}
+        else:
+            assets, of = picture_assets(self._gallery.store, source), {"picture": source}
+        tag = etag(assets, kind, exaggeration=exaggeration)
+        if tag in client_etags:
+            return FileContent(b"", None, "", tag)
+        return self._load(tag, assets, kind, exaggeration, of)
 
     def at_address(self, address: FileAddress) -> FileContent | None:
         """What was sent from this address, while it is in memory. It needs no query of the database."""
@@ -75,19 +83,6 @@ class DerivedFiles:
     def forget_addresses(self) -> None:
         """Forget all addresses, because a work has changed or is deleted."""
         self._etags.clear()
-
-    def _content(
-        self,
-        assets: Assets,
-        kind: str,
-        exaggeration: float,
-        client_etags: Collection[str],
-        source: dict[str, Any],
-    ) -> FileContent:
-        tag = etag(assets, kind, exaggeration=exaggeration)
-        if tag in client_etags:
-            return FileContent(b"", None, "", tag)
-        return self._load(tag, assets, kind, exaggeration, source)
 
     @cachedmethod(
         lambda self: self._contents,

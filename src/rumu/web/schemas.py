@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
@@ -156,9 +157,10 @@ def file_version(work: Work) -> str:
     return f"{work.digest[:8]}{int(work.changed.timestamp()):x}-{VERSION}"
 
 
-def file_url(work: Work, kind: str) -> str:
-    """The URL of a file of a work, with its version, so that clients may keep the file for ever."""
-    return f"/api/works/{work.id}/files/{kind}?v={file_version(work)}"
+def file_urls(work: Work, kinds: Iterable[str]) -> list[str]:
+    """The URLs of files of a work, with their version, so that clients may keep the files for ever."""
+    version = file_version(work)
+    return [f"/api/works/{work.id}/files/{kind}?v={version}" for kind in kinds]
 
 
 class WorkSummary(Schema):
@@ -182,8 +184,8 @@ class WorkSummary(Schema):
     @model_validator(mode="before")
     @classmethod
     def _add_urls(cls, work: Any) -> Any:
-        thumbs = {name.replace("-", "_"): file_url(work, name) for name in ("thumb", "thumb-normals")}
-        return Extended(work, **thumbs)
+        thumb, thumb_normals = file_urls(work, ("thumb", "thumb-normals"))
+        return Extended(work, thumb=thumb, thumb_normals=thumb_normals)
 
 
 class WorkPage(Schema):
@@ -239,8 +241,9 @@ class WorkRead(WorkSummary):
     @model_validator(mode="before")
     @classmethod
     def _add_files(cls, work: Any) -> Any:
-        files = {name: file_url(work, kind) for name, kind in _FILES.items()}
-        return Extended(work, files=files | {"manifest": f"/iiif/works/{work.id}/manifest.json"})
+        files = dict(zip(_FILES, file_urls(work, _FILES.values()), strict=True))
+        files["manifest"] = f"/iiif/works/{work.id}/manifest.json"
+        return Extended(work, files=files)
 
 
 class WorkUpdate(Schema):

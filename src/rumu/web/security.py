@@ -6,7 +6,6 @@ It is pure ASGI, so that a body is counted while it streams in, and a request is
 from __future__ import annotations
 
 from anyio.to_thread import run_sync
-from fastapi import Response
 from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
@@ -14,7 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rumu.studio.errors import NotAllowed, StudioError
 from rumu.studio.tickets import Ticket
-from rumu.web.error_handlers import LoginNeededError, error_response, studio_response
+from rumu.web.error_handlers import error_response
 from rumu.web.service import Service
 
 COOKIE = "rumu_session"
@@ -32,7 +31,6 @@ SECURITY_HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
 }
 _LARGE_UPLOADS = ("/api/works", "/api/imports")  # by teachers only, who are known before the body is read
-_CLOSE = {"Connection": "close"}  # the rest of the body is not read
 
 
 class SecurityMiddleware:
@@ -50,36 +48,31 @@ class SecurityMiddleware:
         scope.setdefault("state", {})["ticket"] = ticket
         send = _add_headers(send, is_api=scope["path"].startswith("/api/"))
         try:
-            refusal = await self._refuse(connection, ticket)
-        except StudioError as error:
-            refusal = studio_response(error, _CLOSE)
-        if refusal is not None:
-            await refusal(scope, receive, send)
-            return
-        await self._app(scope, _limit_body(receive, self._max_body(scope["path"])), send)
+            await self._check(connection, ticket)
+        except (StudioError, HTTPException) as error:
+            response = error_response(error)
+            response.headers["Connection"] = "close"  # the rest of the body is not read
+            await response(scope, receive, send)
+        else:
+            await self._app(scope, _limit_body(receive, self._max_body(scope["path"])), send)
 
-    async def _refuse(self, connection: HTTPConnection, ticket: Ticket | None) -> Response | None:
-        """The response to a request that the application must not see. Raises StudioError, too."""
+    async def _check(self, connection: HTTPConnection, ticket: Ticket | None) -> None:
+        """Raise the error of a request that the application must not see."""
         scope, headers, service = connection.scope, connection.headers, self._service
         service.rate_limiter.hit(service.settings.rate_limits.all, "all", client_address(connection))
         if scope["method"] in SAFE_METHODS:
-            return None
+            return
         if ticket is None or not service.tickets.has_csrf_token(ticket, headers.get("x-csrf-token")):
-            return error_response(
-                403, "csrf", "頁面已過期，請重新載入。", "The page is out of date; load it again.", _CLOSE
-            )
+            raise HTTPException(403, "csrf")
         if scope["method"] == "POST" and scope["path"] in _LARGE_UPLOADS:
             user = await run_sync(service.identify, ticket)
             if user is None:
-                raise LoginNeededError
+                raise HTTPException(401, "login")
             if not user.teaches:
                 raise NotAllowed
         length = headers.get("content-length", "0")
         if not length.isdecimal() or int(length) > self._max_body(scope["path"]):
-            return error_response(
-                413, "too_large", "送來的資料太大。", "More was sent than is taken here.", _CLOSE
-            )
-        return None
+            raise HTTPException(413, "too_large")
 
     def _max_body(self, path: str) -> int:
         limits = self._service.settings.body_limits

@@ -1,4 +1,4 @@
-"""The server around the application: where it listens, what it says when it does, how it ends."""
+"""The server around the application: the address it listens on, its start and its end."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Listening:
+class ServerAddress:
     """url: of the gallery. owner_link: for the first owner, None when there is one."""
 
     url: str
@@ -32,20 +32,20 @@ def serve(
     *,
     host: str,
     port: int,
-    says: Callable[[Listening], object],
-    ready: Callable[[Listening], object] | None = None,
+    on_listen: Callable[[ServerAddress], object],
+    on_ready: Callable[[ServerAddress], object] | None = None,
 ) -> None:
     """Serve until Ctrl-C or SIGTERM. port: 0 for any that is free.
 
-    says: called once the port is ours. ready: called, in a thread, once the first request would be answered.
+    on_listen: called once the port is ours. on_ready: called, in a thread, once requests are answered.
     Raises RumuError when the port is taken, or when others could reach a service that has no owner yet.
     """
     import uvicorn
 
     from rumu.web.app import create_app
 
-    taken = listen(host, port)
-    with contextlib.closing(taken):
+    listener = listen(host, port)
+    with contextlib.closing(listener):
         app = create_app(settings)
         service = app.state.service
         if not is_loopback(host) and not service.has_owner():
@@ -54,38 +54,38 @@ def serve(
                 "run rumu serve without --host once, open the link that it prints and choose a name"
             )
         name = f"[{host}]" if ":" in host else host
-        url = f"http://{name}:{taken.getsockname()[1]}"
+        url = f"http://{name}:{listener.getsockname()[1]}"
         link = service.owner_link()
-        listening = Listening(f"{url}/", link and f"{url}{link}")
-        says(listening)
+        address = ServerAddress(f"{url}/", link and f"{url}{link}")
+        on_listen(address)
         server = uvicorn.Server(
             uvicorn.Config(
                 app, log_level="warning", access_log=False, timeout_graceful_shutdown=5, timeout_keep_alive=65
             )
         )
-        if ready is not None:
-            threading.Thread(target=_when_ready, args=(server, listening, ready), daemon=True).start()
-        server.run(sockets=[taken])
+        if on_ready is not None:
+            threading.Thread(target=_wait_until_ready, args=(server, address, on_ready), daemon=True).start()
+        server.run(sockets=[listener])
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """A socket that listens. Raises RumuError when it cannot be had."""
+    """A socket that listens. Raises RumuError when the address cannot be used."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    # asyncio sends small answers at once only where the socket says TCP; else each waits 40 ms for an echo
-    taken = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    # asyncio sets TCP_NODELAY only if the protocol is named; else Nagle's algorithm delays small responses
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
-        taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        taken.bind((host, port))
-        taken.listen(512)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, port))
+        listener.listen(512)
     except (OSError, OverflowError) as error:
-        taken.close()
+        listener.close()
         why = getattr(error, "strerror", None) or error
         raise RumuError(f"{host}:{port}: cannot be listened on ({why}); try another --port") from error
-    return taken
+    return listener
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches it."""
+    """Whether an address can be reached from this machine only."""
     if host == "localhost":
         return True
     try:
@@ -94,9 +94,11 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def _when_ready(server: uvicorn.Server, listening: Listening, ready: Callable[[Listening], object]) -> None:
+def _wait_until_ready(
+    server: uvicorn.Server, address: ServerAddress, on_ready: Callable[[ServerAddress], object]
+) -> None:
     while not server.started:
         if server.should_exit:
             return
         time.sleep(0.05)
-    ready(listening)
+    on_ready(address)

@@ -1,4 +1,4 @@
-"""Every route for every role: who gets in, who is sent to log in, who is told that there is nothing there."""
+"""Every route for every role: the status of its response."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ CHANGING = {
 
 
 @pytest.fixture(scope="module")
-def here(world, copy_of):
+def browsers_and_ids(world, copy_of):
     """(a browser for each role, ids of a pupil's things)."""
     pupil = world.browser("吳")
     attempt = pupil.marked(copy_of()).json()["id"]
@@ -82,49 +82,51 @@ def here(world, copy_of):
     return {role: world.browser(None if role == "visitor" else role) for role in ROLES}, ids
 
 
-def filled(text, ids):
+def fill(text, ids):
     for name, value in ids.items():
         text = text.replace(f"{{{name}}}", value)
     return text
 
 
 @pytest.mark.parametrize("url", READING)
-def test_reading(here, url):
-    browsers, ids = here
-    found = tuple(browsers[role]("GET", filled(url, ids)).status_code for role in ROLES)
-    assert found == READING[url]
+def test_reading(browsers_and_ids, url):
+    browsers, ids = browsers_and_ids
+    statuses = tuple(browsers[role]("GET", fill(url, ids)).status_code for role in ROLES)
+    assert statuses == READING[url]
 
 
-@pytest.mark.parametrize("asked", CHANGING, ids=lambda asked: " ".join(asked[:2]))
-def test_changing(here, asked):
-    browsers, ids = here
-    method, url, body = asked
-    more = {"content": filled(body, ids), "headers": {"Content-Type": "application/json"}} if body else {}
-    found = tuple(browsers[role](method, filled(url, ids), **more).status_code for role in ROLES)
-    assert found == CHANGING[asked]
+@pytest.mark.parametrize("change", CHANGING, ids=lambda change: " ".join(change[:2]))
+def test_changing(browsers_and_ids, change):
+    browsers, ids = browsers_and_ids
+    method, url, body = change
+    more = {"content": fill(body, ids), "headers": {"Content-Type": "application/json"}} if body else {}
+    statuses = tuple(browsers[role](method, fill(url, ids), **more).status_code for role in ROLES)
+    assert statuses == CHANGING[change]
 
 
-def test_deleting_an_attempt(here, world, copy_of):
-    browsers, _ = here
+def test_deleting_an_attempt(browsers_and_ids, world, copy_of):
+    browsers, _ = browsers_and_ids
     url = f"/api/attempts/{browsers['吳'].marked(copy_of()).json()['id']}"
-    found = [browsers[role]("DELETE", url).status_code for role in ("visitor", "周", "陳", "林", "吳")]
-    assert found == [401, 404, 404, 403, 204]
+    statuses = [browsers[role]("DELETE", url).status_code for role in ("visitor", "周", "陳", "林", "吳")]
+    assert statuses == [401, 404, 404, 403, 204]
 
 
-def test_deleting_a_class(here, world):
-    browsers, _ = here
+def test_deleting_a_class(browsers_and_ids, world):
+    browsers, _ = browsers_and_ids
     url = f"/api/classes/{browsers['林']('POST', '/api/classes', json={'name': 'a'}).json()['id']}"
-    found = [browsers[role]("DELETE", url).status_code for role in ("visitor", "周", "吳", "陳", "林", "林")]
-    assert found == [401, 403, 403, 404, 204, 404]
+    statuses = [
+        browsers[role]("DELETE", url).status_code for role in ("visitor", "周", "吳", "陳", "林", "林")
+    ]
+    assert statuses == [401, 403, 403, 404, 204, 404]
     assert browsers["林"]("PATCH", url, json={"name": " "}).status_code == 422
 
 
-def test_lists_hold_what_one_may_see_and_no_more(here, world):
-    browsers, ids = here
+def test_lists_hold_what_one_may_see_and_no_more(browsers_and_ids, world):
+    browsers, ids = browsers_and_ids
     with world.service.gallery.database.reading() as session:
         assert session.query(Attempt).count() == 1
-    found = [browsers[role]("GET", "/api/attempts").json()["total"] for role in ROLES[1:]]
-    assert found == [0, 1, 0, 1, 1]
+    statuses = [browsers[role]("GET", "/api/attempts").json()["total"] for role in ROLES[1:]]
+    assert statuses == [0, 1, 0, 1, 1]
     classes = [len(browsers[role]("GET", "/api/classes").json()) for role in ("周", "吳")]
     assert classes == [1, 1]
     assert browsers["周"]("GET", f"/api/attempts?person={ids['pupil']}").json()["total"] == 0

@@ -1,1 +1,1 @@
-"""What can be asked of the service, one module for each noun."""
+"""The routes of the service, one module for each noun."""

@@ -80,7 +80,7 @@ def get_strokes(request: Request, service: ServiceDep, user: CurrentUser, attemp
 def get_surface(service: ServiceDep, user: CurrentUser, attempt_id: PathId) -> dict[str, Any]:
     """The copy as a surface, as the viewer reads it."""
     key = _find_attempt(service, user, attempt_id).picture
-    service.files.of_picture(key, "facts")
+    service.files.get(key, "facts")
     return viewer_facts_of(
         service.gallery.store,
         picture_assets(service.gallery.store, key),
@@ -94,7 +94,7 @@ def get_file(
 ) -> Response:
     """A map or mesh of the copy."""
     key = _find_attempt(service, user, attempt_id).picture
-    content = service.files.of_picture(key, kind, client_etags=requested_etags(request.headers))
+    content = service.files.get(key, kind, client_etags=requested_etags(request.headers))
     return file_response(request, content, private=True)
 
 

@@ -13,7 +13,7 @@ from rumu.studio.job_handlers import upload_key
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import folder_name
 from rumu.web.dependencies import CleanText, ServiceDep, ShortText, TeacherUser
-from rumu.web.routes.works import find_work, work_details
+from rumu.web.routes.works import get_work
 from rumu.web.schemas import Extended, ScriptName, Spacing, WorkRead
 from rumu.web.studio_schemas import JobStarted
 
@@ -65,7 +65,7 @@ def add_work(
     data = picture.file.read()
     format_of(data)
     work_id = service.workers.ask(worker_tasks.add_work, data=data, facts=facts, spacing=spacing)
-    return work_details(service, find_work(service, work_id))
+    return get_work(service, work_id)
 
 
 @router.post("/api/imports", response_model=JobStarted, status_code=202)

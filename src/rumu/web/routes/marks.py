@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Annotated, BinaryIO, Literal
 
 from anyio.to_thread import run_sync
-from fastapi import APIRouter, File, Form, Request, UploadFile
+from fastapi import APIRouter, File, Form, HTTPException, Request, UploadFile
 
 from rumu.database.tables import Attempt, Person, now
 from rumu.studio import attempts, worker_tasks
 from rumu.studio.people import Identity
 from rumu.studio.pictures import MAX_BYTES, check_picture
 from rumu.web.dependencies import Id, OptionalUser, ServiceDep
-from rumu.web.error_handlers import LoginNeededError
 from rumu.web.routes.works import find_work
 from rumu.web.schemas import Extended
 from rumu.web.security import client_address
@@ -52,7 +51,7 @@ async def add_mark(
 ) -> Extended:
     """Mark a copy against a work. Without a login only with keep=false, and then nothing is kept."""
     if user is None and keep:
-        raise LoginNeededError
+        raise HTTPException(401, "login")
     limits = service.settings.rate_limits
     if user is None:
         service.rate_limiter.hit(limits.tries, "tries", client_address(request))

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Request, Response
+from fastapi import APIRouter, HTTPException, Path, Request, Response
 
 from rumu import __version__
 from rumu.database.tables import Person
 from rumu.studio import invitations, people
 from rumu.studio.people import HASHER, LANGUAGES
 from rumu.studio.tickets import Ticket
-from rumu.web.dependencies import CurrentUser, OwnerUser, PathId, ServiceDep, TicketDep, set_session_cookie
-from rumu.web.error_handlers import WrongLoginError
+from rumu.web.dependencies import CurrentUser, OwnerUser, PathId, ServiceDep, set_session_cookie
 from rumu.web.schemas import (
     Credentials,
     InvitationCreate,
@@ -34,10 +33,9 @@ Token = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{10,80}$", description="The 
 
 
 @router.get("/api/session", response_model=SessionRead)
-def get_session(
-    request: Request, response: Response, service: ServiceDep, ticket: TicketDep
-) -> dict[str, Any]:
+def get_session(request: Request, response: Response, service: ServiceDep) -> dict[str, Any]:
     """Who is logged in, and the token that every change needs; a visitor gets a session too."""
+    ticket = request.state.ticket
     response.headers["Cache-Control"] = "no-store"
     if ticket is None or (ticket.person_id is not None and service.identify(ticket) is None):
         return _start_session(request, response, service)
@@ -53,7 +51,7 @@ def log_in(
     with service.gallery.database.reading() as session:
         person = people.authenticate(session, name=credentials.name, password=credentials.password)
     if person is None:
-        raise WrongLoginError
+        raise HTTPException(401, "wrong_login")
     if person.password is not None and HASHER.check_needs_rehash(person.password):
         with service.gallery.database.writing() as session:
             people.renew_hash(session, person.id, password=credentials.password)
@@ -69,13 +67,12 @@ def log_out(request: Request, response: Response, service: ServiceDep) -> dict[s
 
 @router.patch("/api/session", response_model=SessionRead)
 def update_session(
-    service: ServiceDep, user: CurrentUser, ticket: TicketDep, changes: SessionUpdate
+    request: Request, service: ServiceDep, user: CurrentUser, changes: SessionUpdate
 ) -> dict[str, Any]:
     """Change one's own language."""
     with service.gallery.database.writing() as session:
         people.change_person(session, user.id, {"language": changes.language})
-    assert ticket is not None  # or there would be no user
-    return _session_facts(service, ticket)
+    return _session_facts(service, request.state.ticket)
 
 
 @router.post("/api/password", response_model=SessionRead)

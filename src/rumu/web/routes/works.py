@@ -103,14 +103,21 @@ def get_collection(service: ServiceDep, collection_id: PathId) -> Extended:
 @router.get("/api/works/{work_id}", response_model=WorkRead)
 def get_work(service: ServiceDep, work_id: PathId) -> Extended:
     """All that is known of a work."""
-    return work_details(service, find_work(service, work_id))
+    work = find_work(service, work_id)
+    previous, following = catalog.neighbours(service.gallery, work_id)
+    return Extended(
+        work,
+        collection_title=catalog.collection(service.gallery, work.collection_id).title,
+        annotations=gallery_annotations.annotations_of(service.gallery, work_id),
+        previous=previous,
+        next=following,
+    )
 
 
 @router.get("/api/works/{work_id}/viewer", response_model=SurfaceRead)
 def get_surface(service: ServiceDep, work_id: PathId) -> dict[str, Any]:
     """What the viewer needs of a work; the files at the URLs in it never change."""
-    find_work(service, work_id)
-    service.files.of_work(work_id, "facts")
+    service.files.get(find_work(service, work_id), "facts")
     return viewer_facts(service.gallery, work_id)
 
 
@@ -140,7 +147,7 @@ def _file_content(
         raise Unusable(zh="只有立體模型可以放大高度。", en="Only a mesh has an exaggeration.")
     work = find_work(service, work_id)
     etags = requested_etags(request.headers)
-    content = service.files.of_work(work_id, kind, exaggeration=exaggeration, client_etags=etags)
+    content = service.files.get(work, kind, exaggeration=exaggeration, client_etags=etags)
     version = request.query_params.get("v")
     if version is not None and version in (content.etag, file_version(work)):
         service.files.set_address((work_id, kind, exaggeration, version), content)
@@ -169,9 +176,9 @@ def update_work(service: ServiceDep, user: OwnerUser, work_id: PathId, changes: 
                 en="The size of a pixel came with these photographs and cannot be changed here.",
             )
         values["spacing"] = changes.spacing
-    changed = catalog.change_work(service.gallery, work_id, values)
+    catalog.change_work(service.gallery, work_id, values)
     service.files.forget_addresses()
-    return work_details(service, changed)
+    return get_work(service, work_id)
 
 
 @router.delete("/api/works/{work_id}", status_code=204)
@@ -221,18 +228,6 @@ def _check_annotation(service: Service, work_id: str, annotation_id: str) -> Non
         row = session.get(Annotation, annotation_id)
     if row is None or row.work_id != work_id:
         raise Missing("沒有這條註解。", "There is no such annotation.")
-
-
-def work_details(service: Service, work: Work) -> Extended:
-    """A work with what a WorkRead takes from other tables."""
-    previous, following = catalog.neighbours(service.gallery, work.id)
-    return Extended(
-        work,
-        collection_title=catalog.collection(service.gallery, work.collection_id).title,
-        annotations=gallery_annotations.annotations_of(service.gallery, work.id),
-        previous=previous,
-        next=following,
-    )
 
 
 def to_columns(values: dict[str, Any]) -> dict[str, Any]:
