@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from sqlalchemy import func, select
@@ -16,7 +16,6 @@ from rumu.gallery.gallery import Gallery
 
 TEXTS = ("title_zh", "title_en", "text_zh", "text_en")
 _MAX_LENGTHS = {"title_zh": 200, "title_en": 200, "text_zh": 5000, "text_en": 5000}
-_FACTS = frozenset({"x", "y", "position", *TEXTS})
 
 
 def annotations_of(gallery: Gallery, work_id: str) -> tuple[Annotation, ...]:
@@ -80,16 +79,21 @@ def _find(session: Session, annotation_id: str, of: str | None) -> Annotation:
 
 
 def _check(facts: Mapping[str, Any]) -> None:
-    unknown = sorted(set(facts) - _FACTS)
-    if unknown:
-        raise GalleryError(f"expected facts among {', '.join(sorted(_FACTS))}, got {', '.join(unknown)}")
+    check_facts(facts, {"x", "y", "position", *TEXTS}, _MAX_LENGTHS)
     for name in ("x", "y"):
         value = facts.get(name, 0.0)
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             raise GalleryError(f"expected {name} as a number, got {value!r}")
         if not 0 <= value <= 1:
             raise GalleryError(f"expected {name} as a fraction of the picture, 0 to 1, got {value}")
-    check_texts(facts, _MAX_LENGTHS)
+
+
+def check_facts(facts: Mapping[str, Any], known: Collection[str], max_lengths: Mapping[str, int]) -> None:
+    """Raise GalleryError for facts that are not known, and for values of another type or length."""
+    unknown = sorted(set(facts) - set(known))
+    if unknown:
+        raise GalleryError(f"expected facts among {', '.join(sorted(known))}, got {', '.join(unknown)}")
+    check_texts(facts, max_lengths)
     if not isinstance(facts.get("position", 0), int):
         raise GalleryError(f"expected position as a whole number, got {facts['position']!r}")
 

@@ -10,13 +10,12 @@ from sqlalchemy.orm import Session
 
 from rumu.database.tables import Tour, Work
 from rumu.errors import GalleryError
-from rumu.gallery.annotations import check_texts
+from rumu.gallery.annotations import check_facts, check_texts
 from rumu.gallery.gallery import Gallery
 
 MOST_STEPS = 100
 _STEP = ("work", "view", "title_zh", "title_en", "text_zh", "text_en")
 _MAX_LENGTHS = {"work": 64, "view": 1000, "title_zh": 200, "title_en": 200, "text_zh": 5000, "text_en": 5000}
-_FACTS = frozenset({"title_zh", "title_en", "steps", "position"})
 
 
 def tours(gallery: Gallery) -> tuple[Tour, ...]:
@@ -72,12 +71,7 @@ def _find(session: Session, tour_id: str) -> Tour:
 
 
 def _check(session: Session, facts: Mapping[str, Any]) -> dict[str, Any]:
-    unknown = sorted(set(facts) - _FACTS)
-    if unknown:
-        raise GalleryError(f"expected facts among {', '.join(sorted(_FACTS))}, got {', '.join(unknown)}")
-    check_texts(facts, {"title_zh": 200, "title_en": 200})
-    if not isinstance(facts.get("position", 0), int):
-        raise GalleryError(f"expected position as a whole number, got {facts['position']!r}")
+    check_facts(facts, {"title_zh", "title_en", "steps", "position"}, {"title_zh": 200, "title_en": 200})
     return dict(facts) | ({"steps": _steps(session, facts["steps"])} if "steps" in facts else {})
 
 
