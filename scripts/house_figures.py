@@ -23,8 +23,7 @@ START = ("rumu.pipeline", "assess")
 GROUND = ("rumu.errors", "rumu.values")
 """Modules that hold no step of the way: what is raised and what travels."""
 NOT_TO_A_MARK = (
-    "rumu.pipeline.reconstruct",
-    "rumu.surface.folder.read_surface",
+    "rumu.pipeline._read_folder",
     "rumu.assessment.remarks.write_remarks",
 )
 """Where other ways part from a copy's to its mark: photographs under lamps, a written surface, remarks."""

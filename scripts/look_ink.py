@@ -1,9 +1,9 @@
-"""Contact sheets of pictures beside the ink found in them, to be looked at.
+"""Draw contact sheets of pictures beside the ink that is found in them.
 
     .venv/bin/python scripts/look_ink.py OUT PATH... [--every N] [--count N]
 
-PATH: pictures or folders of them. Each cell shows the picture and, beside it, its ink in black; what was
-refused stands on red. Figures of all pictures go to standard output.
+PATH: pictures or folders of them. Each cell shows the picture and, beside it, its ink in black, or a red
+field where it is refused. Figures of all pictures go to standard output.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=1, help="take every N-th file")
     parser.add_argument("--count", type=int, default=0, help="at most this many, spread evenly")
     options = parser.parse_args()
-    files = listed(options.paths)[:: options.every]
+    files = list_pictures(options.paths)[:: options.every]
     if options.count:
         files = [files[i] for i in np.unique(np.linspace(0, len(files) - 1, options.count).astype(int))]
     options.out.mkdir(parents=True, exist_ok=True)
@@ -38,7 +38,7 @@ def main() -> None:
         cv2.imwrite(str(options.out / f"ink_{page:02d}.png"), sheet[:, :, ::-1])
 
 
-def listed(paths: list[Path]) -> list[Path]:
+def list_pictures(paths: list[Path]) -> list[Path]:
     """The pictures named, and those of the folders named, sorted."""
     found: list[Path] = []
     for path in paths:
@@ -53,7 +53,7 @@ def contact_sheet(files: list[Path]) -> np.ndarray:
     for i, file in enumerate(files):
         row, column = divmod(i, COLUMNS)
         y, x = row * (CELL + 14), column * (2 * CELL + 6)
-        left, right, text = pair(file)
+        left, right, text = describe_ink(file)
         sheet[y : y + left.shape[0], x : x + left.shape[1]] = left
         sheet[y : y + right.shape[0], x + CELL : x + CELL + right.shape[1]] = right
         place = (x + 2, y + CELL + 10)
@@ -61,7 +61,7 @@ def contact_sheet(files: list[Path]) -> np.ndarray:
     return sheet
 
 
-def pair(file: Path) -> tuple[np.ndarray, np.ndarray, str]:
+def describe_ink(file: Path) -> tuple[np.ndarray, np.ndarray, str]:
     """The picture, its ink, and one line about it."""
     picture = read_image(file)
     shown = np.rint(255 * (picture if picture.ndim == 3 else np.dstack([picture] * 3))).astype(np.uint8)
@@ -70,7 +70,7 @@ def pair(file: Path) -> tuple[np.ndarray, np.ndarray, str]:
         ink = find_ink(picture)
     except RumuError as error:
         print(f"{file}: {error}")
-        return fitted(shown), np.full((CELL - 4, CELL - 4, 3), (220, 60, 60), np.uint8), f"{name} {error}"
+        return fit_cell(shown), np.full((CELL - 4, CELL - 4, 3), (220, 60, 60), np.uint8), f"{name} {error}"
     left_out = {k: v for k, v in ink.left_out.items() if v}
     figures = " ".join(f"{name} {value:.2f}" for name, value in ink.figures.items())
     print(f"{file}: {ink.polarity}, share {ink.mask.mean():.3f}, {figures}, left out {left_out}")
@@ -78,10 +78,10 @@ def pair(file: Path) -> tuple[np.ndarray, np.ndarray, str]:
     text = f"{name} {ink.polarity[0]} {ink.mask.mean():.3f} " + " ".join(
         f"{k[0]}{v}" for k, v in left_out.items()
     )
-    return fitted(shown), fitted(drawn), text
+    return fit_cell(shown), fit_cell(drawn), text
 
 
-def fitted(picture: np.ndarray) -> np.ndarray:
+def fit_cell(picture: np.ndarray) -> np.ndarray:
     """The picture scaled to one cell."""
     scale = (CELL - 4) / max(picture.shape[:2])
     return cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)

@@ -56,8 +56,12 @@ def surface_of(thing: SurfaceLike) -> Surface:
     if isinstance(thing, Surface):
         return thing
     if isinstance(thing, str | Path) and Path(thing).is_dir():
-        return read_surface(thing) if (Path(thing) / MARKER).is_file() else reconstruct(thing)
+        return _read_folder(Path(thing))
     return relief(thing)
+
+
+def _read_folder(folder: Path) -> Surface:
+    return read_surface(folder) if (folder / MARKER).is_file() else reconstruct(folder)
 
 
 def register(probe: SurfaceLike, reference: SurfaceLike, *, rotation: Rotation = "z") -> Registration:

@@ -1,6 +1,6 @@
-"""The light on a flat sheet, fitted to its paper while its ink is left out: the recommended rectification.
+"""The light on a flat sheet, fitted to blank paper and not to ink: the recommended rectification.
 
-Ours, not the paper's. Two laws are fitted and the one that the paper of the sheet agrees with is kept:
+Our own method. Two laws are fitted to the paper of the sheet, and the one that fits it better is used:
 
     point lamp   I^(-2/3) is a quadratic in x and y. This is exact for a small lamp near a plane, where
                  I = h / (rho^2 + h^2)^(3/2): the distance and the angle of incidence together.
@@ -49,7 +49,7 @@ class Flatfield:
     """Light on a sheet.
 
     level: (H, W) float32, above 0: what blank paper shows there. paper: (H, W) bool, blank paper.
-    law: the law that was kept. residual: relative rms difference of the paper from the level.
+    law: which law fits better. residual: relative rms difference of the paper from the level.
     """
 
     level: FloatArray

@@ -151,7 +151,7 @@ def band_levels(image: FloatArray, bands: Bands, *, paper: BoolArray) -> tuple[f
 
 
 def band_ratio(near_level: float, far_level: float) -> float:
-    """K', the share of the near level that is left at the far band: Eq. (13). Above 1 on a wrong label."""
+    """K', the far level as a share of the near level: Eq. (13). Above 1 on a wrong label."""
     if not (near_level > 0 and far_level > 0):
         raise CaptureError(f"expected bands brighter than black, got levels {near_level} and {far_level}")
     return far_level / near_level
@@ -284,7 +284,7 @@ def rectify_capture(capture: Capture, *, method: Method = "masked", n: int = 7, 
     """A capture of a flat sheet as distant lamps of one strength would show it.
 
     Every image is rectified along the tilt of its lamp, then all are scaled so that blank paper agrees. Only
-    for flat sheets: of any other object the light and the shape cannot be told apart this way.
+    for flat sheets: of any other object the light and the shape cannot be separated this way.
     Warns (UserWarning) of each lamp that stands on the side opposite to its label. Raises CaptureError when
     an image has no blank paper, or none is common to all.
     """

@@ -9,26 +9,9 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.formats import MAX_PIXELS, MIN_SIDE, Samples, Stored, check_size, decode
+from rumu.capture.formats import Samples, Stored, check_size, decode
 from rumu.errors import ImageError
 from rumu.values import BoolArray
-
-__all__ = [
-    "MAX_PIXELS",
-    "MIN_SIDE",
-    "Box",
-    "Bytes",
-    "Encoding",
-    "as_image",
-    "bounding_box",
-    "box_inside_frame",
-    "luminance",
-    "read_image",
-    "read_linear",
-    "read_mask",
-    "shrink",
-    "to_linear",
-]
 
 Image = npt.NDArray[np.float32]
 Bytes = npt.NDArray[np.uint8]

@@ -115,7 +115,7 @@ def _highlight(gray: FloatArray, disc: BoolArray) -> tuple[float, float]:
 def paper_tilts(lights: FloatArray, *, tolerance: float = 2.0) -> PaperLamps | None:
     """The paper's arrangement among three or four lamps, in any order; None when they stand otherwise.
 
-    lights: (N, 3), unit length. Each lamp must stand within `tolerance` degrees of its place: tilt 0, 90, 180
+    lights: (N, 3), unit length. Each lamp must stand within `tolerance` degrees of tilt 0, 90, 180
     (and 270) at the mean slant of all.
     """
     count = len(lights)
@@ -136,7 +136,7 @@ def equalise(images: FloatArray, *, paper_mask: BoolArray, lights: FloatArray | 
 
     Without it they would appear as one slope of the whole sheet. Brightness is divided by the cosine of each
     lamp's slant first, when `lights` are given: of two equal lamps the lower one lights flat paper less.
-    The weakest image keeps its values and the others are scaled down to it, so [0, 1] is never left.
+    The weakest image keeps its values and the others are scaled down to it, so all values stay in [0, 1].
 
     images: (N, H, W) or (N, H, W, 3), linear. lights: (N, 3), unit length.
     paper_mask: (H, W) bool, True on flat blank paper.

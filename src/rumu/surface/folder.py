@@ -30,6 +30,9 @@ from rumu.values import FloatArray, Surface
 MARKER = "surface.json"
 _KIND = "rumu surface"
 _ARRAYS = ("height", "normals", "albedo", "confidence")
+_FILES = {MARKER, "surface.glb", "mask.png"} | {
+    f"{name}{end}" for name in _ARRAYS for end in (".tif", ".png")
+}
 
 
 def write_surface(
@@ -39,28 +42,28 @@ def write_surface(
 
     folder: new, empty, or an earlier surface, which is replaced. extra: more files of the folder, text or
     bytes by name, such as a report.
-    Raises OutputError when the place cannot be written or holds other things, SurfaceError when there is
+    Raises OutputError when the folder cannot be written or holds other files, SurfaceError when there is
     nothing to make a mesh of or an extra name is not a plain new name.
     """
     for name in extra or {}:
-        if Path(name).name != name or name in _names():
+        if Path(name).name != name or name in _FILES:
             raise SurfaceError(f"expected a plain file name that is not of the surface's own, got {name!r}")
     glb = mesh_bytes(surface)
-    with whole_folder(folder, marker=MARKER) as part:
+    with whole_folder(folder, marker=MARKER) as new:
         try:
-            _write_pieces(surface, part, {"surface.glb": glb, **(extra or {})})
+            _write_files(surface, new, {"surface.glb": glb, **(extra or {})})
         except OSError as error:
             raise OutputError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
-def _write_pieces(surface: Surface, place: Path, files: Mapping[str, str | bytes]) -> None:
+def _write_files(surface: Surface, folder: Path, files: Mapping[str, str | bytes]) -> None:
     for name in _ARRAYS:
-        _write_tiff(place / f"{name}.tif", getattr(surface, name))
-    scale, offset = _write_pictures(surface, place)
+        _write_tiff(folder / f"{name}.tif", getattr(surface, name))
+    scale, offset = _write_pictures(surface, folder)
     for name, content in files.items():
-        (place / name).write_bytes(content.encode() if isinstance(content, str) else content)
-    facts = _facts(surface) | {"height_png": {"scale": scale, "offset": offset}}
-    (place / MARKER).write_text(json.dumps(facts, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    metadata = _metadata(surface) | {"height_png": {"scale": scale, "offset": offset}}
+    (folder / MARKER).write_text(json.dumps(metadata, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def read_surface(folder: str | Path) -> Surface:
@@ -68,17 +71,17 @@ def read_surface(folder: str | Path) -> Surface:
 
     Raises SurfaceError naming the file that is missing or damaged.
     """
-    place = Path(folder)
-    facts = _read_facts(place)
-    arrays = {name: _read_tiff(place / f"{name}.tif") for name in _ARRAYS}
-    mask = _read_mask(place / "mask.png")
+    folder = Path(folder)
+    metadata = _read_metadata(folder)
+    arrays = {name: _read_tiff(folder / f"{name}.tif") for name in _ARRAYS}
+    mask = _read_mask(folder / "mask.png")
     shape = arrays["height"].shape
     wanted = {"normals": [(*shape, 3)], "albedo": [shape, (*shape, 3)], "confidence": [shape]}
     for name, shapes in wanted.items():
         if arrays[name].shape not in shapes:
-            raise SurfaceError(f"{place / name}.tif: expected shape {shapes[0]}, got {arrays[name].shape}")
+            raise SurfaceError(f"{folder / name}.tif: expected shape {shapes[0]}, got {arrays[name].shape}")
     if mask.shape != shape:
-        raise SurfaceError(f"{place / 'mask.png'}: expected shape {shape}, got {mask.shape}")
+        raise SurfaceError(f"{folder / 'mask.png'}: expected shape {shape}, got {mask.shape}")
     try:
         return Surface(
             height=arrays["height"],
@@ -86,23 +89,18 @@ def read_surface(folder: str | Path) -> Surface:
             albedo_from=arrays["albedo"],
             confidence=arrays["confidence"],
             mask=mask,
-            spacing=float(facts["spacing"]),
-            unit=facts["unit"],
-            source=facts["source"],
-            quality={str(name): float(value) for name, value in facts["quality"].items()},
+            spacing=float(metadata["spacing"]),
+            unit=metadata["unit"],
+            source=metadata["source"],
+            quality={str(name): float(value) for name, value in metadata["quality"].items()},
         )
     except KeyError as error:
-        raise SurfaceError(f"{place / MARKER}: expected an entry {error.args[0]!r}, found none") from error
+        raise SurfaceError(f"{folder / MARKER}: expected an entry {error.args[0]!r}, found none") from error
     except (TypeError, ValueError, AttributeError, SurfaceError) as error:
-        raise SurfaceError(f"{place / MARKER}: does not describe a surface: {error}") from error
+        raise SurfaceError(f"{folder / MARKER}: does not describe a surface: {error}") from error
 
 
-def _names() -> set[str]:
-    pictures = {f"{name}.png" for name in (*_ARRAYS, "mask")}
-    return {f"{name}.tif" for name in _ARRAYS} | pictures | {MARKER, "surface.glb"}
-
-
-def _facts(surface: Surface) -> dict[str, Any]:
+def _metadata(surface: Surface) -> dict[str, Any]:
     h, w = surface.height.shape
     return {
         "kind": _KIND,
@@ -117,7 +115,7 @@ def _facts(surface: Surface) -> dict[str, Any]:
     }
 
 
-def _write_pictures(surface: Surface, place: Path) -> tuple[float, float]:
+def _write_pictures(surface: Surface, folder: Path) -> tuple[float, float]:
     """The files to look at; returns scale and offset of height.png."""
     import cv2
     from PIL import Image
@@ -125,16 +123,16 @@ def _write_pictures(surface: Surface, place: Path) -> tuple[float, float]:
     offset = float(surface.height.min())
     scale = max(float(surface.height.max()) - offset, 1e-12) / 65535.0
     height = np.round((surface.height.astype(np.float64) - offset) / scale).clip(0, 65535).astype(np.uint16)
-    Image.fromarray(height).save(place / "height.png")
+    Image.fromarray(height).save(folder / "height.png")
     normals = np.round((surface.normals.astype(np.float64) + 1.0) * 32767.5).clip(0, 65535).astype(np.uint16)
     # Pillow cannot write 16 bits for each of three channels; OpenCV wants them in the order B, G, R.
     done, packed = cv2.imencode(".png", np.ascontiguousarray(normals[..., ::-1]))
     if not done:
         raise SurfaceError("normals.png: expected the picture to be packed, the PNG writer refused it")
-    (place / "normals.png").write_bytes(packed.tobytes())
-    Image.fromarray(albedo_srgb(surface.albedo)).save(place / "albedo.png")
-    Image.fromarray(np.round(surface.confidence * 255).astype(np.uint8)).save(place / "confidence.png")
-    Image.fromarray(surface.mask.astype(np.uint8) * 255).save(place / "mask.png")
+    (folder / "normals.png").write_bytes(packed.tobytes())
+    Image.fromarray(albedo_srgb(surface.albedo)).save(folder / "albedo.png")
+    Image.fromarray(np.round(surface.confidence * 255).astype(np.uint8)).save(folder / "confidence.png")
+    Image.fromarray(surface.mask.astype(np.uint8) * 255).save(folder / "mask.png")
     return scale, offset
 
 
@@ -171,14 +169,14 @@ def _read_mask(path: Path) -> npt.NDArray[np.bool_]:
         raise SurfaceError(f"{path}: expected a PNG, it cannot be read ({error})") from error
 
 
-def _read_facts(place: Path) -> dict[str, Any]:
-    path = place / MARKER
+def _read_metadata(folder: Path) -> dict[str, Any]:
+    path = folder / MARKER
     if not path.is_file():
         raise SurfaceError(f"{path}: expected a surface folder with this file, there is none")
     try:
-        facts = json.loads(path.read_text(encoding="utf-8"))
+        metadata = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise SurfaceError(f"{path}: expected JSON, it cannot be read ({error})") from error
-    if not isinstance(facts, dict) or facts.get("kind") != _KIND:
+    if not isinstance(metadata, dict) or metadata.get("kind") != _KIND:
         raise SurfaceError(f'{path}: expected "kind": "{_KIND}", got something else')
-    return facts
+    return metadata

@@ -105,7 +105,7 @@ class WritingLimits:
 
 
 @dataclass(frozen=True, slots=True)
-class InkSettings:
+class InkMaskSettings:
     """How ink is separated from paper.
 
     clean: contrast over the paper's spread from which the paper has no grain of its own. Above it specks are
@@ -165,7 +165,7 @@ def find_ink(
     *,
     linear: bool = False,
     polarity: Polarity | None = None,
-    settings: InkSettings | None = None,
+    settings: InkMaskSettings | None = None,
 ) -> Ink:
     """Find the ink of a picture of writing.
 
@@ -178,7 +178,7 @@ def find_ink(
     """
     import cv2
 
-    settings = settings or InkSettings()
+    settings = settings or InkMaskSettings()
     checked = as_image(image)
     # 8 bits, display-encoded: enough for a threshold, and OpenCV is quickest on them
     picture = np.asarray(cv2.convertScaleAbs(cv2.sqrt(checked) if linear else checked, alpha=255.0), np.uint8)
@@ -226,7 +226,7 @@ def _find_paper(picture: Bytes, polarity: Polarity | None) -> tuple[Box, BoolArr
 
 
 def _separate(
-    view: Bytes, small: Bytes, paper: Paper, off_sheet: BoolArray | None, settings: InkSettings
+    view: Bytes, small: Bytes, paper: Paper, off_sheet: BoolArray | None, settings: InkMaskSettings
 ) -> _Page:
     """Ratio to the paper, smoothed as much as the paper is noisy, and the level half-way to the ink."""
     import cv2
@@ -257,7 +257,7 @@ def _separate(
     return replace(page, cut=_widen_cut(page, paper.polarity, settings)) if cut.any() else page
 
 
-def _find_levels(x: Bytes, cut: BoolArray, settings: InkSettings) -> _Page:
+def _find_levels(x: Bytes, cut: BoolArray, settings: InkMaskSettings) -> _Page:
     """Otsu's threshold, moved half-way between the medians of the two sides; red marks are on neither."""
     counts = histogram(x, mask=~cut if cut.any() else None)
     if counts.sum() < settings.fewest_pixels:
@@ -280,7 +280,7 @@ def _median(counts: FloatArray, low: float, high: float) -> float:
     return float(first + np.searchsorted(part, part[-1] / 2)) if len(part) and part[-1] else low
 
 
-def _widen_cut(page: _Page, polarity: Polarity, settings: InkSettings) -> BoolArray:
+def _widen_cut(page: _Page, polarity: Polarity, settings: InkMaskSettings) -> BoolArray:
     """Red marks with their soft edges; ink that is plainly dark stays ink."""
     import cv2
 
@@ -291,7 +291,7 @@ def _widen_cut(page: _Page, polarity: Polarity, settings: InkSettings) -> BoolAr
     return np.asarray(near & (page.cut | (page.x > (page.ink + page.threshold) / 2)))
 
 
-def _clean(page: _Page, polarity: Polarity, settings: InkSettings) -> tuple[BoolArray, dict[str, int]]:
+def _clean(page: _Page, polarity: Polarity, settings: InkMaskSettings) -> tuple[BoolArray, dict[str, int]]:
     """The ink without red marks, ruled lines and what its position gives away; pixels of each kind."""
     dark, position = page.dark, settings.position
     mask = dark
@@ -344,7 +344,7 @@ def _refuse_flat(small: Bytes, limits: WritingLimits) -> None:
 
 
 def _refuse_unwritten(
-    mask: BoolArray, page: _Page, figures: Mapping[str, float], settings: InkSettings
+    mask: BoolArray, page: _Page, figures: Mapping[str, float], settings: InkMaskSettings
 ) -> None:
     limits, dark = settings.writing, page.dark
     count = np.count_nonzero(dark)
@@ -361,7 +361,7 @@ def _refuse_unwritten(
 
 
 def _what_else(
-    mask: BoolArray, page: _Page, figures: Mapping[str, float], settings: InkSettings
+    mask: BoolArray, page: _Page, figures: Mapping[str, float], settings: InkMaskSettings
 ) -> tuple[str, str] | None:
     """Reason and description of what the picture shows instead of writing; None when it shows writing."""
     limits = settings.writing

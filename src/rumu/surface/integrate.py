@@ -69,7 +69,7 @@ def integrate(
     p, q = gradients_from_normals(n, steepest=STEEPEST)
     by_column, by_row = p, -q  # outside the mask the normals are (0, 0, 0) by now: flat
     if method == "masked" or (method == "auto" and (weights is not None or not inside.all())):
-        height = _masked(by_column, by_row, inside, weights)
+        height = _solve_masked(by_column, by_row, inside, weights)
     else:
         height = (_frankot_chellappa if method == "frankot_chellappa" else _dct)(by_column, by_row)
         height = height - height[inside].mean()
@@ -137,7 +137,7 @@ def _shift(sines: FloatArray, *, axis: int) -> FloatArray:
     return result
 
 
-def _masked(
+def _solve_masked(
     by_column: FloatArray, by_row: FloatArray, inside: BoolArray, weights: FloatArray | None
 ) -> FloatArray:
     """Weighted least squares over pairs of neighbours within the mask, by conjugate gradients.

@@ -62,7 +62,7 @@ def mesh_grid(surface: Surface, *, settings: MeshSettings | None = None) -> Grid
     kept = surface.mask if surface.source == "photometric" else np.ones((h, w), dtype=bool)
     pixel = surface.spacing / 1000.0 if surface.unit == "mm" else _PIXEL_SHEET / max(h, w)
     step = max(1, int(np.ceil(np.sqrt(h * w / settings.vertices))))
-    height, there = _coarse(surface.height, kept, step)
+    height, present = _coarse(surface.height, kept, step)
     rows, columns = (
         np.minimum((np.arange(n) + 0.5) * step - 0.5, last)
         for n, last in zip(height.shape, (h - 1, w - 1), strict=True)
@@ -72,7 +72,7 @@ def mesh_grid(surface: Surface, *, settings: MeshSettings | None = None) -> Grid
     z = height * (pixel / surface.spacing) * settings.exaggeration
     everywhere = np.stack([*np.meshgrid(x, y), z], axis=-1).reshape(-1, 3)
     uv = np.stack(np.meshgrid((columns + 0.5) / w, 1.0 - (rows + 0.5) / h), axis=-1).reshape(-1, 2)
-    faces = _faces(there)
+    faces = _faces(present)
     if len(faces) == 0:
         raise SurfaceError(
             f"expected a surface with room for a triangle, got {int(kept.sum())} pixels of {h} x {w}"
@@ -96,7 +96,7 @@ def mesh_bytes(surface: Surface, *, kind: Format = "glb", settings: MeshSettings
     scale = 1000.0 if kind == "stl" else 1.0
     mesh = trimesh.Trimesh(grid.vertices * scale, grid.faces, process=False)
     if kind == "glb":
-        mesh.visual = _textured(surface, grid, settings)
+        mesh.visual = _texture(surface, grid, settings)
         data = trimesh.Scene(mesh).export(file_type="glb")
     else:
         if kind == "ply":
@@ -123,10 +123,10 @@ def _coarse(height: FloatArray, kept: BoolArray, step: int) -> tuple[FloatArray,
     return total / np.maximum(weight, 1.0), weight >= 0.5 * size
 
 
-def _faces(there: BoolArray) -> npt.NDArray[np.int64]:
+def _faces(present: BoolArray) -> npt.NDArray[np.int64]:
     """Two triangles for each square of four kept points; y runs up, so rows run down."""
-    index = np.arange(there.size).reshape(there.shape)
-    whole = there[:-1, :-1] & there[:-1, 1:] & there[1:, :-1] & there[1:, 1:]
+    index = np.arange(present.size).reshape(present.shape)
+    whole = present[:-1, :-1] & present[:-1, 1:] & present[1:, :-1] & present[1:, 1:]
     top_left, top_right = index[:-1, :-1][whole], index[:-1, 1:][whole]
     low_left, low_right = index[1:, :-1][whole], index[1:, 1:][whole]
     one = np.stack([top_left, low_left, low_right], axis=1)
@@ -134,7 +134,7 @@ def _faces(there: BoolArray) -> npt.NDArray[np.int64]:
     return np.concatenate([one, two]).astype(np.int64)
 
 
-def _textured(surface: Surface, grid: Grid, settings: MeshSettings) -> Any:
+def _texture(surface: Surface, grid: Grid, settings: MeshSettings) -> Any:
     from PIL import Image
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial

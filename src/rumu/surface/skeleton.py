@@ -61,25 +61,6 @@ class Stroke(Polyline):
     ends: tuple[int, int]
     segments: tuple[int, ...]
 
-    @property
-    def start(self) -> FloatArray:
-        """(2,) the first point."""
-        return np.asarray(self.points[0])
-
-    @property
-    def end(self) -> FloatArray:
-        """(2,) the last point."""
-        return np.asarray(self.points[-1])
-
-    @property
-    def direction(self) -> float:
-        """Degrees from start to end as the page shows it, counter-clockwise from +x; 0 for a ring or a dot.
-
-        Between -135 and 45: level is 0, straight down -90, falling to the right in between.
-        """
-        right, down = self.chord
-        return float(np.rad2deg(np.arctan2(-down, right))) if np.hypot(right, down) > 1e-9 else 0.0
-
     def reversed(self) -> Self:
         """The same stroke from its other end."""
         return replace(

@@ -46,19 +46,6 @@ class Gradients:
         return normals_from_gradients(self.p, self.q)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Shading:
-    """Normals and albedo of N lamps.
-
-    normals: (H, W, 3) float32, unit length; (0, 0, 1) where black. albedo: (H, W) float32, >= 0.
-    valid: (H, W) bool, False where every image is black or fewer than three are lit and not saturated.
-    """
-
-    normals: FloatArray
-    albedo: FloatArray
-    valid: BoolArray
-
-
 def three_lamps(
     a: FloatArray, b: FloatArray, c: FloatArray, *, slant: float, d: FloatArray | None = None
 ) -> Gradients:
@@ -113,21 +100,6 @@ def _fourth_lamp(stack: FloatArray) -> float:
         return 0.0
     a, b, c, d = stack
     return float(np.median(np.abs(d - (a + c - b)) / stack.mean(axis=0)))
-
-
-def least_squares(images: FloatArray, lights: FloatArray) -> Shading:
-    """Normals and albedo from N lamps by plain least squares.
-
-    images: (N, H, W) linear brightness, lamps of equal strength. lights: (N, 3), unit vectors to the lamps.
-    Every image counts alike, shadow and gloss included; `rumu.surface.robust` has solvers that resist them.
-    Raises SurfaceError for shapes that do not belong together or values that are not finite.
-    """
-    check_stack(images, lights)
-    n, height, width = images.shape
-    scaled = scaled_normals(images.reshape(n, -1).T.astype(np.float64), lights)
-    normals, albedo = split(scaled)
-    valid = enough_lit(images)
-    return Shading(normals.reshape(height, width, 3), albedo.reshape(height, width), valid)
 
 
 def scaled_normals(brightness: FloatArray, lights: FloatArray) -> FloatArray:

@@ -6,11 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 
+from rumu.capture.image import Bytes
 from rumu.values import BoolArray, FloatArray, IntArray, Polyline
-
-Bytes = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True)
