@@ -15,7 +15,6 @@ import typer
 from rumu.cli.options import AsJson, check_file_writable, master_path, not_an_input
 from rumu.cli.terminal import Outcome, bar, print_outcome, working
 from rumu.errors import CalibrationError, RumuError
-from rumu.executors import by_group, cores
 
 if TYPE_CHECKING:
     from rumu.assessment.features import Features
@@ -142,6 +141,8 @@ def _measure_rows(
     rows: Sequence[MarkedRow], *, root: Path, jobs: int | None, advance: Advance
 ) -> list[MeasuredRow]:
     """What each row holds, in order; measured master by master, so that a master is read once."""
+    from rumu.executors import by_group, cores
+
     done = itertools.count(1)
     return by_group(
         functools.partial(measure_row, root=root),

@@ -129,8 +129,8 @@ def all_distances(points: FloatArray) -> Search:
 def kd_tree(points: FloatArray, *, with_second: bool) -> Search:
     """A search for the nearest of `points`, (M > 1, d), in a k-d tree; bounds the second where it is wanted.
 
-    OpenCV's tree, because registration takes 1.6 to 1.9 times as long with SciPy's cKDTree, whether one
-    thread searches it or two; `python benchmarks/registration.py` prints both.
+    OpenCV's tree, because registration takes at least 1.6 times as long with SciPy's cKDTree, whether one
+    thread searches it or two; `python benchmarks/registration.py` prints all three.
     """
     import cv2
 

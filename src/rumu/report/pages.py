@@ -292,23 +292,25 @@ def _side_by_side(copy: Surface, master: Surface) -> list[tuple[CaptionedPicture
     lit = Bilingual("曲面（左上來光）", "Surface, lit from the upper left")
     columns = [
         [
-            _captioned(albedo_picture(surface), written, who),
-            _captioned(shaded_picture(surface, tilt=_LAMP_TILT), lit, who),
-            _mesh(surface, who),
+            _captioned(albedo_picture(surface), written, subject),
+            _captioned(shaded_picture(surface, tilt=_LAMP_TILT), lit, subject),
+            _mesh(surface, subject),
         ]
-        for surface, who in ((copy, "copy"), (master, "master"))
+        for surface, subject in ((copy, "copy"), (master, "master"))
     ]
     return list(zip(*columns, strict=True))
 
 
-def _captioned(picture: Picture, caption: Bilingual, who: str) -> CaptionedPicture:
-    return CaptionedPicture(data_uri(picture), f"{caption.en}: {who}", caption)
+def _captioned(picture: Picture, caption: Bilingual, subject: str) -> CaptionedPicture:
+    return CaptionedPicture(data_uri(picture), f"{caption.en}: {subject}", caption)
 
 
-def _mesh(surface: Surface, who: str = "the surface", *, view: MeshView | None = None) -> CaptionedPicture:
+def _mesh(
+    surface: Surface, subject: str = "the surface", *, view: MeshView | None = None
+) -> CaptionedPicture:
     picture, raised = mesh_picture(surface, view=view)
     zh, en = (f"（高度放大 {raised:.1f} 倍）", f", height × {raised:.1f}") if raised > 1.05 else ("", "")
-    return CaptionedPicture(data_uri(picture), f"Mesh: {who}", Bilingual(f"網格{zh}", f"Mesh{en}"))
+    return CaptionedPicture(data_uri(picture), f"Mesh: {subject}", Bilingual(f"網格{zh}", f"Mesh{en}"))
 
 
 def _overlay(registration: Registration, master: Surface) -> dict[str, Any]:
