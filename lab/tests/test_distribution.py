@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 from importlib import metadata, resources
 from pathlib import Path
 
@@ -13,6 +14,7 @@ ROOT = Path(__file__).parents[2]
 
 def test_the_experiments_are_registered_by_the_entry_point():
     (point,) = [p for p in metadata.entry_points(group="rumu.commands") if p.name == "experiments"]
+    importlib.import_module("rumu.cli")  # loads what is registered, as the program does
     assert point.value == "rumu_lab.cli:register" and callable(point.load())
 
 
