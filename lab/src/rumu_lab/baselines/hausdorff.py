@@ -1,6 +1,6 @@
 """Hausdorff distance of the two outlines, at the 95th percentile, after place and size are taken out.
 
-The greatest distance of all hangs on one stray pixel; the 95th percentile, used for segmentations, does not.
+The greatest distance of all depends on a single pixel; the 95th percentile, used for segmentations, does not.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def raw(probe: Cell, reference: Cell) -> Raw:
     """exp(-d / REACH), d the greater of the two directed distances.
 
     features, in cells: 'distance' d; 'forward' from the probe's outline to the reference's, which is long
-    where ink strays; 'backward' the other way, long where ink is missing; those of `placement`.
+    where ink is in excess; 'backward' the other way, long where ink is missing; those of `placement`.
     """
     ink = align(probe, reference).ink
     forward, backward = (

@@ -3,9 +3,9 @@
 Known from the abstract: characters are cut out of paper printed with a red mesh; three quantised features,
 the centre, the size and the projections of a character, go into a fuzzy inference system that gives the
 grade; the learner is told how to improve. Our reconstruction: every formula, membership function and rule
-below, that the features are taken against a reference, and that the grade is brought to [0, 1]; what the
-learner is told is left out. The red mesh is taken off where any picture is read (`rumu.surface.ink`), for all
-methods alike.
+below, that the features are taken against a reference, and that the grade is brought to [0, 1]; the
+instructions to the learner are left out. The red mesh is removed when a picture is
+read, for all methods alike.
 
 What we decided. The size is a feature of its own, so the projections are compared after it is taken out;
 their score reaches 0 where most masters of other characters lie (their median is 0.027 cells, three in

@@ -241,7 +241,7 @@ def _follow(i: int, graph: Graph, segments: Segments, settings: FollowSettings) 
         ahead = np.array([np.interp(travelled, along, v) for v in model.points.T]) - model.points[0]
         return bool(angles_between(stops[stop] - starts[start], ahead) <= tolerance)
 
-    def astray(stop: int, travelled: float) -> float:
+    def distance_off(stop: int, travelled: float) -> float:
         """How far the last piece stops from where the reference is after the same length."""
         place = np.array([np.interp(travelled, along, v) for v in model.points.T])
         return float(np.hypot(*(stops[stop] - place)))
@@ -250,7 +250,8 @@ def _follow(i: int, graph: Graph, segments: Segments, settings: FollowSettings) 
     lengths, m = segments.traits.length, len(segments.pieces)
     # The nearest to the reference first, so that in streaky ink, with thousands of ways, the best are seen.
     open_ways: list[tuple[float, int, Way, float]] = [
-        (astray(d, float(lengths[d])), d, (d,), float(lengths[d])) for d in np.flatnonzero(near).tolist()
+        (distance_off(d, float(lengths[d])), d, (d,), float(lengths[d]))
+        for d in np.flatnonzero(near).tolist()
     ]
     heapq.heapify(open_ways)
     ticket = 2 * m
@@ -268,5 +269,5 @@ def _follow(i: int, graph: Graph, segments: Segments, settings: FollowSettings) 
                 jump = float(np.hypot(*(starts[onward] - stops[way[-1]])))
                 farther = travelled + jump + float(lengths[onward])
                 ticket += 1
-                heapq.heappush(open_ways, (astray(onward, farther), ticket, (*way, onward), farther))
+                heapq.heappush(open_ways, (distance_off(onward, farther), ticket, (*way, onward), farther))
     return found

@@ -33,14 +33,14 @@ RECONSTRUCTED: tuple[str, ...] = ("MBSE", "GFSE", "IGLS", "VICP", "AEST")
 """Published methods of which only the abstract was read: their names say so wherever they are printed."""
 
 
-def _call(home: tuple[str, str], probe: Cell, reference: Cell) -> Raw:
+def _call(location: tuple[str, str], probe: Cell, reference: Cell) -> Raw:
     """Load the method's module when it is first used, and ask it."""
-    module, function = home
+    module, function = location
     answer: Raw = getattr(import_module(f"rumu_lab.baselines.{module}"), function)(probe, reference)
     return answer
 
 
 METHODS: Mapping[str, Method] = MappingProxyType(
-    {name: partial(_call, home) for name, home in _FUNCTIONS.items()}
+    {name: partial(_call, location) for name, location in _FUNCTIONS.items()}
 )
 """Name -> method. Every one takes (probe, reference), loads its module when called, and can be pickled."""

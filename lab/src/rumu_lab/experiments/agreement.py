@@ -30,7 +30,7 @@ CONSTANT = "constant"
 class GradedMethod:
     """One method on N copies.
 
-    raw: (N,) what it says by itself, from which ranks are taken; None for a constant, which ranks nothing.
+    raw: (N,) its own grades, from which ranks are taken; None for a constant, which ranks nothing.
     given: (N,) 0-100, its held-out marks, from which the error is taken.
     """
 

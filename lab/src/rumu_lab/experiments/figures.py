@@ -1,5 +1,7 @@
-"""Charts and sheets of pictures, as PNG and SVG files. Words in them are English and plain ASCII, since a
-machine need not have a Chinese font; captions in both languages stand in the page.
+"""Charts and sheets of pictures, as PNG and SVG files.
+
+Words in them are English and plain ASCII, since a machine need not have a Chinese font; captions in both
+languages are on the page.
 """
 
 from __future__ import annotations
@@ -141,19 +143,19 @@ def dots(
 def lines(
     curves: Mapping[str, Sequence[float]], path: Path, *, ours: str, x_label: str, y_label: str
 ) -> list[Path]:
-    """Several curves over 0, 1, 2, ...; ours is drawn loud."""
+    """Several curves over 0, 1, 2, ...; ours is drawn thick."""
     plt = _pyplot()
     figure, ax = plt.subplots(figsize=(5.2, 3.2))
     styles = ["-", "--", ":", "-."]
     for k, (name, values) in enumerate(curves.items()):
-        loud = name == ours
+        is_ours = name == ours
         ax.plot(
             range(len(values)),
             values,
-            styles[0] if loud else styles[k % len(styles)],
-            color=ACCENT if loud else SOFT,
-            lw=2.2 if loud else 1.2,
-            marker="o" if loud else None,
+            styles[0] if is_ours else styles[k % len(styles)],
+            color=ACCENT if is_ours else SOFT,
+            lw=2.2 if is_ours else 1.2,
+            marker="o" if is_ours else None,
             label=name,
         )
     ax.set_xlabel(x_label)

@@ -56,7 +56,7 @@ class FaultyGlyph:
     mask: (H, W) bool. ink: (H, W) float32 in [0, 1], the darkness, with soft edges.
     fault: name in `severity.KINDS`. severity: 0 to 5.
     size: how large it came out, in `unit`; angles positive clockwise, pixels those of a picture 512 wide.
-    strokes: numbers of the strokes it struck, counted from 0 as `Glyph.strokes` does.
+    strokes: numbers of the strokes that have it, counted from 0 as `Glyph.strokes` does.
     region: (x0, y0, x1, y1) in fractions of the picture, origin top left.
     description, description_zh: what was done, where and how much.
     """

@@ -98,7 +98,7 @@ class ChangedGlyph:
     """What a fault did to a glyph.
 
     depth: (H, W) float32, the ink after the fault. size: of the fault, in the unit of its kind.
-    strokes: numbers of those that were struck. region: where. en, zh: what was done.
+    strokes: numbers of those that have the fault. region: where. en, zh: what was done.
     density: darkness of the ink, one number for all of it; None is 1.
     """
 

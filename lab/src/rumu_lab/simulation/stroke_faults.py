@@ -151,11 +151,11 @@ def missing(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
 
 
 def extra(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
-    """`size` strokes too many (at least one): shorter sisters of its own strokes, where there is room."""
+    """`size` strokes too many (at least one): shorter copies of its own strokes, where there is room."""
     depth, added = glyph.depth, np.full(glyph.mask.shape, NO_INK)
     count = max(1, round(size))
     for _ in range(count):
-        one = _sister(glyph, depth, rng)
+        one = _extra_stroke(glyph, depth, rng)
         added, depth = np.maximum(added, one), np.maximum(depth, one)
     plural = "strokes" if count > 1 else "stroke"
     return ChangedGlyph(
@@ -209,7 +209,7 @@ def _seam(
     return np.asarray(distance_transform_edt(~met) <= reach)
 
 
-def _sister(glyph: Glyph, depth: FloatArray, rng: Random) -> FloatArray:
+def _extra_stroke(glyph: Glyph, depth: FloatArray, rng: Random) -> FloatArray:
     """A short stroke like the beginning of some other, at the best of a few random places: near, but free."""
     rows, columns = np.nonzero(glyph.mask)
     low = np.array([rows.min(), columns.min()], dtype=np.float64)
