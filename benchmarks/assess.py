@@ -1,8 +1,9 @@
 """From two picture files to a score: `rumu.assess` beside the same job built on Open3D's ICP, in one run.
 
 `python benchmarks/assess.py` prints medians, the ratio, and the pose error of both, so that neither is quick
-by being wrong. The peer reads the same pictures with Pillow, parts ink from paper by Otsu's threshold, takes
-heights from OpenCV's distance transform and starts Open3D's point-to-point ICP from the same five angles.
+by being wrong. The peer reads the same pictures with Pillow, separates ink from paper by Otsu's threshold,
+takes heights from OpenCV's distance transform, and starts Open3D's point-to-point ICP from the same five
+angles.
 """
 
 from __future__ import annotations
@@ -32,9 +33,9 @@ Outcome = tuple[float, float]
 """Score and angle."""
 
 
-def pairs(folder: Path) -> list[Pair]:
+def make_pairs(folder: Path) -> list[Pair]:
     """Copies of 512 x 512 with a fault, leaning by a known angle, and their masters."""
-    made = []
+    pairs = []
     for work in WORKS:
         for lean in LEANS:
             master = np.asarray(Image.open(find_work(work).path))
@@ -44,8 +45,8 @@ def pairs(folder: Path) -> list[Pair]:
             paths = folder / f"{work}{lean:+.0f}.png", folder / f"{work}.png"
             Image.fromarray(np.rint(copy).astype(np.uint8)).save(paths[0])
             Image.fromarray(master).save(paths[1])
-            made.append((*paths, lean))
-    return made
+            pairs.append((*paths, lean))
+    return pairs
 
 
 def with_rumu(copy: Path, master: Path) -> Outcome:
@@ -100,7 +101,7 @@ def peer_on_our_points(copy: Path, master: Path) -> Outcome:
     return with_open3d(*points)
 
 
-def measured(job: Callable[[Path, Path], Outcome], every: list[Pair]) -> tuple[float, float, float]:
+def time_and_error(job: Callable[[Path, Path], Outcome], every: list[Pair]) -> tuple[float, float, float]:
     """Median milliseconds; median and worst error of the angle in degrees."""
     job(*every[0][:2])
     times, errors = [], []
@@ -137,12 +138,12 @@ def main() -> None:
     except ImportError:
         print("open3d is not installed: no peer beside")
     with tempfile.TemporaryDirectory() as folder:
-        every = pairs(Path(folder))
+        every = make_pairs(Path(folder))
         print(f"{len(every)} pairs of 512 x 512, files to score, {ROUNDS} rounds")
         print(f"{'':44s}{'ms':>9s}{'deg':>8s}{'worst':>8s}{'x rumu':>9s}")
         ours = 0.0
         for name, job in jobs:
-            ms, middle, worst = measured(job, every)
+            ms, middle, worst = time_and_error(job, every)
             ours = ours or ms
             print(f"{name:44s}{ms:9.1f}{middle:8.2f}{worst:8.2f}{ms / ours:9.1f}")
     bare = seconds(sys.executable, "-c", "pass")

@@ -17,7 +17,7 @@ import rumu
 from rumu.assessment.edges import COMPONENTS, KINDS, edge_patches
 from rumu.registration.points import canvas_of, ink_mask
 
-HOME = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[1]
 CHARACTERS, EACH = 250, 40
 
 
@@ -50,5 +50,5 @@ def bases(data: Path) -> dict[str, np.ndarray]:
 
 
 if __name__ == "__main__":
-    data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("RUMU_DATA", HOME / "../shared/data"))
-    np.savez(HOME / "src/rumu/assessment/edges.npz", **bases(data))
+    data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("RUMU_DATA", ROOT / "../shared/data"))
+    np.savez(ROOT / "src/rumu/assessment/edges.npz", **bases(data))

@@ -10,12 +10,13 @@ import sys
 from pathlib import Path
 
 from rumu.assessment.calibration import write_calibration
-from rumu_lab.experiments import e3c
+from rumu_lab.experiments.e3c import held_out_marks
+from rumu_lab.experiments.run_settings import RunSettings
 
-HOME = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[1]
 
 if __name__ == "__main__":
-    data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("RUMU_DATA", HOME / "../shared/data"))
-    result = e3c.run(data)
-    write_calibration(result.calibration, HOME / "src/rumu/assessment/panel.json")
-    print(result.text())
+    data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("RUMU_DATA", ROOT / "../shared/data"))
+    marks = held_out_marks(RunSettings(data))
+    write_calibration(marks.calibration, ROOT / "src/rumu/assessment/panel.json")
+    print(marks.text())
