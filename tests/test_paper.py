@@ -18,7 +18,7 @@ HOMES = {
     17: "registration/points.py",
     **dict.fromkeys(range(18, 25), "registration/quaternion.py"),
     25: "registration/icp.py",
-    26: "assessment/similarity.py",
+    26: "assessment/features.py",
 }
 
 CITATION = re.compile(r"Eqs?\. ?\((\d+)\)(?:\s*(?:-|–|to)\s*(?:Eq\. )?\((\d+)\))?")

@@ -1,4 +1,4 @@
-"""The walk, in order: photographs -> surface; copy and master -> registration -> mark. All pure functions."""
+"""The recipe, and the only place that knows the order: read, reconstruct, measure, mark, remark."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.calibration import Calibration
-from rumu.assessment.marking import checked_terms, mark_fields
+from rumu.assessment.calibration import Calibration, check_terms, mark_fields
+from rumu.assessment.features import sim_paper, similarity
 from rumu.assessment.measurement import PreparedMaster, measure
-from rumu.assessment.refusal import Refusal, reason
+from rumu.assessment.refusal import Refusal, refusal_of
 from rumu.assessment.remarks import write_remarks
-from rumu.assessment.similarity import sim_paper, similarity
 from rumu.capture.folder import read_capture
 from rumu.errors import RefusedImage
 from rumu.registration.icp import IcpSettings, register_points
@@ -30,12 +29,36 @@ SurfaceLike = Surface | str | Path | np.ndarray
 def reconstruct(
     capture: Capture | str | Path, *, solver: str = "robust", integrator: str = "auto", rectify: str = "none"
 ) -> Surface:
-    """The surface of a capture, or of the capture folder at a path.
+    """Reconstruct the surface of a capture by photometric stereo.
 
-    solver: 'least_squares', 'trimmed', 'l1' or 'robust'; three lamps of the paper's kind take its closed
-        form by themselves. integrator: see `rumu.integrate`. rectify: 'none', or how uneven lamplight is
-        evened out first: 'masked' (recommended for a flat sheet), 'bands' or 'svd' (the paper's).
-    Raises CaptureError or SurfaceError.
+    Parameters
+    ----------
+    capture
+        Photographs under known lamps, or the path of a capture folder.
+    solver
+        'least_squares', 'trimmed', 'l1' or 'robust'. Three lamps of the paper's kind take its closed form.
+    integrator
+        How normals become heights, see `rumu.integrate`.
+    rectify
+        How uneven lamplight is evened out first: 'none', 'masked' (recommended for a flat sheet), 'bands' or
+        'svd' (the paper's).
+
+    Returns
+    -------
+    Surface
+        Of source 'photometric', in millimetres where the capture knows its scale.
+
+    Raises
+    ------
+    CaptureError
+        When the folder or the photographs cannot be used.
+    SurfaceError
+        When no surface can be found from them.
+
+    Notes
+    -----
+    After Woodham, "Photometric method for determining surface orientation from multiple images" (1980), and
+    the paper's equations; see docs/paper.md.
     """
     from rumu.capture.illumination import rectify_capture
     from rumu.surface.photometric import photometric
@@ -61,14 +84,33 @@ def surface_of(thing: SurfaceLike) -> Surface:
 
 
 def _read_folder(folder: Path) -> Surface:
+    """The surface that rumu wrote into a folder, or that of the capture in it."""
     return read_surface(folder) if (folder / MARKER).is_file() else reconstruct(folder)
 
 
 def register(probe: SurfaceLike, reference: SurfaceLike, *, rotation: Rotation = "z") -> Registration:
-    """Lay the ink of the probe on that of the reference.
+    """Lay the ink of the probe on that of the reference by a rigid motion.
 
-    rotation: 'z' turns the sheet in its plane; 'full' also tilts it, for true 3-D scans.
-    Raises RumuError when either has too little ink; not converging is a field of the result.
+    Parameters
+    ----------
+    probe, reference
+        Surfaces, or what holds one: an image as a path or an array, a folder.
+    rotation
+        'z' turns the sheet in its plane; 'full' also tilts it, for true 3-D scans.
+
+    Returns
+    -------
+    Registration
+        The pose, and what it leaves. Size is taken out before and recorded. Not converging is a field.
+
+    Raises
+    ------
+    RumuError
+        When either cannot be read or has too little ink.
+
+    Notes
+    -----
+    Iterative closest points (Besl and McKay 1992) with the paper's closed-form pose by a unit quaternion.
     """
     points = (sample_points(surface_of(x)) for x in (probe, reference))
     return register_points(*points, settings=IcpSettings(rotation=rotation))
@@ -89,21 +131,53 @@ def assess(
     script: str | None = None,
     remarks: bool = True,
 ) -> Assessment:
-    """The mark of a copy against its master.
+    """Mark a copy against its master.
 
-    levels: own cut-offs, {'excellent': .., 'good': .., 'medium': ..}. calibration: another than the panel's,
-    or its file. weights: own, {'brushwork': .., 'structure': .., 'ink': ..}. script: of the master; people's
-    marks cover 'regular' alone. remarks: False leaves them out, which saves a third of the time. A copy with
-    nothing to mark, or of another master, is refused; wrong masters and terms raise.
+    Parameters
+    ----------
+    probe
+        The copy: a Surface, an image as a path or an array, or a folder.
+    reference
+        The master, likewise; for many copies of one, prepare it once with `rumu.pipeline.prepare_master`.
+    levels
+        Own cut-offs of the levels, 0-100: {'excellent': .., 'good': .., 'medium': ..}.
+    calibration
+        Another than the panel's, or the path of its file.
+    weights
+        Own weights of the parts: {'brushwork': .., 'structure': .., 'ink': ..}.
+    script
+        Of the master: 'seal', 'clerical', 'regular', 'running' or 'cursive'. People's marks cover 'regular'
+        alone; for the others the interval is wider.
+    remarks
+        False leaves them out, which saves a third of the time.
+
+    Returns
+    -------
+    Assessment
+        A copy with nothing to mark, or of another master, is refused: then `score` is None and `refused` says
+        why.
+
+    Raises
+    ------
+    ImageError, CaptureError, SurfaceError
+        When a file cannot be read or holds no surface.
+    RefusedImage, RegistrationError
+        When the master holds no writing.
+    CalibrationError
+        When levels, calibration, weights or script are not as expected.
+
+    Notes
+    -----
+    docs/what-a-mark-means.md says what the mark rests on and how well it agrees with people.
     """
-    terms = checked_terms(calibration=calibration, weights=weights, levels=levels, script=script)
+    terms = check_terms(calibration=calibration, weights=weights, levels=levels, script=script)
     master = prepare_master(reference)
     try:
         measurement = measure(surface_of(probe), master)
     except RefusedImage as error:
-        return _refused(replace(reason(error.reason), en=str(error)))
+        return _refused_assessment(replace(refusal_of(error.reason), en=str(error)))
     if measurement.refusal is not None:
-        return _refused(measurement.refusal)
+        return _refused_assessment(measurement.refusal)
     registration = measurement.registration
     return Assessment(
         **mark_fields(measurement.features, terms=terms, highest=measurement.highest),
@@ -115,7 +189,9 @@ def assess(
     )
 
 
-def _refused(why: Refusal) -> Assessment:
+def _refused_assessment(refusal: Refusal) -> Assessment:
+    """An assessment without a mark."""
     nothing = ("score", "level", "interval", "sim_paper", "similarity", "registration", "source")
     fields: dict[str, Any] = dict.fromkeys(nothing)
-    return Assessment(**fields, parts={}, remarks=(), refused=f"{why.code}: {why.en}", refused_zh=why.zh)
+    refused = f"{refusal.code}: {refusal.en}"
+    return Assessment(**fields, parts={}, remarks=(), refused=refused, refused_zh=refusal.zh)

@@ -12,17 +12,24 @@ from hypothesis import strategies as st
 
 from rumu.assessment.calibration import (
     LEVELS,
+    WIDENING,
     Charges,
-    checked_cuts,
-    checked_weights,
+    Terms,
+    check_cuts,
+    check_terms,
+    check_weights,
+    interval_note,
+    interval_widening,
     level_of,
     load_calibration,
+    mark_fields,
     panel,
     read_calibration,
     write_calibration,
 )
 from rumu.assessment.edges import NUMBERS
-from rumu.assessment.features import FREE, RESIDUALS, Features, Residuals
+from rumu.assessment.features import RESIDUALS, SIGNED_FEATURES, Features, Residuals
+from rumu.assessment.scripts import SCRIPTS
 from rumu.errors import CalibrationError, OutputError, RumuError
 from rumu.strokes.omissions import Region
 
@@ -42,7 +49,7 @@ def plain() -> dict:
 def test_no_residual_can_raise_a_mark():
     calibration = panel()
     for scale in (calibration.scale, *calibration.parts.values()):
-        bound = [w for name, w in zip(scale.names, scale.weights, strict=True) if name not in FREE]
+        bound = [w for name, w in zip(scale.names, scale.weights, strict=True) if name not in SIGNED_FEATURES]
         assert max(bound) <= 0
         assert min(bound) < 0
         assert min(scale.spread) > 0
@@ -129,7 +136,7 @@ def test_strange_edges_count_only_so_far():
 )
 def test_pose_is_charged_apart_beyond_a_tolerance_up_to_a_cap(pose, points):
     features = replace(PERFECT, **pose)
-    assert sum(Charges().points(features).values()) == pytest.approx(points)
+    assert sum(Charges().pose_points(features).values()) == pytest.approx(points)
     score, uncharged = panel().score(features), panel().scale.read(features)
     assert score == pytest.approx(max(uncharged - points, 0.0))
 
@@ -203,7 +210,7 @@ def test_own_weights_stand_under_the_same_charges_and_ceiling():
 )
 def test_other_weights_are_refused_by_name(weights):
     with pytest.raises(CalibrationError, match=r"^mine: expected weights of brushwork, structure, ink, none"):
-        checked_weights(weights, name="mine")
+        check_weights(weights, name="mine")
 
 
 # interval and levels
@@ -248,7 +255,7 @@ def test_all_four_levels_are_in_use_on_human_marks(data):
 
 
 def test_a_teachers_levels_are_taken():
-    cuts = checked_cuts({"good": "60", "excellent": 80, "medium": 40}, name="mine")
+    cuts = check_cuts({"good": "60", "excellent": 80, "medium": 40}, name="mine")
     assert cuts == {"excellent": 80.0, "good": 60.0, "medium": 40.0}
     assert level_of(79, cuts=cuts) == "good"
 
@@ -272,7 +279,7 @@ def test_other_levels_are_refused_by_name(cuts):
     with pytest.raises(
         CalibrationError, match=r"^mine: expected cut-offs 100 >= excellent > good > medium >= 0, got "
     ):
-        checked_cuts(cuts, name="mine")
+        check_cuts(cuts, name="mine")
 
 
 # reading and writing
@@ -345,3 +352,64 @@ def test_a_calibration_needs_a_place(tmp_path):
     (tmp_path / "taken").write_text("a file", "utf-8")
     with pytest.raises(OutputError, match="taken"):
         write_calibration(panel(), tmp_path / "taken" / "mine.json")
+
+
+# on a teacher's terms
+
+
+COPY = Features(
+    Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3), lean=0, offset=0, size=0, weight=0.1
+)
+
+
+def test_without_terms_it_is_the_panel_s_mark():
+    mark = mark_fields(COPY, terms=Terms())
+    assert mark["score"] == panel().score(COPY)
+    assert mark["interval"] == panel().interval_of(mark["score"])
+    assert (mark["weights"], mark["calibration"], mark["script"]) == (None, None, None)
+    assert mark["interval_note"] and mark["interval_note_zh"]
+
+
+def test_regular_script_needs_no_note():
+    mark = mark_fields(COPY, terms=Terms(script="regular"))
+    assert (mark["interval_note"], mark["interval_note_zh"]) == (None, None)
+
+
+def test_a_teacher_s_calibration_has_its_own_interval_whatever_the_script(tmp_path):
+    """Its errors were measured on that teacher's marks, so the panel's want of other scripts is not its."""
+    own = replace(panel(), interval=(-3.0, 4.0), provenance="mine")
+    write_calibration(own, tmp_path / "own.json")
+    for calibration in (own, tmp_path / "own.json", str(tmp_path / "own.json")):
+        mark = mark_fields(COPY, terms=check_terms(calibration=calibration, script="seal"))
+        assert mark["interval"] == pytest.approx((mark["score"] - 3, mark["score"] + 4))
+        assert mark["calibration"] == "mine" and "seal" not in mark["interval_note"]
+
+
+@pytest.mark.parametrize(
+    "terms",
+    [{"script": "printed"}, {"weights": {"ink": 1}}, {"levels": {}}, {"calibration": "gone.json"}],
+    ids=lambda terms: next(iter(terms)),
+)
+def test_wrong_terms_are_refused(terms):
+    with pytest.raises(CalibrationError, match=r"expected|no such file"):
+        check_terms(**terms)
+
+
+# the interval by script: only regular script was marked by people
+
+
+def test_only_regular_script_is_covered():
+    assert {script: interval_widening(script) for script in (*SCRIPTS, None)} == {
+        **dict.fromkeys(SCRIPTS, WIDENING),
+        "regular": 1.0,
+        None: 1.0,
+    }
+    assert interval_note("regular") is None
+    assert "too narrow" in interval_note(None).en
+
+
+@pytest.mark.parametrize("script", [script for script in SCRIPTS if script != "regular"])
+def test_what_is_not_covered_is_said_in_both_languages(script):
+    note = interval_note(script)
+    assert script in note.en and f"{WIDENING:g} times" in note.en
+    assert "沒有真人評分" in note.zh and f"{WIDENING:g} 倍" in note.zh

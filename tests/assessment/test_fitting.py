@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from rumu.assessment.calibration import Scale
-from rumu.assessment.features import EVIDENCE, RESIDUALS, Features, Residuals
-from rumu.assessment.fitting import HUMAN_RANGE, anchored, fit_scale
+from rumu.assessment.features import FEATURE_NAMES, RESIDUALS, Features, Residuals
+from rumu.assessment.fitting import HUMAN_RANGE, anchor_scale, fit_scale
 from rumu.errors import CalibrationError
 
 PERFECT = Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0)
@@ -17,17 +17,17 @@ COMMON = Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3)
 
 
 def marked(n: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Made-up evidence and marks of copies of four masters, which differ in evidence but not in marks."""
+    """Made-up vectors and marks of copies of four masters, which differ in vectors but not in marks."""
     rng = np.random.default_rng(seed)
     masters = [f"master {k % 4}" for k in range(n)]
-    evidence = rng.normal(0.0, 0.3, (n, len(EVIDENCE)))
-    marks = 50 - 30 * evidence[:, 0] + 20 * evidence[:, 3] - 24 * evidence[:, EVIDENCE.index("fullness")]
-    evidence[:, 1] = evidence[:, 0] + rng.normal(0, 2.0, 4)[np.arange(n) % 4]  # as good, but for the master
-    return evidence, marks + rng.normal(0, 1, n), masters
+    vectors = rng.normal(0.0, 0.3, (n, len(FEATURE_NAMES)))
+    marks = 50 - 30 * vectors[:, 0] + 20 * vectors[:, 3] - 24 * vectors[:, FEATURE_NAMES.index("fullness")]
+    vectors[:, 1] = vectors[:, 0] + rng.normal(0, 2.0, 4)[np.arange(n) % 4]  # as good, but for the master
+    return vectors, marks + rng.normal(0, 1, n), masters
 
 
 def weights_of(scale) -> dict[str, float]:
-    """Points for one unit of evidence."""
+    """Points for one unit of vectors."""
     return {name: w / s for name, w, s in zip(scale.names, scale.weights, scale.spread, strict=True)}
 
 
@@ -58,9 +58,9 @@ def test_a_scale_of_some_evidence_reads_only_that():
 
 
 def test_too_few_marks_are_no_calibration():
-    evidence, marks, masters = marked(19)
+    vectors, marks, masters = marked(19)
     with pytest.raises(CalibrationError, match="expected at least 20 marks to fit a scale, got 19"):
-        fit_scale(evidence, marks, masters, names=RESIDUALS)
+        fit_scale(vectors, marks, masters, names=RESIDUALS)
     fit_scale(*marked(20), names=RESIDUALS)
 
 
@@ -70,7 +70,7 @@ def test_too_few_marks_are_no_calibration():
 def test_a_scale_is_anchored_where_the_marks_reach():
     scale = fit_scale(*marked(400), names=RESIDUALS)
     for reach in (HUMAN_RANGE, (42.0, 70.0)):
-        (_, zero), *middle, (perfect, full) = anchored(scale, reach=reach).anchors
+        (_, zero), *middle, (perfect, full) = anchor_scale(scale, reach=reach).anchors
         assert (zero, full) == (0.0, 100.0)
         assert middle == [(mark, mark) for mark in reach]
         assert perfect == scale.weigh(PERFECT)
@@ -79,9 +79,9 @@ def test_a_scale_is_anchored_where_the_marks_reach():
 def test_another_character_lies_at_ten():
     scale = Scale(("position",), (-2.0,), (1.0,), (-40.0,), mean=50.0)
     wrong = [replace(PERFECT, residuals=Residuals(*[v] * len(RESIDUALS))) for v in (0.9, 1.2, 2.0)]
-    assert anchored(scale, others=wrong).read(wrong[1]) == pytest.approx(10.0)
+    assert anchor_scale(scale, others=wrong).read(wrong[1]) == pytest.approx(10.0)
 
 
 def test_anchors_that_would_not_rise_are_refused():
     with pytest.raises(CalibrationError, match="expected anchors that rise"):
-        anchored(fit_scale(*marked(400), names=RESIDUALS), reach=(40.0, 400.0))
+        anchor_scale(fit_scale(*marked(400), names=RESIDUALS), reach=(40.0, 400.0))

@@ -12,9 +12,8 @@ import pytest
 from PIL import Image
 
 import rumu
-from rumu.assessment.evidence import filled, parts_of
 from rumu.assessment.measurement import Measurement, PreparedMaster, measure
-from rumu.assessment.refusal import RefusalLimits, check_copy, reason
+from rumu.assessment.refusal import RefusalLimits, check_copy, fill_outlines, parts_of, refusal_of
 from rumu.gallery.starter import find_work, starter_works
 from rumu.values import Surface
 from rumu_lab.simulation import faults
@@ -189,7 +188,7 @@ def test_a_square_drawn_with_a_pen_is_no_outline():
     pen = np.zeros((400, 400), np.uint8)
     cv2.rectangle(pen, (90, 90), (310, 310), 1, 10)
     found = against(picture_of(pen > 0), picture_of(square > 0))
-    assert found.figures.lightness < RefusalLimits().light
+    assert found.figures.relative_height < RefusalLimits().outline_height
     assert found.refusal is None
 
 
@@ -197,7 +196,7 @@ def test_what_is_within_closed_lines_is_filled():
     page = np.zeros((120, 120), np.uint8)
     cv2.rectangle(page, (10, 10), (110, 110), 1, 3)
     cv2.rectangle(page, (40, 40), (80, 80), 1, 3)
-    full = filled(page > 0)
+    full = fill_outlines(page > 0)
     assert full[20, 20] and full[100, 60] and full[10, 10]
     assert not full[60, 60] and not full[3, 3]
 
@@ -246,18 +245,20 @@ def test_what_may_be_another_character_gets_no_more_than_a_bad_mark_and_a_copy_m
     copy = rumu.relief(picture_of(mask("regular-ri")))
     figures = measure(copy, PreparedMaster(master("regular-shu"))).figures
     strange = figures.strangeness
-    between = RefusalLimits(strange=strange + 0.1, odd=strange - 0.1, nothing=strange + 0.1)
+    between = RefusalLimits(
+        refuse_strangeness=strange + 0.1, cap_strangeness=strange - 0.1, zero_strangeness=strange + 0.1
+    )
     assert check_copy(figures, limits=between) == (
         None,
-        pytest.approx(between.odd_most / 2),  # half-way from odd to nothing
+        pytest.approx(between.cap_highest / 2),  # half-way from the cap to nothing
     )
-    stranger = replace(between, odd=strange - 0.2, nothing=strange)
+    stranger = replace(between, cap_strangeness=strange - 0.2, zero_strangeness=strange)
     assert check_copy(figures, limits=stranger) == (None, 0.0)
-    beyond = RefusalLimits(strange=strange + 0.2, odd=strange + 0.1)
+    beyond = RefusalLimits(refuse_strangeness=strange + 0.2, cap_strangeness=strange + 0.1)
     assert check_copy(figures, limits=beyond) == (None, 100.0)
-    near = replace(between, odd_fits=9.0)
+    near = replace(between, cap_residual=9.0)
     assert check_copy(figures, limits=near) == (None, 100.0)
-    itself = measure(copy, PreparedMaster(copy), limits=RefusalLimits(odd=-9.0))
+    itself = measure(copy, PreparedMaster(copy), limits=RefusalLimits(cap_strangeness=-9.0))
     assert (itself.refusal, itself.highest) == (None, 100.0)
 
 
@@ -274,21 +275,22 @@ def test_the_mark_keeps_below_what_the_copy_may_get(monkeypatch):
 def test_the_limits_are_what_decides():
     page = impostor(mask("regular-shu"), "mirrored")
     assert code(page, "regular-shu") == "mirrored"
-    assert code(page, "regular-shu", limits=RefusalLimits(reversal=9.0)) is None
-    strict = RefusalLimits(reversal=9.0, strange=-1.2)
+    assert code(page, "regular-shu", limits=RefusalLimits(reversed_gain=9.0)) is None
+    strict = RefusalLimits(reversed_gain=9.0, refuse_strangeness=-1.2)
     assert code(page, "regular-shu", limits=strict) == "another character"
 
 
 def test_figures_of_a_copy_and_itself():
     own = master("regular-shu")
     figures = measure(own, PreparedMaster(own)).figures
-    assert figures.position == pytest.approx(0.0, abs=1e-6)
-    assert figures.likeness == pytest.approx(1.0, abs=1e-5)
-    assert figures.mirrored < -0.3 and figures.turned < -0.3
-    assert figures.in_place == 1.0
-    assert figures.lightness == pytest.approx(1.0)
+    assert figures.plane_residual == pytest.approx(0.0, abs=1e-6)
+    as_it_is, mirrored, upside_down = figures.likenesses
+    assert as_it_is == pytest.approx(1.0, abs=1e-5)
+    assert mirrored < as_it_is - 0.3 and upside_down < as_it_is - 0.3
+    assert figures.share_in_place == 1.0
+    assert figures.relative_height == pytest.approx(1.0)
     assert figures.hollowness == pytest.approx(0.0)
-    assert figures.beyond == 0.0
+    assert figures.share_beyond_border == 0.0
     assert figures.strangeness < -1.0
 
 
@@ -314,7 +316,7 @@ def test_parts_stand_clear_of_each_other():
     ],
 )
 def test_every_reason_has_a_sentence_in_both_languages(known):
-    found = reason(known)
+    found = refusal_of(known)
     assert found.code == known
     assert any("\u4e00" <= letter <= "\u9fff" for letter in found.zh) and found.zh.endswith("。")
     assert found.en and found.en[0].islower() and found.en.isascii()
@@ -322,8 +324,8 @@ def test_every_reason_has_a_sentence_in_both_languages(known):
 
 def test_both_sentences_reach_the_assessment():
     mark = rumu.assess(impostor(mask("regular-shu"), "mirrored"), master("regular-shu"))
-    assert mark.refused == f"mirrored: {reason('mirrored').en}"
-    assert mark.refused_zh == reason("mirrored").zh
+    assert mark.refused == f"mirrored: {refusal_of('mirrored').en}"
+    assert mark.refused_zh == refusal_of("mirrored").zh
     blank = rumu.assess(impostor(mask("regular-shu"), "blank"), master("regular-shu"))
-    assert blank.refused.startswith("blank: ") and blank.refused_zh == reason("blank").zh
+    assert blank.refused.startswith("blank: ") and blank.refused_zh == refusal_of("blank").zh
     assert rumu.assess(master("regular-shu"), master("regular-shu")).refused_zh is None

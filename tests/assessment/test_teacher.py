@@ -10,7 +10,7 @@ import pytest
 from rumu.assessment import teacher
 from rumu.assessment.calibration import Charges, panel
 from rumu.assessment.features import RESIDUALS, Features, Residuals
-from rumu.assessment.teacher import TeacherSettings, fit_teacher, held_out_interval, line, moved
+from rumu.assessment.teacher import TeacherSettings, fit_line, fit_teacher, held_out_interval, move_scale
 from rumu.errors import CalibrationError
 from rumu.strokes.omissions import Region
 
@@ -60,7 +60,7 @@ def test_the_scale_of_a_teacher_is_found(kind):
 def test_the_order_of_copies_and_the_ends_are_untouched():
     features, _ = copies()
     for a, b in (*TEACHERS.values(), (300.0, 1.0), (-300.0, 1.0), (0.0, 0.01)):
-        own = moved(BASE, a, b)
+        own = move_scale(BASE, a, b)
         for scale, old in ((own.scale, BASE.scale), *((own.parts[n], BASE.parts[n]) for n in own.parts)):
             sums, marks = np.array(scale.anchors).T
             assert (marks[0], marks[-1]) == (0.0, 100.0)
@@ -75,7 +75,7 @@ def test_few_marks_move_the_scale_less():
     features, _ = copies(400)
     read = scores(features)
     for n in (20, 100, 400):
-        a, b = line(features[:n], read[:n] - 12.0, base=BASE)
+        a, b = fit_line(features[:n], read[:n] - 12.0, base=BASE)
         assert b == pytest.approx(1.0)
         assert a == pytest.approx(-12.0 * n / (n + 20))
 
@@ -84,12 +84,12 @@ def test_what_is_charged_apart_does_not_bend_the_scale():
     """A leaning copy, marked down for its lean alone, says that the scale is right."""
     features, _ = copies(60)
     leaning = [replace(f, lean=Charges().lean_free + 5.0 * (k % 2)) for k, f in enumerate(features)]
-    assert line(leaning, scores(leaning), base=BASE) == pytest.approx((0.0, 1.0))
+    assert fit_line(leaning, scores(leaning), base=BASE) == pytest.approx((0.0, 1.0))
     lacking = [
         replace(f, regions=(Region("missing", np.zeros((3, 2)), 0.4 * (k % 2), 3.0 * (k % 2)),))
         for k, f in enumerate(features)
     ]
-    assert line(lacking, scores(lacking), base=BASE) == pytest.approx((0.0, 1.0))
+    assert fit_line(lacking, scores(lacking), base=BASE) == pytest.approx((0.0, 1.0))
 
 
 # a teacher with weights of their own
@@ -192,7 +192,7 @@ def test_no_copy_is_scored_by_a_fit_that_has_seen_it_or_its_master(masters, monk
 
     def watched(known, values, **options):
         seen.append({id(f) for f in known})
-        return line(known, values, **options)
+        return fit_line(known, values, **options)
 
     monkeypatch.setattr(teacher, "line", watched)
     fit_teacher(features, marks, names, base=BASE)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rumu.assessment.features import EVIDENCE, GROUPS
-from rumu.assessment.fitting import WEIGHED
+from rumu.assessment.features import FEATURE_GROUPS, FEATURE_NAMES
+from rumu.assessment.fitting import WEIGHED_FEATURES
 from rumu_lab.experiments import ablation, variants
 from rumu_lab.experiments.e3c import Copy, HeldOutMarks, MeasuredCopy
 from rumu_lab.experiments.grading import Grades
@@ -62,9 +62,9 @@ def held_out() -> HeldOutMarks:
     """Marks that follow the group 'whole' alone; everything else is noise."""
     rng = np.random.default_rng(2)
     quality = rng.normal(size=100)
-    evidence = 0.3 * rng.normal(size=(100, len(EVIDENCE)))
-    for name in GROUPS["whole"]:
-        evidence[:, EVIDENCE.index(name)] = -quality + 0.1 * rng.normal(size=100)
+    evidence = 0.3 * rng.normal(size=(100, len(FEATURE_NAMES)))
+    for name in FEATURE_GROUPS["whole"]:
+        evidence[:, FEATURE_NAMES.index(name)] = -quality + 0.1 * rng.normal(size=100)
     panel = np.clip(55 + 12 * quality, 0, 100)
     copies = [Copy(Path(f"{k}.png"), Path("t.png"), f"c{k % 5}", float(panel[k]), ()) for k in range(100)]
     measured = [MeasuredCopy(c, KnownFeatures(tuple(row))) for c, row in zip(copies, evidence, strict=True)]
@@ -74,9 +74,9 @@ def held_out() -> HeldOutMarks:
 
 def test_the_groups_are_those_of_the_code():
     found = ablation.group_variants()
-    assert found[ablation.WHOLE] == WEIGHED
-    for group, names in GROUPS.items():
-        used = [name for name in names if name in WEIGHED]
+    assert found[ablation.WHOLE] == WEIGHED_FEATURES
+    for group, names in FEATURE_GROUPS.items():
+        used = [name for name in names if name in WEIGHED_FEATURES]
         assert (f"{group} alone" in found) == bool(used)
         if used:
             assert not set(found[f"without {group}"]) & set(names)
@@ -93,7 +93,7 @@ def test_the_group_that_carries_the_marks_is_missed(held_out, quick):
 def test_a_character_s_own_marks_do_not_count(held_out):
     own = held_out.characters == "c2"
     moved = np.where(own, held_out.panel[::-1], held_out.panel)
-    only = {ablation.WHOLE: WEIGHED}
+    only = {ablation.WHOLE: WEIGHED_FEATURES}
     before = ablation.group_marks(held_out, chosen=only)[ablation.WHOLE]
     after = ablation.group_marks(replace(held_out, panel=moved), chosen=only)[ablation.WHOLE]
     np.testing.assert_allclose(after[own], before[own])

@@ -1,4 +1,4 @@
-"""Features -> a mark on the scale of a human panel, with an interval; levels.
+"""Features -> a mark on the scale of a human panel, with an interval and a level, on a teacher's terms.
 
 The panel's scale is the mean of its raters times ten. The weights, fitted once on human marks, stand in
 panel.json beside this file with where they come from; `rumu experiments run e3c` says how well they hold
@@ -17,18 +17,22 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.features import EVIDENCE, RESIDUALS, Features
+from rumu.assessment.features import FEATURE_NAMES, RESIDUALS, Features
+from rumu.assessment.scripts import NAMES_ZH, Script, check_script
 from rumu.errors import CalibrationError
-from rumu.values import FloatArray, Level
+from rumu.values import Bilingual, FloatArray, Level
 
 Cuts = Mapping[Level, float]
 Weights = Mapping[str, float]
 
 PART_NAMES = ("brushwork", "structure", "ink")
-"""What a mark is told in, and what a teacher may weigh."""
+"""The parts that a mark is given for, and that a teacher may weigh."""
 
 FARTHEST = 3.0
-"""Standard deviations at which evidence that is no residual stops counting: marks say nothing beyond."""
+"""Standard deviations at which a feature that is no residual stops counting: marks say nothing beyond."""
+WIDENING = 1.5
+"""The interval of a script that no human marks cover, over that of regular script: a declared convention,
+since there is nothing to measure it on."""
 
 LEVELS: Mapping[str, Cuts] = {
     # of the panel's 652 marks about a tenth is excellent, 30 % good, 35 % medium and a quarter bad
@@ -63,7 +67,7 @@ class Charges:
     surplus: float = 0.5  # strokes left out for one too many
     stroke_rate: float = 15.0  # points per stroke
 
-    def points(self, features: Features) -> dict[str, float]:
+    def pose_points(self, features: Features) -> dict[str, float]:
         """Points taken for 'lean', 'offset' and 'size'."""
         over = {
             "lean": self.lean_rate * (abs(features.lean) - self.lean_free),
@@ -72,33 +76,33 @@ class Charges:
         }
         return {name: float(min(max(value, 0.0), self.cap)) for name, value in over.items()}
 
-    def faulty(self, features: Features) -> float:
+    def strokes_at_fault(self, features: Features) -> float:
         """How many usual strokes are left out, or put in."""
         worth = {"missing": 1.0, "extra": self.surplus}
         return sum(worth[region.kind] * region.strokes for region in features.regions)
 
-    def highest(self, features: Features) -> float:
-        """The highest score that what is missing and what is too much leave."""
+    def highest_score(self, features: Features) -> float:
+        """The highest score that a copy may have for what is missing and what is too much."""
         strokes, scores = zip(*self.ceilings, strict=True)
-        return float(np.interp(self.faulty(features), strokes, scores))
+        return float(np.interp(self.strokes_at_fault(features), strokes, scores))
 
-    def wrong(self, features: Features) -> float:
-        """Points taken for what is missing and what is too much, where that leaves less than `highest`."""
-        return self.stroke_rate * min(self.faulty(features), 1.0)
+    def stroke_points(self, features: Features) -> float:
+        """Points taken for what is missing and too much, where that leaves less than `highest_score`."""
+        return self.stroke_rate * min(self.strokes_at_fault(features), 1.0)
 
-    def taken(self, features: Features) -> float:
+    def all_points(self, features: Features) -> float:
         """All points taken, those for pose and those for strokes."""
-        return sum(self.points(features).values()) + self.wrong(features)
+        return sum(self.pose_points(features).values()) + self.stroke_points(features)
 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """A weighted sum of evidence that reads as marks: mean + sum weight_i * (e_i - centre_i) / spread_i.
+    """A weighted sum of features that reads as marks: mean + sum weight_i * (x_i - centre_i) / spread_i.
 
-    names: the evidence that is weighed; centre, spread, weights: one a name. Weights are not positive but for
-    what may speak for a copy (`features.FREE`), so no residual can raise a mark. Evidence other than
-    residuals counts up to FARTHEST. anchors: ((sum, mark), ...), rising: where another character, the human
-    range and a perfect copy lie; straight between, so the order of copies is untouched.
+    names: the features that are weighed; centre, spread, weights: one a name. Weights are not positive but
+    for what may speak for a copy (`features.SIGNED_FEATURES`), so no residual can raise a mark. Features
+    other than residuals count up to FARTHEST. anchors: ((sum, mark), ...), rising: where another character,
+    the human range and a perfect copy lie; straight between, so the order of copies is untouched.
     """
 
     names: tuple[str, ...]
@@ -110,12 +114,12 @@ class Scale:
 
     def weigh(self, features: Features) -> float:
         """The sum before it is anchored; without bounds."""
-        return self.sum_of(features.evidence())
+        return self.weigh_vector(features.vector())
 
-    def sum_of(self, evidence: FloatArray) -> float:
-        """The same of (len(EVIDENCE),) evidence that was measured before."""
-        chosen = [_PLACE[name] for name in self.names]
-        z = (evidence[chosen] - np.array(self.centre)) / np.array(self.spread)
+    def weigh_vector(self, vector: FloatArray) -> float:
+        """The same of a feature vector, (len(FEATURE_NAMES),)."""
+        chosen = [_INDEX[name] for name in self.names]
+        z = (vector[chosen] - np.array(self.centre)) / np.array(self.spread)
         far = np.where([name in RESIDUALS for name in self.names], np.inf, FARTHEST)
         return float(self.mean + np.clip(z, -far, far) @ np.array(self.weights))
 
@@ -125,15 +129,15 @@ class Scale:
         return float(np.interp(self.weigh(features), sums, marks))
 
 
-_PLACE = {name: k for k, name in enumerate(EVIDENCE)}
+_INDEX = {name: k for k, name in enumerate(FEATURE_NAMES)}
 
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
     """How features become a mark.
 
-    scale: over all evidence; parts: the same for 'structure' and 'brushwork' on their own evidence,
-        fitted to the same marks, since nobody marked the parts.
+    scale: over all features; parts: the same for 'structure' and 'brushwork' on their own features, fitted to
+        the same marks, since nobody marked the parts.
     interval: (low, high) offsets of the 80 % interval, from errors on characters held out.
     provenance: what was fitted on what, in words.
     """
@@ -151,10 +155,12 @@ class Calibration:
         """
         charges = Charges()
         whole = (
-            self.scale.read(features) if weights is None else weighted(self.part_scores(features), weights)
+            self.scale.read(features)
+            if weights is None
+            else weighted_mean(self.part_scores(features), weights)
         )
-        whole = min(whole - charges.wrong(features), charges.highest(features))
-        return float(np.clip(whole - sum(charges.points(features).values()), 0.0, 100.0))
+        whole = min(whole - charges.stroke_points(features), charges.highest_score(features))
+        return float(np.clip(whole - sum(charges.pose_points(features).values()), 0.0, 100.0))
 
     def part_scores(self, features: Features) -> dict[str, float]:
         """'brushwork', 'structure' and 'ink', each 0-100.
@@ -172,7 +178,7 @@ class Calibration:
         return float(low), float(high)
 
 
-def weighted(parts: Mapping[str, float], weights: Weights) -> float:
+def weighted_mean(parts: Mapping[str, float], weights: Weights) -> float:
     """The weighted mean of parts, 0-100."""
     return sum(parts[name] * weight for name, weight in weights.items()) / sum(weights.values())
 
@@ -185,7 +191,7 @@ def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
     return "bad"
 
 
-def checked_cuts(cuts: Mapping[str, Any], *, name: str) -> Cuts:
+def check_cuts(cuts: Mapping[str, Any], *, name: str) -> Cuts:
     """A teacher's own cut-offs, checked. Raises CalibrationError naming what was expected."""
     expected = tuple(LEVELS["panel"])
     try:
@@ -199,7 +205,7 @@ def checked_cuts(cuts: Mapping[str, Any], *, name: str) -> Cuts:
     return dict(zip(expected, values, strict=True))  # type: ignore[arg-type]
 
 
-def checked_weights(weights: Mapping[str, Any], *, name: str) -> Weights:
+def check_weights(weights: Mapping[str, Any], *, name: str) -> Weights:
     """A teacher's own weights of the parts, checked. Raises CalibrationError naming what was expected."""
     try:
         values = [float(weights[part]) for part in PART_NAMES]
@@ -237,8 +243,8 @@ def read_calibration(plain: Mapping[str, Any]) -> Calibration:
     try:
         low, high = map(float, plain["interval"])
         calibration = Calibration(
-            scale=_scale(plain["scale"]),
-            parts={name: _scale(plain["parts"][name]) for name in ("structure", "brushwork")},
+            scale=_read_scale(plain["scale"]),
+            parts={name: _read_scale(plain["parts"][name]) for name in ("structure", "brushwork")},
             interval=(low, high),
             provenance=str(plain["provenance"]),
         )
@@ -257,7 +263,7 @@ def write_calibration(calibration: Calibration, path: str | Path) -> None:
         part.write_text(json.dumps(asdict(calibration), ensure_ascii=False, indent=2) + "\n", "utf-8")
 
 
-def _scale(plain: Mapping[str, Any]) -> Scale:
+def _read_scale(plain: Mapping[str, Any]) -> Scale:
     """A Scale from its plain form; raises what `read_calibration` turns into words."""
     scale = Scale(
         names=tuple(plain["names"]),
@@ -267,9 +273,9 @@ def _scale(plain: Mapping[str, Any]) -> Scale:
         mean=float(plain["mean"]),
         anchors=tuple((float(total), float(mark)) for total, mark in plain["anchors"]),
     )
-    unknown = set(scale.names) - set(EVIDENCE)
+    unknown = set(scale.names) - set(FEATURE_NAMES)
     if unknown:
-        raise ValueError(f"evidence that rumu knows, got {', '.join(sorted(map(str, unknown)))}")
+        raise ValueError(f"features that rumu knows, got {', '.join(sorted(map(str, unknown)))}")
     numbers = np.array([scale.centre, scale.spread, scale.weights])  # raises when they are not alike
     if numbers.shape != (3, len(scale.names)) or not np.isfinite([*numbers.ravel(), scale.mean]).all():
         raise ValueError("one finite centre, spread and weight for each name")
@@ -277,3 +283,87 @@ def _scale(plain: Mapping[str, Any]) -> Scale:
     if not (numbers[1] > 0).all() or len(scale.anchors) < 2 or not (rising > 0).all():
         raise ValueError(f"spreads above 0 and anchors that rise, got {scale.anchors}")
     return scale
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """How a copy is to be marked.
+
+    None: the calibration that ships with rumu, the weights that were fitted with it, the panel's levels, a
+    script that is not known.
+    """
+
+    calibration: Calibration | None = None
+    weights: Weights | None = None
+    cuts: Cuts | None = None
+    script: Script | None = None
+
+
+def check_terms(
+    *,
+    calibration: Calibration | str | Path | None = None,
+    weights: Mapping[str, float] | None = None,
+    levels: Mapping[str, float] | None = None,
+    script: str | None = None,
+) -> Terms:
+    """Terms as a person gives them. Raises CalibrationError that says what was expected."""
+    return Terms(
+        calibration=load_calibration(calibration) if isinstance(calibration, str | Path) else calibration,
+        weights=None if weights is None else check_weights(weights, name="weights"),
+        cuts=None if levels is None else check_cuts(levels, name="levels"),
+        script=check_script(script),
+    )
+
+
+def mark_fields(features: Features, *, terms: Terms, highest: float = 100.0) -> dict[str, Any]:
+    """Those fields of an Assessment that follow from features and terms: the mark and what it rests on.
+
+    highest: the mark that the copy may reach, 0-100; see `refusal.check_copy`.
+    """
+    calibration = terms.calibration or panel()
+    score = min(calibration.score(features, weights=terms.weights), highest)
+    widened = 1.0 if terms.calibration else interval_widening(terms.script)
+    note = _OWN_CALIBRATION if terms.calibration else interval_note(terms.script)
+    notes = [note for note in (note, _OWN_WEIGHTS if terms.weights else None) if note]
+    return {
+        "score": score,
+        "level": level_of(score, cuts=terms.cuts),
+        "interval": calibration.interval_of(score, widened=widened),
+        "parts": calibration.part_scores(features),
+        "script": terms.script,
+        "weights": terms.weights,
+        "calibration": terms.calibration and terms.calibration.provenance,
+        "interval_note": " ".join(note.en for note in notes) or None,
+        "interval_note_zh": "".join(note.zh for note in notes) or None,
+    }
+
+
+_OWN_CALIBRATION = Bilingual(
+    "區間只適用於與校準所用相近的臨作。",
+    "The interval holds for copies like those whose marks the calibration was fitted to.",
+)
+_OWN_WEIGHTS = Bilingual(
+    "區間按擬合的權重測得；換成自定的權重後僅供參考。",
+    "The interval was measured for the fitted weights; with your own it is only a guide.",
+)
+
+
+def interval_widening(script: Script | None) -> float:
+    """By how much the panel's interval is widened for a script."""
+    return 1.0 if script in (None, "regular") else WIDENING
+
+
+def interval_note(script: Script | None) -> Bilingual | None:
+    """What must be said of the panel's interval for a script; None where it was measured on that script."""
+    if script == "regular":
+        return None
+    if script is None:
+        return Bilingual(
+            "區間由楷書臨作測得；其他書體的區間應更寬。",
+            "The interval was measured on regular script; for other scripts it is too narrow.",
+        )
+    return Bilingual(
+        f"{NAMES_ZH[script]}沒有真人評分：區間取自楷書，並按約定放寬為 {WIDENING:g} 倍。",
+        f"No human marks cover {script} script: the interval is that of regular script, widened {WIDENING:g} "
+        "times by convention.",
+    )

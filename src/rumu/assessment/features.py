@@ -1,4 +1,8 @@
-"""Registration -> a few numbers, each with a meaning. They are measured untrimmed and both ways."""
+"""Registration -> a few numbers, each with a meaning. They are measured untrimmed and both ways.
+
+Two similarities are printed beside the mark and are no part of it: the paper's, and one that a missing stroke
+cannot fool.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +30,7 @@ RESIDUALS = (
 )
 """What registration leaves, in this order."""
 
-GROUPS: Mapping[str, tuple[str, ...]] = {
+FEATURE_GROUPS: Mapping[str, tuple[str, ...]] = {
     "plane": RESIDUALS[:4],
     "height": ("height",),
     "direction": ("direction",),
@@ -35,10 +39,10 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "edge_sense": tuple(f"edge_sense_{k}" for k in range(SENSES)),
     "fullness": ("fullness",),
 }
-"""All evidence that a calibration may weigh, in the order of `Features.evidence`, by what it rests on."""
-EVIDENCE: tuple[str, ...] = tuple(name for group in GROUPS.values() for name in group)
-FREE: tuple[str, ...] = (*GROUPS["edge_sense"], *GROUPS["fullness"])
-"""Evidence that may speak for a copy as well as against it; more of any other never raises a mark."""
+"""All features that a calibration may weigh, in the order of `Features.vector`, by what they rest on."""
+FEATURE_NAMES: tuple[str, ...] = tuple(name for group in FEATURE_GROUPS.values() for name in group)
+SIGNED_FEATURES: tuple[str, ...] = (*FEATURE_GROUPS["edge_sense"], *FEATURE_GROUPS["fullness"])
+"""Features that may speak for a copy as well as against it; more of any other never raises a mark."""
 
 SOFTENING = 0.05
 """Residual, in rms radii, below which differences hardly count: a pixel and a half of the common canvas."""
@@ -94,8 +98,8 @@ class Features:
     regions: tuple[Region, ...] = ()
     edges: tuple[float, ...] = (0.0,) * NUMBERS
 
-    def evidence(self) -> FloatArray:
-        """(len(EVIDENCE),) float64: log residuals, how much the edge differs and which way, fullness."""
+    def vector(self) -> FloatArray:
+        """(len(FEATURE_NAMES),) float64: log residuals, how much the edge differs and which way, fullness."""
         edges = np.array(self.edges)
         full = np.clip(self.size, -FULLNESS_RANGE, FULLNESS_RANGE)
         return np.concatenate([self.residuals.logarithms(), amount(edges), sense(edges), [full]])
@@ -145,3 +149,27 @@ def residuals(registration: Registration) -> Residuals:
 
 def _rms(difference: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.sum(difference * difference, axis=1))))
+
+
+def sim_paper(registration: Registration) -> float:
+    """Eq. (26): SIM = (1 - d_ms / ||X||_F) * 100 %, as printed; X the reference's points, in rms radii.
+
+    Kept for comparison and never used as the mark: d_ms is a squared length and ||X||_F a length, so the
+    unit decides; ||X||_F grows with the number of points, so any two characters read above 99; and
+    d_ms is one-sided, so a copy of a single stroke reads 100.
+    """
+    return float((1.0 - registration.d_ms / np.linalg.norm(registration.reference.xyz)) * 100.0)
+
+
+def similarity(registration: Registration) -> float:
+    """Two-sided similarity (ours): 1 - max(E_f, E_b) / r_X; 1 is identical, unrelated shapes about 0.7.
+
+    E_f, E_b: rms distance in (x, y, z) from copy to master and from master to copy after registration;
+    r_X: rms distance of the master's points from their mean. Free of unit, origin and number of points.
+    """
+    p, x = pose_probe(registration), registration.reference.xyz
+    forward = p - x[registration.forward_index]
+    backward = x - p[registration.backward_index]
+    error = max(float(np.mean(np.sum(d * d, axis=1))) for d in (forward, backward))
+    spread = float(np.var(x, axis=0).sum())
+    return 1.0 - float(np.sqrt(error / spread))

@@ -8,23 +8,27 @@ from dataclasses import replace
 import numpy as np
 
 from rumu.assessment.calibration import Scale
-from rumu.assessment.features import EVIDENCE, FREE, GROUPS, Features, Residuals
+from rumu.assessment.features import FEATURE_GROUPS, FEATURE_NAMES, SIGNED_FEATURES, Features, Residuals
 from rumu.errors import CalibrationError
 from rumu.values import BoolArray, FloatArray
 
-WEIGHED: tuple[str, ...] = tuple(
-    name for group in ("plane", "whole", "edge_amount", "edge_sense", "fullness") for name in GROUPS[group]
+WEIGHED_FEATURES: tuple[str, ...] = tuple(
+    name
+    for group in ("plane", "whole", "edge_amount", "edge_sense", "fullness")
+    for name in FEATURE_GROUPS[group]
 )
-"""The evidence that the mark rests on; height and direction are in the distances of the whole."""
+"""The features that the mark rests on; height and direction are in the distances of the whole."""
 PARTS: Mapping[str, tuple[str, ...]] = {
-    "structure": GROUPS["plane"],
+    "structure": FEATURE_GROUPS["plane"],
     "brushwork": tuple(
-        name for group in ("height", "direction", "edge_amount", "edge_sense") for name in GROUPS[group]
+        name
+        for group in ("height", "direction", "edge_amount", "edge_sense")
+        for name in FEATURE_GROUPS[group]
     ),
 }
-"""The evidence that each part of the mark rests on."""
+"""The features that each part of the mark rests on."""
 FEWEST = 8
-"""Copies of one master from which the mean of its evidence is trusted."""
+"""Copies of one master from which their mean is trusted."""
 OTHER_CHARACTER = 10.0
 """Score at which the middle one of other characters' copies is anchored."""
 HUMAN_RANGE = (30.0, 80.0)
@@ -32,7 +36,7 @@ HUMAN_RANGE = (30.0, 80.0)
 
 
 def fit_scale(
-    evidence: FloatArray,
+    vectors: FloatArray,
     marks: FloatArray,
     groups: Sequence[str],
     *,
@@ -41,22 +45,22 @@ def fit_scale(
 ) -> Scale:
     """Weights from what differs within a master's copies, with what differs between masters as noise.
 
-    evidence: (N, len(EVIDENCE)); marks: (N,) 0-100; groups: (N,) the master of each; names: what to use.
+    vectors: (N, len(FEATURE_NAMES)); marks: (N,) 0-100; groups: (N,) the master of each; names: what to use.
     Copies of one master differ in how well they are written; how they differ on the whole from another
     master's copies says more of the master, so a weight pays for the scatter of the masters' means. Ridge,
-    with weights that are not positive except for FREE ones.
+    with weights that are not positive except for SIGNED_FEATURES ones.
     shrinkage: in units of one standardised copy; strong, since characters are few.
     Raises CalibrationError for fewer than 20 marks.
     """
     if len(marks) < 20:
         raise CalibrationError(f"expected at least 20 marks to fit a scale, got {len(marks)}")
-    chosen = evidence[:, [EVIDENCE.index(name) for name in names]]
+    chosen = vectors[:, [FEATURE_NAMES.index(name) for name in names]]
     centre, spread = chosen.mean(axis=0), np.maximum(chosen.std(axis=0), 1e-9)
     z = (chosen - centre) / spread
-    within, left = _less_means(z, groups), _less_means(np.asarray(marks, float), groups)
+    within, left = _subtract_group_means(z, groups), _subtract_group_means(np.asarray(marks, float), groups)
     n = len(marks)
     normal = within.T @ within / n + _scatter(z, groups) + shrinkage / n * np.eye(len(names))
-    weights = _signed_least_squares(normal, within.T @ left / n, free=np.isin(names, FREE))
+    weights = _signed_least_squares(normal, within.T @ left / n, free=np.isin(names, SIGNED_FEATURES))
     numbers = [tuple(map(float, values)) for values in (centre, spread, weights)]
     return Scale(names, numbers[0], numbers[1], numbers[2], mean=float(np.mean(marks)))
 
@@ -83,8 +87,8 @@ def _signed_least_squares(normal: FloatArray, right: FloatArray, *, free: BoolAr
     return np.asarray(weights)
 
 
-def _less_means(values: FloatArray, groups: Sequence[str]) -> FloatArray:
-    """(N, ...) less the mean of each group."""
+def _subtract_group_means(values: FloatArray, groups: Sequence[str]) -> FloatArray:
+    """(N, ...) values less the mean of their group."""
     left = values.copy()
     for group in set(groups):
         own = np.array([g == group for g in groups])
@@ -92,7 +96,7 @@ def _less_means(values: FloatArray, groups: Sequence[str]) -> FloatArray:
     return left
 
 
-def anchored(
+def anchor_scale(
     scale: Scale,
     *,
     others: Sequence[Features] | None = None,

@@ -8,9 +8,14 @@ from functools import cached_property
 import numpy as np
 
 from rumu.assessment.edges import describe
-from rumu.assessment.evidence import MasterOutline, RefusalFigures
 from rumu.assessment.features import Features, measure_features
-from rumu.assessment.refusal import Refusal, RefusalLimits, check_copy
+from rumu.assessment.refusal import (
+    MasterOutline,
+    Refusal,
+    RefusalFigures,
+    RefusalLimits,
+    check_copy,
+)
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.registration.icp import register_points
 from rumu.registration.points import Canvas, canvas_of, ink_mask, sample_points

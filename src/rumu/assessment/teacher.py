@@ -15,11 +15,11 @@ import numpy as np
 
 from rumu.assessment.calibration import Calibration, Charges, Scale
 from rumu.assessment.features import Features, Residuals
-from rumu.assessment.fitting import PARTS, WEIGHED, anchored, fit_scale
+from rumu.assessment.fitting import PARTS, WEIGHED_FEATURES, anchor_scale, fit_scale
 from rumu.errors import CalibrationError
 from rumu.values import BoolArray, FloatArray, IntArray
 
-Kind = Literal["default", "scale", "weights"]
+FitKind = Literal["default", "scale", "weights"]
 HeldOut = Literal["masters", "copies", "none"]
 
 
@@ -59,7 +59,7 @@ class Agreement(NamedTuple):
 class TeacherFit:
     """What came of a teacher's marks.
 
-    calibration: None when the default is kept. chosen: which was. why, why_zh: in words.
+    calibration: None when the default is kept. chosen: which was kept. why, why_zh: in words.
     copies, masters: how many were marked. held_out: what was left out to judge: whole masters, copies, or
     nothing, when there was too little to fit. default, scale, weights: how each agrees with marks held out;
     None where it was not or could not be fitted. inside: share of the marks that lie in the default's 80 %
@@ -67,7 +67,7 @@ class TeacherFit:
     """
 
     calibration: Calibration | None
-    chosen: Kind
+    chosen: FitKind
     why: str
     why_zh: str
     copies: int
@@ -94,14 +94,16 @@ def fit_teacher(
     marks, for the provenance. Raises CalibrationError when the three are not alike in length, or a mark is
     outside 0-100.
     """
-    evidence = _Marks(tuple(features), np.asarray(marks, float), tuple(masters))
+    marked = MarkedCopies(tuple(features), np.asarray(marks, float), tuple(masters))
     settings = settings or TeacherSettings()
-    short = _too_little(evidence, settings)
+    short = _find_shortage(marked, settings)
     if short is not None:
-        default = agreement(_read(base, evidence), evidence.marks) if len(evidence.marks) else None
-        counts = (len(evidence.marks), len(set(evidence.masters)))
-        return TeacherFit(None, "default", *short, *counts, "none", default, inside=_inside(base, evidence))
-    return _judged(evidence, base, name, settings)
+        default = agreement(_score_copies(base, marked), marked.marks) if len(marked.marks) else None
+        counts = (len(marked.marks), len(set(marked.masters)))
+        return TeacherFit(
+            None, "default", *short, *counts, "none", default, inside=_share_inside(base, marked)
+        )
+    return _choose_fit(marked, base, name, settings)
 
 
 def agreement(scores: FloatArray, marks: FloatArray) -> Agreement:
@@ -115,7 +117,9 @@ def agreement(scores: FloatArray, marks: FloatArray) -> Agreement:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Marks:
+class MarkedCopies:
+    """Copies that a teacher marked: features, (N,) marks, the master of each."""
+
     features: tuple[Features, ...]
     marks: FloatArray
     masters: tuple[str, ...]
@@ -129,24 +133,24 @@ class _Marks:
                 f"expected marks from 0 to 100, got {self.marks.min()} to {self.marks.max()}"
             )
 
-    def only(self, kept: BoolArray) -> _Marks:
-        """Those copies that are kept."""
-        features = tuple(f for f, keep in zip(self.features, kept, strict=True) if keep)
-        masters = tuple(m for m, keep in zip(self.masters, kept, strict=True) if keep)
-        return _Marks(features, self.marks[kept], masters)
+    def only(self, chosen: BoolArray) -> MarkedCopies:
+        """Those of the copies that are chosen, (N,)."""
+        features = tuple(f for f, keep in zip(self.features, chosen, strict=True) if keep)
+        masters = tuple(m for m, keep in zip(self.masters, chosen, strict=True) if keep)
+        return MarkedCopies(features, self.marks[chosen], masters)
 
 
-Maker = Callable[[_Marks], Calibration]
+Maker = Callable[[MarkedCopies], Calibration]
 
 
-def _too_little(evidence: _Marks, settings: TeacherSettings) -> tuple[str, str] | None:
-    n = len(evidence.marks)
+def _find_shortage(marked: MarkedCopies, settings: TeacherSettings) -> tuple[str, str] | None:
+    n = len(marked.marks)
     if n < settings.fewest:
         return (
             f"{n} marks are too few: {settings.fewest} are needed to move the scale.",
             f"只有 {n} 個評分，至少要 {settings.fewest} 個才能調整分數的尺度。",
         )
-    if float(np.std(evidence.marks)) < settings.spread:
+    if float(np.std(marked.marks)) < settings.spread:
         return (
             "The marks are all but the same, so they do not tell a good copy from a bad one.",
             "評分幾乎全部相同，看不出好壞之分。",
@@ -154,46 +158,46 @@ def _too_little(evidence: _Marks, settings: TeacherSettings) -> tuple[str, str] 
     return None
 
 
-def _judged(evidence: _Marks, base: Calibration, name: str, settings: TeacherSettings) -> TeacherFit:
+def _choose_fit(marked: MarkedCopies, base: Calibration, name: str, settings: TeacherSettings) -> TeacherFit:
     """All that can be fitted, judged on marks held out; the simplest that none beats clearly."""
-    makers: dict[Kind, Maker] = {
+    makers: dict[FitKind, Maker] = {
         "default": lambda _: base,
-        "scale": lambda known: moved(
-            base, *line(known.features, known.marks, base=base, settings=settings), gap=settings.gap
+        "scale": lambda known: move_scale(
+            base, *fit_line(known.features, known.marks, base=base, settings=settings), gap=settings.gap
         ),
-        "weights": lambda known: _weighed(known, settings),
+        "weights": lambda known: _fit_weights(known, settings),
     }
-    folds = _folds(evidence.masters, settings)
-    by_master = len(set(evidence.masters)) >= settings.masters
-    many = len(evidence.marks) >= settings.weigh_from and len(set(evidence.masters)) >= settings.weigh_masters
-    scores: dict[Kind, FloatArray] = {}
+    folds = _assign_folds(marked.masters, settings)
+    by_master = len(set(marked.masters)) >= settings.masters
+    many = len(marked.marks) >= settings.weigh_from and len(set(marked.masters)) >= settings.weigh_masters
+    scores: dict[FitKind, FloatArray] = {}
     for kind, maker in makers.items():
         if kind != "weights" or many:
-            held = _held_out(evidence, maker, folds)
+            held = _score_held_out(marked, maker, folds)
             if held is not None:
                 scores[kind] = held
-    told = {kind: agreement(held, evidence.marks) for kind, held in scores.items()}
-    chosen = _simplest(scores, evidence, folds, settings)
+    agreements = {kind: agreement(held, marked.marks) for kind, held in scores.items()}
+    chosen = _choose_simplest(scores, marked, folds, settings)
     own = None
     if chosen != "default":
-        interval = held_out_interval(evidence.marks - scores[chosen])
-        said = _provenance(evidence, chosen, told, base, name, by_master=by_master)
-        own = replace(makers[chosen](evidence), interval=interval, provenance=said)
+        interval = held_out_interval(marked.marks - scores[chosen])
+        provenance = _describe_provenance(marked, chosen, agreements, base, name, by_master=by_master)
+        own = replace(makers[chosen](marked), interval=interval, provenance=provenance)
     return TeacherFit(
         own,
         chosen,
-        *_why(chosen, told, len(evidence.marks), settings),
-        len(evidence.marks),
-        len(set(evidence.masters)),
+        *_explain(chosen, agreements, len(marked.marks)),
+        len(marked.marks),
+        len(set(marked.masters)),
         "masters" if by_master else "copies",
-        told["default"],
-        told.get("scale"),
-        told.get("weights"),
-        _inside(base, evidence),
+        agreements["default"],
+        agreements.get("scale"),
+        agreements.get("weights"),
+        _share_inside(base, marked),
     )
 
 
-def line(
+def fit_line(
     features: Sequence[Features],
     marks: FloatArray,
     *,
@@ -207,8 +211,8 @@ def line(
     """
     doubt, charges = (settings or TeacherSettings()).doubt, Charges()
     read = np.array([base.scale.read(f) for f in features])
-    wanted = np.asarray(marks, float) + [charges.taken(f) for f in features]
-    highest = np.array([charges.highest(f) for f in features])
+    wanted = np.asarray(marks, float) + [charges.all_points(f) for f in features]
+    highest = np.array([charges.highest_score(f) for f in features])
     bound = (highest < 100.0) & (highest < np.maximum(read, wanted))
     x, y = read[~bound], wanted[~bound]
     if len(x) < 2 or np.var(x) < 1e-9:
@@ -221,10 +225,10 @@ def line(
     return float((n * y.mean() + doubt * x.mean()) / (n + doubt) - b * x.mean()), b
 
 
-def moved(base: Calibration, a: float, b: float, *, gap: float = TeacherSettings().gap) -> Calibration:
+def move_scale(base: Calibration, a: float, b: float, *, gap: float = TeacherSettings().gap) -> Calibration:
     """The calibration whose anchors read a + b times their marks; nothing and perfection stay 0 and 100."""
-    parts = {name: _moved(scale, a, b, gap) for name, scale in base.parts.items()}
-    return replace(base, scale=_moved(base.scale, a, b, gap), parts=parts)
+    parts = {name: _move_anchors(scale, a, b, gap) for name, scale in base.parts.items()}
+    return replace(base, scale=_move_anchors(base.scale, a, b, gap), parts=parts)
 
 
 def held_out_interval(errors: FloatArray) -> tuple[float, float]:
@@ -240,7 +244,7 @@ def held_out_interval(errors: FloatArray) -> tuple[float, float]:
     return min(float(low), 0.0), max(float(high), 0.0)
 
 
-def _moved(scale: Scale, a: float, b: float, gap: float) -> Scale:
+def _move_anchors(scale: Scale, a: float, b: float, gap: float) -> Scale:
     marks = np.array([mark for _, mark in scale.anchors])
     last = len(marks) - 1
     wanted = a + b * marks
@@ -255,22 +259,22 @@ def _moved(scale: Scale, a: float, b: float, gap: float) -> Scale:
 _PERFECT = Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0)
 
 
-def _weighed(known: _Marks, settings: TeacherSettings) -> Calibration:
+def _fit_weights(known: MarkedCopies, settings: TeacherSettings) -> Calibration:
     """Weights from this teacher's marks alone; interval and provenance are for the caller to fill in."""
-    evidence = np.array([f.evidence() for f in known.features])
-    charged = known.marks + [Charges().taken(f) for f in known.features]
+    vectors = np.array([f.vector() for f in known.features])
+    charged = known.marks + [Charges().all_points(f) for f in known.features]
     low, high = np.clip(np.percentile(known.marks, settings.reach), settings.gap, 100.0 - settings.gap)
 
     def fitted(names: tuple[str, ...]) -> Scale:
-        scale = fit_scale(evidence, charged, known.masters, names=names)
+        scale = fit_scale(vectors, charged, known.masters, names=names)
         reach = (float(low), min(float(high), scale.weigh(_PERFECT) - settings.gap))
-        return anchored(scale, reach=reach)
+        return anchor_scale(scale, reach=reach)
 
     parts = {part: fitted(names) for part, names in PARTS.items()}
-    return Calibration(fitted(WEIGHED), parts, (0.0, 0.0), "")
+    return Calibration(fitted(WEIGHED_FEATURES), parts, (0.0, 0.0), "")
 
 
-def _folds(masters: Sequence[str], settings: TeacherSettings) -> IntArray:
+def _assign_folds(masters: Sequence[str], settings: TeacherSettings) -> IntArray:
     """(N,) the fold of each copy: its master where there are enough, else shares drawn once and for all."""
     names = sorted(set(masters))
     if len(names) >= settings.masters:
@@ -278,49 +282,49 @@ def _folds(masters: Sequence[str], settings: TeacherSettings) -> IntArray:
     return np.random.default_rng(0).permutation(len(masters)) % settings.folds
 
 
-def _held_out(evidence: _Marks, maker: Maker, folds: IntArray) -> FloatArray | None:
+def _score_held_out(marked: MarkedCopies, maker: Maker, folds: IntArray) -> FloatArray | None:
     """(N,) the score of each copy by a calibration made without its fold; None where one cannot be made."""
-    scores = np.empty(len(evidence.marks))
+    scores = np.empty(len(marked.marks))
     for fold in np.unique(folds):
         own = folds == fold
         try:
-            scores[own] = _read(maker(evidence.only(~own)), evidence.only(own))
+            scores[own] = _score_copies(maker(marked.only(~own)), marked.only(own))
         except CalibrationError:
             return None
     return scores
 
 
-def _inside(calibration: Calibration, evidence: _Marks) -> float | None:
+def _share_inside(calibration: Calibration, marked: MarkedCopies) -> float | None:
     """Share of the marks in the interval around their scores."""
-    if not len(evidence.marks):
+    if not len(marked.marks):
         return None
-    low, high = np.array([calibration.interval_of(score) for score in _read(calibration, evidence)]).T
-    return float(np.mean((low <= evidence.marks) & (evidence.marks <= high)))
+    low, high = np.array([calibration.interval_of(score) for score in _score_copies(calibration, marked)]).T
+    return float(np.mean((low <= marked.marks) & (marked.marks <= high)))
 
 
-def _read(calibration: Calibration, evidence: _Marks) -> FloatArray:
-    return np.array([calibration.score(f) for f in evidence.features])
+def _score_copies(calibration: Calibration, marked: MarkedCopies) -> FloatArray:
+    return np.array([calibration.score(f) for f in marked.features])
 
 
-def _simplest(
-    scores: Mapping[Kind, FloatArray], evidence: _Marks, folds: IntArray, settings: TeacherSettings
-) -> Kind:
+def _choose_simplest(
+    scores: Mapping[FitKind, FloatArray], marked: MarkedCopies, folds: IntArray, settings: TeacherSettings
+) -> FitKind:
     """The first kind that no other beats clearly; only what follows the marks at all may beat another."""
-    marks = evidence.marks
-    sensible = [kind for kind in scores if _follows(scores[kind], marks, settings)]
-    whole_masters = len(set(evidence.masters)) >= settings.masters
+    marks = marked.marks
+    sensible = [kind for kind in scores if _follows_marks(scores[kind], marks, settings)]
+    whole_masters = len(set(marked.masters)) >= settings.masters
     clusters = folds if whole_masters else np.arange(len(marks))
     for kind in scores:
         if kind != "default" and kind not in sensible:
             continue
         error = np.abs(scores[kind] - marks)
         gains = (error - np.abs(scores[other] - marks) for other in sensible if other != kind)
-        if not any(_clear(gain, clusters, settings) for gain in gains):
+        if not any(_is_clear_gain(gain, clusters, settings) for gain in gains):
             return kind
     return "default"
 
 
-def _follows(scores: FloatArray, marks: FloatArray, settings: TeacherSettings) -> bool:
+def _follows_marks(scores: FloatArray, marks: FloatArray, settings: TeacherSettings) -> bool:
     """Whether the order of the scores is that of the marks beyond chance."""
     from scipy.stats import norm
 
@@ -328,7 +332,7 @@ def _follows(scores: FloatArray, marks: FloatArray, settings: TeacherSettings) -
     return agreement(scores, marks).spearman > chance
 
 
-def _clear(gain: FloatArray, clusters: IntArray, settings: TeacherSettings) -> bool:
+def _is_clear_gain(gain: FloatArray, clusters: IntArray, settings: TeacherSettings) -> bool:
     """Whether a gain, (N,) points less error, is above nought beyond chance; a cluster stands together."""
     from scipy.stats import t
 
@@ -339,8 +343,9 @@ def _clear(gain: FloatArray, clusters: IntArray, settings: TeacherSettings) -> b
     return bool(mean > max(float(t.ppf(settings.sure, len(names) - 1)) * error, 0.0))
 
 
-def _why(chosen: Kind, told: Mapping[Kind, Agreement], n: int, settings: TeacherSettings) -> tuple[str, str]:
-    before, after = told["default"].error, told[chosen].error
+def _explain(chosen: FitKind, agreements: Mapping[FitKind, Agreement], n: int) -> tuple[str, str]:
+    """Why a fit was kept, in English and in Chinese; n: marks."""
+    before, after = agreements["default"].error, agreements[chosen].error
     if chosen == "scale":
         return (
             f"On marks held out the moved scale errs by {after:.1f} points, the default by {before:.1f}.",
@@ -358,10 +363,10 @@ def _why(chosen: Kind, told: Mapping[Kind, Agreement], n: int, settings: Teacher
     )
 
 
-def _provenance(
-    evidence: _Marks,
-    chosen: Kind,
-    told: Mapping[Kind, Agreement],
+def _describe_provenance(
+    marked: MarkedCopies,
+    chosen: FitKind,
+    agreements: Mapping[FitKind, Agreement],
     base: Calibration,
     name: str,
     *,
@@ -369,12 +374,12 @@ def _provenance(
 ) -> str:
     held = "whole masters held out" if by_master else "copies held out, of the same masters"
     what = (
-        f"weights fitted to {len(evidence.marks)} marks of copies of"
+        f"weights fitted to {len(marked.marks)} marks of copies of"
         if chosen == "weights"
-        else f"scale moved to follow {len(evidence.marks)} marks of copies of"
+        else f"scale moved to follow {len(marked.marks)} marks of copies of"
     )
     start = "" if chosen == "weights" else f"; weights from {base.provenance}"
     return (
-        f"{what} {len(set(evidence.masters))} masters ({name}); error {told[chosen].error:.1f} points, "
-        f"{told['default'].error:.1f} before ({held}){start}"
+        f"{what} {len(set(marked.masters))} masters ({name}); error {agreements[chosen].error:.1f} points, "
+        f"{agreements['default'].error:.1f} before ({held}){start}"
     )

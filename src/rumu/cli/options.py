@@ -90,16 +90,16 @@ def part_weights(text: str) -> Mapping[str, float]:
 
     Raises CalibrationError that says what was expected.
     """
-    from rumu.assessment.calibration import checked_weights
+    from rumu.assessment.calibration import check_weights
 
     if Path(text).suffix.lower() == ".json":
-        return checked_weights(_json_object(Path(text), of="weights"), name=text)
+        return check_weights(_json_object(Path(text), of="weights"), name=text)
     pairs = [part.partition("=") for part in text.split(",")]
     if not all(sign for _, sign, _ in pairs) or len({name.strip() for name, _, _ in pairs}) < len(pairs):
         raise CalibrationError(
             f"weights {text!r}: expected brushwork=50,structure=50,ink=0 or the like, or a .json file"
         )
-    return checked_weights({name.strip(): value for name, _, value in pairs}, name="weights")
+    return check_weights({name.strip(): value for name, _, value in pairs}, name="weights")
 
 
 def level_cuts(name: str) -> Mapping[str, float]:
@@ -107,12 +107,12 @@ def level_cuts(name: str) -> Mapping[str, float]:
 
     Raises CalibrationError that names the known sets, or what is wrong with the file.
     """
-    from rumu.assessment.calibration import LEVELS, checked_cuts
+    from rumu.assessment.calibration import LEVELS, check_cuts
 
     path = Path(name)
     if name not in LEVELS and path.suffix.lower() != ".json":
         raise CalibrationError(f"levels {name!r}: expected one of {', '.join(LEVELS)}, or a .json file")
-    cuts = LEVELS[name] if name in LEVELS else checked_cuts(_json_object(path, of="levels"), name=name)
+    cuts = LEVELS[name] if name in LEVELS else check_cuts(_json_object(path, of="levels"), name=name)
     return {str(level): low for level, low in cuts.items()}
 
 

@@ -142,13 +142,13 @@ def group_variants() -> dict[str, tuple[str, ...]]:
 
     Groups and names are read from the code, so a new group takes part by itself.
     """
-    from rumu.assessment.features import GROUPS
-    from rumu.assessment.fitting import WEIGHED
+    from rumu.assessment.features import FEATURE_GROUPS
+    from rumu.assessment.fitting import WEIGHED_FEATURES
 
-    found = {WHOLE: tuple(WEIGHED)}
-    used = {g: [n for n in names if n in WEIGHED] for g, names in GROUPS.items()}
+    found = {WHOLE: tuple(WEIGHED_FEATURES)}
+    used = {g: [n for n in names if n in WEIGHED_FEATURES] for g, names in FEATURE_GROUPS.items()}
     for group, names in used.items():
-        rest = tuple(n for n in WEIGHED if n not in names)
+        rest = tuple(n for n in WEIGHED_FEATURES if n not in names)
         if names and rest:
             found[f"without {group}"] = rest
     found |= {f"{group} alone": tuple(names) for group, names in used.items() if names}
@@ -164,7 +164,7 @@ def group_marks(
     """
     from rumu.assessment.fitting import fit_scale
 
-    evidence = np.array([m.features.evidence() for m in held_out.measured if m.features])
+    evidence = np.array([m.features.vector() for m in held_out.measured if m.features])
     marks, characters = held_out.panel, held_out.characters
     found: dict[str, FloatArray] = {}
     for name, weighed in (chosen or group_variants()).items():
@@ -172,7 +172,7 @@ def group_marks(
         for character in np.unique(characters):
             own = characters == character
             scale = fit_scale(evidence[~own], marks[~own], characters[~own].tolist(), names=weighed)
-            given[own] = [scale.sum_of(row) for row in evidence[own]]
+            given[own] = [scale.weigh_vector(row) for row in evidence[own]]
         found[name] = np.clip(given, 0.0, 100.0)
     return found
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from rumu.assessment.calibration import LEVELS, Calibration, level_of
 from rumu.assessment.features import Features
-from rumu.assessment.fitting import PARTS, WEIGHED, anchored, fit_scale
+from rumu.assessment.fitting import PARTS, WEIGHED_FEATURES, anchor_scale, fit_scale
 from rumu.assessment.measurement import measure
 from rumu.errors import CalibrationError, RefusedImage
 from rumu.values import FloatArray
@@ -167,7 +167,7 @@ def chosen_copies(settings: RunSettings) -> list[Copy]:
 def measure_copy(copy: Copy) -> MeasuredCopy:
     """One copy against its master."""
     from rumu import pipeline
-    from rumu.assessment.similarity import sim_paper, similarity
+    from rumu.assessment.features import sim_paper, similarity
 
     try:
         m = measure(pipeline.surface_of(copy.image), master_at(copy.template))
@@ -189,13 +189,13 @@ def other_characters(copies: list[Copy]) -> list[Features]:
 def fit_panel(measured: Sequence[MeasuredCopy], others: list[Features]) -> Calibration:
     """Scale and parts from marked copies, anchored; the interval is left at zero width."""
     kept = [(m.features, m.copy) for m in measured if m.features]
-    evidence = np.array([features.evidence() for features, _ in kept])
+    evidence = np.array([features.vector() for features, _ in kept])
     marks, characters = np.array([c.mark for _, c in kept]), [c.character for _, c in kept]
-    scale = fit_scale(evidence, marks, characters, names=WEIGHED)
+    scale = fit_scale(evidence, marks, characters, names=WEIGHED_FEATURES)
     parts = {part: fit_scale(evidence, marks, characters, names=names) for part, names in PARTS.items()}
     return Calibration(
-        scale=anchored(scale, others=others),
-        parts={part: anchored(scale) for part, scale in parts.items()},
+        scale=anchor_scale(scale, others=others),
+        parts={part: anchor_scale(scale) for part, scale in parts.items()},
         interval=(0.0, 0.0),
         provenance=f"{len(marks)} brush copies of {len(set(characters))} "
         "regular-script characters, each marked 1-10 by about ten people (E3C, Sun et al. 2023); "

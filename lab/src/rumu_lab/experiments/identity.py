@@ -138,7 +138,7 @@ def _pairs_of_masters(
 def measure_pair(pair: CharacterPair) -> PairMeasures:
     """All measures of one pair."""
     from rumu.assessment.calibration import panel
-    from rumu.assessment.similarity import similarity
+    from rumu.assessment.features import similarity
 
     try:
         m = measure(master_at(pair.copy).surface, master_at(pair.master))
@@ -149,9 +149,9 @@ def measure_pair(pair: CharacterPair) -> PairMeasures:
         "score": -1.0 if m.refusal else min(mark, m.highest),
         "mark": mark,
         "similarity": similarity(m.registration),
-        "position": -figures.position,
-        "likeness": figures.likeness,
-        "beyond others": figures.beyond_others,
+        "position": -figures.plane_residual,
+        "likeness": figures.likenesses[0],
+        "beyond others": figures.likeness_beyond_others,
         "familiarity": -figures.strangeness,
     }
     return PairMeasures(pair, values)
