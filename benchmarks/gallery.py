@@ -19,7 +19,7 @@ import rumu
 from rumu.gallery.archive import export_gallery
 from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import open_gallery, works
-from rumu.gallery.derived import derived
+from rumu.gallery.derived import derived_file
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.gallery import Gallery
 from rumu.gallery.iiif_image import image_response
@@ -74,13 +74,13 @@ def files(gallery: Gallery) -> None:
         taken, sizes = [], []
         for work in starter_works():
             began = time.perf_counter()
-            sizes.append(len(derived(gallery, work.id, kind).data))
+            sizes.append(len(derived_file(gallery, work.id, kind).data))
             taken.append(1e3 * (time.perf_counter() - began))
         print(
             f"  {kind:<13} first {np.median(taken):6.1f} ms; {np.median(sizes) / 1e3:7.1f} kB, "
             f"at most {max(sizes)} bytes"
         )
-    print(f"  stored thumb   {timed(lambda: derived(gallery, 'regular-shui', 'thumb'))}")
+    print(f"  stored thumb   {timed(lambda: derived_file(gallery, 'regular-shui', 'thumb'))}")
     tile = ("128,128,256,256", "256,256", "0", "default", "jpg")
     print(f"  IIIF tile     {timed(lambda: image_response(gallery, 'regular-shui', *tile))}")
 

@@ -12,7 +12,7 @@ from tests.gallery.conftest import surface
 from rumu.errors import CaptureError, GalleryError, ImageError, RefusedImage, SurfaceError
 from rumu.gallery.add_work import add_capture, add_glyphs, add_picture, named_collection
 from rumu.gallery.catalog import work, works
-from rumu.gallery.derived import derived, viewer_facts
+from rumu.gallery.derived import derived_file, viewer_facts
 from rumu.gallery.metadata import EMPTY, WorkMetadata
 from rumu.gallery.starter import find_work
 from rumu.values import Bilingual
@@ -99,14 +99,14 @@ def test_a_capture_is_kept_with_photographs_and_surface(gallery, mound):
     assert add_capture(gallery, folder, metadata=CAT) == type(added)(added.id, False)
     assert viewer_facts(gallery, added.id)["three_lamps"] is None
     with pytest.raises(GalleryError, match="three lamps"):
-        derived(gallery, added.id, "lamp-a")
+        derived_file(gallery, added.id, "lamp-a")
 
 
 def test_three_lamps_of_the_papers_kind_keep_their_photographs_for_mixing(bare, mound):
     added = add_capture(bare, mound(THREE), metadata=CAT)
     lamps = viewer_facts(bare, added.id)["three_lamps"]
     assert set(lamps) == {"a", "b", "c", "slant"} and lamps["slant"] == pytest.approx(45, abs=0.01)
-    shown = [derived(bare, added.id, f"lamp-{name}").data for name in "abc"]
+    shown = [derived_file(bare, added.id, f"lamp-{name}").data for name in "abc"]
     assert len(set(shown)) == 3
 
 

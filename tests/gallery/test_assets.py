@@ -12,12 +12,12 @@ from tests.gallery.conftest import surface
 
 from rumu.gallery.assets import DAY, delete_orphans
 from rumu.gallery.catalog import change_work, work, works
-from rumu.gallery.derived import derived
+from rumu.gallery.derived import derived_file
 from rumu.gallery.starter import find_work
 
 
 def test_only_what_no_work_names_goes_and_only_when_it_is_old(gallery):
-    derived(gallery, "seal-ri", "thumb")
+    derived_file(gallery, "seal-ri", "thumb")
     before = {key for place in ("pictures", "derived") for key in gallery.store.keys(place)}
     strays = ("pictures/aa/stray.png", "captures/aa/stray/001.png", "surfaces/aa/stray/height.tif")
     for key in (*strays, "pictures/aa/half.png.0123.part", "derived/aa/x.part", "attempts/a/picture.png"):

@@ -123,11 +123,11 @@ def test_neighbours_are_those_of_the_collection(gallery):
 
 def test_a_forgotten_work_takes_its_files_and_words_along(gallery):
     from rumu.database.tables import Annotation
-    from rumu.gallery.derived import derived
+    from rumu.gallery.derived import derived_file
 
     gone = work(gallery, "seal-ri")
     said = add_annotation(gallery, "seal-ri", {"x": 0.5, "y": 0.5, "text_en": "here"})
-    derived(gallery, "seal-ri", "thumb")
+    derived_file(gallery, "seal-ri", "thumb")
     kept_before = len(list(gallery.store.keys("derived")))
     delete_work(gallery, "seal-ri")
     assert works(gallery).total == 29 and not gallery.store.exists(gone.picture)

@@ -16,7 +16,7 @@ from tests.gallery.conftest import surface
 from conftest import FRONTEND
 from rumu.errors import GalleryError, RefusedImage
 from rumu.gallery import renderers
-from rumu.gallery.derived import KINDS, derived, viewer_facts
+from rumu.gallery.derived import KINDS, derived_file, viewer_facts
 from rumu.gallery.seed import add_starter_works
 from rumu.gallery.starter import starter_works
 from rumu.gallery.store import Store
@@ -29,17 +29,17 @@ def gallery(bare):
 
 
 def picture_of(gallery, kind: str, work: str = "regular-shui") -> np.ndarray:
-    return np.asarray(Image.open(io.BytesIO(derived(gallery, work, kind).data)))
+    return np.asarray(Image.open(io.BytesIO(derived_file(gallery, work, kind).data)))
 
 
 def test_every_picture_is_of_its_type_and_size(gallery):
     sides = {"thumb": 256, "thumb-normals": 128, "picture": 512, "albedo": 512, "normals": 512, "mask": 512}
     for kind, side in sides.items():
-        file = derived(gallery, "regular-shui", kind)
+        file = derived_file(gallery, "regular-shui", kind)
         with Image.open(io.BytesIO(file.data)) as image:
             assert (image.size, Image.MIME[image.format]) == ((side, side), file.media_type), kind
     assert (
-        derived(gallery, "regular-shui", "picture").data
+        derived_file(gallery, "regular-shui", "picture").data
         == starter_works(script="regular")[2].path.read_bytes()
     )
 
@@ -47,11 +47,11 @@ def test_every_picture_is_of_its_type_and_size(gallery):
 def test_maps_hold_the_numbers_of_the_surface(gallery):
     known, facts = (
         surface(gallery, "regular-shui"),
-        json.loads(derived(gallery, "regular-shui", "facts").data),
+        json.loads(derived_file(gallery, "regular-shui", "facts").data),
     )
     eight = picture_of(gallery, "normals").astype(float) / 127.5 - 1
     assert np.abs(eight - known.normals).max() < 0.006
-    heights = np.frombuffer(derived(gallery, "regular-shui", "heights").data, "<f4").reshape(512, 512)
+    heights = np.frombuffer(derived_file(gallery, "regular-shui", "heights").data, "<f4").reshape(512, 512)
     assert np.array_equal(heights, known.height)
     assert (facts["heights"]["min"], facts["heights"]["max"]) == (heights.min(), heights.max())
     told = facts["height16"]
@@ -60,7 +60,9 @@ def test_maps_hold_the_numbers_of_the_surface(gallery):
     assert np.array_equal(picture_of(gallery, "mask") > 127, known.mask)
     import cv2
 
-    packed = cv2.imdecode(np.frombuffer(derived(gallery, "regular-shui", "normals-16").data, np.uint8), -1)
+    packed = cv2.imdecode(
+        np.frombuffer(derived_file(gallery, "regular-shui", "normals-16").data, np.uint8), -1
+    )
     assert packed.dtype == np.uint16
     assert np.abs(packed[..., ::-1] / 32767.5 - 1 - known.normals).max() < 5e-5
 
@@ -81,7 +83,7 @@ def test_the_viewer_is_told_where_the_height_comes_from(gallery):
 def test_every_starter_mesh_is_sound_and_small(gallery, work):
     import trimesh
 
-    data = derived(gallery, work, "glb").data
+    data = derived_file(gallery, work, "glb").data
     assert len(data) <= renderers.GLB_BYTES
     mesh = trimesh.load(io.BytesIO(data), file_type="glb", force="mesh")
     assert mesh.is_winding_consistent and len(mesh.faces) > 10_000
@@ -100,7 +102,7 @@ validateBytes(bytes).then((told) => console.log(JSON.stringify(told.issues)));
 def test_khronos_validator_finds_no_fault_in_a_mesh(gallery, work, node):
     told = subprocess.run(
         [node, "-e", _VALIDATE, str(FRONTEND)],
-        input=derived(gallery, work, "glb").data,
+        input=derived_file(gallery, work, "glb").data,
         capture_output=True,
         check=True,
     )
@@ -140,7 +142,7 @@ def test_the_real_photographs_give_a_small_mesh(bare, data):
     added = add_capture(
         bare, data / "photometric" / "uw-psm" / "cat", metadata=WorkMetadata(title=Bilingual("貓", "Cat"))
     )
-    assert len(derived(bare, added.id, "glb").data) <= renderers.GLB_BYTES
+    assert len(derived_file(bare, added.id, "glb").data) <= renderers.GLB_BYTES
 
 
 def test_a_mesh_can_be_exaggerated_and_nothing_else(gallery):
@@ -148,16 +150,16 @@ def test_a_mesh_can_be_exaggerated_and_nothing_else(gallery):
 
     heights = [
         trimesh.load(
-            io.BytesIO(derived(gallery, "seal-ri", "stl", exaggeration=times).data), file_type="stl"
+            io.BytesIO(derived_file(gallery, "seal-ri", "stl", exaggeration=times).data), file_type="stl"
         ).extents[2]
         for times in (1.0, 3.0)
     ]
     assert heights[1] == pytest.approx(3 * heights[0], rel=1e-4)
     for kind, times in (("normals", 2.0), ("glb", 0.0), ("glb", float("nan"))):
         with pytest.raises(GalleryError, match="exaggeration"):
-            derived(gallery, "seal-ri", kind, exaggeration=times)
+            derived_file(gallery, "seal-ri", kind, exaggeration=times)
     with pytest.raises(GalleryError, match="expected a kind of file"):
-        derived(gallery, "seal-ri", "../../secret")
+        derived_file(gallery, "seal-ri", "../../secret")
 
 
 def test_each_file_is_made_once_and_then_kept(gallery, monkeypatch):
@@ -166,7 +168,7 @@ def test_each_file_is_made_once_and_then_kept(gallery, monkeypatch):
     monkeypatch.setitem(KINDS, "normals", counting)
     answers = []
     threads = [
-        threading.Thread(target=lambda: answers.append(derived(gallery, "seal-ri", "normals")))
+        threading.Thread(target=lambda: answers.append(derived_file(gallery, "seal-ri", "normals")))
         for _ in range(8)
     ]
     for thread in threads:
@@ -183,20 +185,20 @@ def test_a_file_that_fails_half_way_is_not_kept(gallery, monkeypatch):
 
     monkeypatch.setitem(KINDS, "normals", replace(KINDS["normals"], render=fails))
     with pytest.raises(RuntimeError):
-        derived(gallery, "seal-ri", "normals")
+        derived_file(gallery, "seal-ri", "normals")
     monkeypatch.undo()
-    assert derived(gallery, "seal-ri", "normals").data
+    assert derived_file(gallery, "seal-ri", "normals").data
 
 
 def test_the_tag_changes_with_the_content(gallery):
     from rumu.gallery.catalog import change_work
 
-    before = derived(gallery, "seal-ri", "facts")
-    assert derived(gallery, "seal-ri", "facts").etag == before.etag
+    before = derived_file(gallery, "seal-ri", "facts")
+    assert derived_file(gallery, "seal-ri", "facts").etag == before.etag
     change_work(gallery, "seal-ri", {"spacing": 0.5})
-    after = derived(gallery, "seal-ri", "facts")
+    after = derived_file(gallery, "seal-ri", "facts")
     assert after.etag != before.etag and json.loads(after.data)["unit"] == "mm"
-    assert len({derived(gallery, "seal-ri", kind).etag for kind in ("thumb", "normals", "mask")}) == 3
+    assert len({derived_file(gallery, "seal-ri", kind).etag for kind in ("thumb", "normals", "mask")}) == 3
 
 
 def test_a_picture_without_writing_has_a_picture_but_no_surface(bare, labelled):
@@ -207,9 +209,9 @@ def test_a_picture_without_writing_has_a_picture_but_no_surface(bare, labelled):
     Image.new("L", (64, 64), 250).save(folder / "img" / "00000.png")
     import_folder(bare, folder)
     (only,) = works(bare).items
-    assert derived(bare, only.id, "thumb").data and derived(bare, only.id, "picture").data
+    assert derived_file(bare, only.id, "thumb").data and derived_file(bare, only.id, "picture").data
     with pytest.raises(RefusedImage):
-        derived(bare, only.id, "normals")
+        derived_file(bare, only.id, "normals")
 
 
 def test_a_large_picture_is_brought_down(bare, tmp_path):
@@ -225,7 +227,7 @@ def test_a_large_picture_is_brought_down(bare, tmp_path):
     assert max(surface(bare, added.id).height.shape) == 2400
     assert picture_of(bare, "picture", added.id).shape == (1775, 2048, 3)
     assert picture_of(bare, "normals", added.id).shape == (887, 1024, 3)
-    assert len(derived(bare, added.id, "heights").data) == 4 * 512 * 444
+    assert len(derived_file(bare, added.id, "heights").data) == 4 * 512 * 444
 
 
 def test_a_store_elsewhere_serves_as_well(bare):
@@ -234,4 +236,4 @@ def test_a_store_elsewhere_serves_as_well(bare):
     there = Gallery(bare.database, Store.open("memory://derived"))
     add_starter_works(there)
     for kind in set(KINDS) - {"lamp-a", "lamp-b", "lamp-c"}:
-        assert derived(there, "regular-ri", kind).data == derived(there, "regular-ri", kind).data
+        assert derived_file(there, "regular-ri", kind).data == derived_file(there, "regular-ri", kind).data

@@ -142,7 +142,7 @@ def test_samples_of_an_unknown_work_are_refused() -> None:
 
 
 def test_a_package_that_is_not_whole_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(starter, "_starter", lambda: tmp_path)
+    monkeypatch.setattr(starter, "_FOLDER", tmp_path)
     with pytest.raises(GalleryError, match=r"works\.json.*expected the starter gallery"):
         starter._entries("works.json")
     with pytest.raises(GalleryError, match="picture of x is missing"):

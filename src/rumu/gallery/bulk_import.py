@@ -70,16 +70,13 @@ def import_folder(
 
 @dataclass(frozen=True, slots=True)
 class _Picture:
-    """A labelled picture with its data, or with the reason why it cannot be read."""
+    """A labelled picture with its data and key in the store, or the reason why it cannot be read."""
 
     label: LabelledPicture
     data: bytes = field(default=b"", repr=False)
     size: tuple[int, int] = (0, 0)
+    key: str = ""
     reason: str = ""
-
-    @property
-    def key(self) -> str:
-        return picture_key(self.data, suffix=store_suffix(Path(self.label.file)))
 
 
 def _read_batches(folder: Path, labels: Sequence[LabelledPicture]) -> Iterator[list[_Picture]]:
@@ -103,7 +100,8 @@ def _read_picture(folder: Path, label: LabelledPicture) -> _Picture:
         if not path.resolve().is_relative_to(folder.resolve()):
             raise ImageError(f"{label.file}: expected a picture within the folder")
         height, width = decode(path).values.shape[:2]
-        return _Picture(label, path.read_bytes(), (width, height))
+        data = path.read_bytes()
+        return _Picture(label, data, (width, height), picture_key(data, suffix=store_suffix(path)))
     except (ImageError, OSError, ValueError) as error:
         return _Picture(label, reason=" ".join(str(error).split()))
 

@@ -69,7 +69,7 @@ KINDS = {
 }
 
 
-def derived(gallery: Gallery, work_id: str, kind: str, *, exaggeration: float = 1.0) -> DerivedFile:
+def derived_file(gallery: Gallery, work_id: str, kind: str, *, exaggeration: float = 1.0) -> DerivedFile:
     """A derived file of a work.
 
     kind: one of KINDS: 'thumb' (at most 256 px), 'thumb-normals' (128 px), 'picture' (for showing, at most
@@ -85,7 +85,7 @@ def derived(gallery: Gallery, work_id: str, kind: str, *, exaggeration: float = 
 
 
 def derived_of(store: Store, assets: Assets, kind: str, *, exaggeration: float = 1.0) -> DerivedFile:
-    """A derived file of assets; see `derived`."""
+    """A derived file of assets; see `derived_file`."""
     tag = etag(assets, kind, exaggeration=exaggeration)
     if kind == "picture":
         data = assets.picture()
@@ -117,7 +117,7 @@ def viewer_facts(
     url: makes the address of a kind of derived file with its ETag; by default of the service's own files.
     Returns pixels ([width, height] of albedo and normals), aspect, unit, spacing (of those pixels), source,
     source_text, height {url, width, height, min, max}, normals, albedo, picture, mask, glb, and three_lamps
-    {a, b, c, slant} or None. Raises as `derived`.
+    {a, b, c, slant} or None. Raises as `derived_file`.
     """
     return viewer_facts_of(
         gallery.store,

@@ -44,7 +44,10 @@ def manifest(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
         "label": _label(*row.title),
         "summary": _label(*HEIGHT_SOURCES[row.height_source]),
         "metadata": _metadata(_facts(row, collection)),
-        "requiredStatement": _entry(("授權與出處", "Licence and credit", credit, credit)),
+        "requiredStatement": {
+            "label": _label("授權與出處", "Licence and credit"),
+            "value": _label(credit, credit),
+        },
         "thumbnail": [_image(row, base=base, size=f"!{min(256, row.width)},{min(256, row.height)}")],
         "homepage": [
             {
@@ -194,11 +197,11 @@ def _licence(licence: str) -> Fact:
 
 
 def _metadata(facts: list[Fact]) -> list[dict[str, Any]]:
-    return [_entry(fact) for fact in facts if fact[2] or fact[3]]
-
-
-def _entry(fact: Fact) -> dict[str, Any]:
-    return {"label": _label(fact[0], fact[1]), "value": _label(fact[2], fact[3])}
+    return [
+        {"label": _label(fact[0], fact[1]), "value": _label(fact[2], fact[3])}
+        for fact in facts
+        if fact[2] or fact[3]
+    ]
 
 
 def _label(zh: str, en: str) -> dict[str, list[str]]:

@@ -12,7 +12,7 @@ from typing import Any
 from rumu.errors import GalleryError
 from rumu.gallery.annotations import annotations_of
 from rumu.gallery.catalog import collection, work
-from rumu.gallery.derived import derived, viewer_facts
+from rumu.gallery.derived import derived_file, viewer_facts
 from rumu.gallery.gallery import Gallery
 
 SCRIPT, STYLE = "standalone.js", "standalone.css"
@@ -62,7 +62,7 @@ def page_facts(gallery: Gallery, work_id: str) -> dict[str, Any]:
     def data_url(kind: str, _: str) -> str:
         if kind == "glb":  # it is for downloads only, and would double the page
             return ""
-        file = derived(gallery, work_id, kind)
+        file = derived_file(gallery, work_id, kind)
         data = gzip.compress(file.data, 6, mtime=0) if kind in _GZIPPED else file.data
         return f"data:{file.media_type};base64,{base64.b64encode(data).decode()}"
 

@@ -18,6 +18,8 @@ from rumu.assessment.scripts import SCRIPTS, Script
 from rumu.errors import GalleryError
 from rumu.values import Bilingual, Level
 
+_FOLDER = Path(str(resources.files("rumu.gallery").joinpath("starter")))
+
 
 @dataclass(frozen=True, slots=True)
 class StarterWork:
@@ -154,7 +156,7 @@ def _fault(entry: dict[str, Any]) -> SampleFault:
 
 
 def _entries(name: str) -> list[dict[str, Any]]:
-    path = _starter() / name
+    path = _FOLDER / name
     try:
         entries: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -164,12 +166,8 @@ def _entries(name: str) -> list[dict[str, Any]]:
     return entries
 
 
-def _starter() -> Path:
-    return Path(str(resources.files("rumu.gallery").joinpath("starter")))
-
-
 def _file(entry: dict[str, Any]) -> Path:
-    path: Path = _starter() / str(entry["file"])
+    path: Path = _FOLDER / str(entry["file"])
     if not path.is_file():
         raise GalleryError(f"{path}: the picture of {entry['id']} is missing from the package")
     return path

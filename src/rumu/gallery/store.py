@@ -117,7 +117,7 @@ class Store:
             return
         before = time.time() - older_than
         for path, info in found.items():
-            if info.get("type") == "file" and _modified(info) <= before:
+            if info.get("type") == "file" and _modification_time(info) <= before:
                 yield str(PurePosixPath(path).relative_to(self.root or "/"))
 
     def delete_file(self, key: str) -> None:
@@ -174,7 +174,7 @@ def _write_local(target: Path, data: bytes | BinaryIO) -> None:
         raise
 
 
-def _modified(info: dict[str, Any]) -> float:
+def _modification_time(info: dict[str, Any]) -> float:
     """The time of the last write in seconds since 1970; now, if unknown, so that the file counts as new."""
     for name in ("mtime", "LastModified", "last_modified", "created", "updated"):
         time_there = info.get(name)

@@ -13,7 +13,7 @@ from rumu.database.tables import Attempt, Job, Work, now
 from rumu.errors import RumuError
 from rumu.gallery import catalog
 from rumu.gallery.assets import assets_of
-from rumu.gallery.derived import derived
+from rumu.gallery.derived import derived_file
 from rumu.gallery.gallery import Gallery
 from rumu.gallery.starter import Sample, starter_samples
 from rumu.studio.attempts import add_attempt
@@ -65,7 +65,7 @@ def make_thumbnails(gallery: Gallery, advance: Callable[[int, int], object]) -> 
     ids = [work.id for work in catalog.works(gallery, limit=_PREPARED_WORKS).items]
     for done, work_id in enumerate(ids, start=1):
         for kind in THUMBNAILS:
-            derived(gallery, work_id, kind)
+            derived_file(gallery, work_id, kind)
         advance(done, len(ids))
     return ids
 
@@ -79,7 +79,7 @@ def prepare(
     for done, work_id in enumerate(ids):
         progress(len(ids) + done, 2 * len(ids), "圖層 Maps")
         for kind in _MAPS:
-            derived(gallery, work_id, kind)
+            derived_file(gallery, work_id, kind)
     return {"works": len(ids), "samples": samples}
 
 

@@ -56,7 +56,7 @@ class DerivedFiles:
         """A file derived from a work, or from a picture by its key in the store.
 
         client_etags: if the file's is among them, the data are left empty.
-        Raises GalleryError as `rumu.gallery.derived.derived` does.
+        Raises GalleryError as `rumu.gallery.derived.derived_file` does.
         """
         of: dict[str, Any]
         if isinstance(source, Work):

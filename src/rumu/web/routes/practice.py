@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
-from rumu.gallery.derived import derived
+from rumu.gallery.derived import derived_file
 from rumu.studio import practice
 from rumu.studio.access import find_visible_person
 from rumu.studio.practice_pdf import PracticeSheet, practice_pdf, printed_attempts
@@ -62,7 +62,7 @@ def get_practice_pdf(
         curve = practice.curve(session, learner.id, work_id=work)
     store = service.gallery.store
     pictures = {one.id: store.read(one.picture) for one in printed_attempts(curve)}
-    master = derived(service.gallery, work, "picture").data
+    master = derived_file(service.gallery, work, "picture").data
     pdf = practice_pdf(PracticeSheet(learner.name, curve, master, pictures, language))
     return download_response(
         pdf, media_type="application/pdf", filename=f"practice-{work}.pdf", disposition="inline"
