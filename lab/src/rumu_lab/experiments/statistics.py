@@ -32,7 +32,8 @@ def weighted_kappa(truth: Sequence[int], given: Sequence[int], *, levels: int) -
         return float("nan")
     seen = np.zeros((levels, levels))
     np.add.at(seen, (np.asarray(truth), np.asarray(given)), 1.0)
-    return float(cohens_kappa(seen, wt="quadratic", return_results=False))
+    kappa = float(cohens_kappa(seen, wt="quadratic", return_results=False))
+    return round(kappa, 12)  # its last digits depend on the order of the sums, and .1875 would print as .187
 
 
 def cluster_interval(
