@@ -113,28 +113,52 @@ def circles(modules: dict[str, Module]) -> list[list[str]]:
 
 
 def way_of_a_copy(modules: dict[str, Module]) -> dict[str, set[str]]:
-    """module -> definitions, of all that `pipeline.assess` may call for a picture."""
+    """module -> definitions, of all that `pipeline.assess` may call for a picture.
+
+    Names are followed through imports. A method counts when its class is reached and its name is used.
+    """
     reached: dict[str, set[str]] = defaultdict(set)
-    waiting = [START]
+    waiting: list[tuple[str, str, ast.AST]] = []
+    methods: dict[str, list[tuple[str, str, ast.AST]]] = defaultdict(list)
+    used: set[str] = set()
+
+    def reach(name: str, definition: str) -> None:
+        if definition in reached.get(name, ()) or f"{name}.{definition}" in NOT_TO_A_MARK:
+            return
+        reached[name].add(definition)
+        node = modules[name].definitions[definition]
+        if not isinstance(node, ast.ClassDef):
+            waiting.append((name, definition, node))
+            return
+        for part in [*node.bases, *node.decorator_list, *node.body]:
+            if not isinstance(part, Function) or part.name.startswith("__"):
+                waiting.append((name, definition, part))
+            elif part.name in used:
+                waiting.append((name, f"{definition}.{part.name}", part))
+            else:
+                methods[part.name].append((name, f"{definition}.{part.name}", part))
+
+    def use(attribute: str) -> None:
+        used.add(attribute)
+        waiting.extend(methods.pop(attribute, []))
+
+    reach(*START)
     while waiting:
-        name, definition = waiting.pop()
-        if definition in reached[name] or f"{name}.{definition}" in NOT_TO_A_MARK:
-            continue
+        name, definition, node = waiting.pop()
         reached[name].add(definition)
         module = modules[name]
-        for node in ast.walk(module.definitions[definition]):
-            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-                owner = module.names.get(node.value.id, "")
-                if owner in modules and node.attr in modules[owner].definitions:
-                    waiting.append((owner, node.attr))
-            if not isinstance(node, ast.Name):
-                continue
-            if node.id in module.definitions:
-                waiting.append((name, node.id))
-            elif node.id in module.names:
-                owner, _, target = module.names[node.id].rpartition(".")
+        for part in ast.walk(node):
+            if isinstance(part, ast.Attribute):
+                use(part.attr)
+                owner = module.names.get(part.value.id, "") if isinstance(part.value, ast.Name) else ""
+                if owner in modules and part.attr in modules[owner].definitions:
+                    reach(owner, part.attr)
+            elif isinstance(part, ast.Name) and part.id in module.definitions:
+                reach(name, part.id)
+            elif isinstance(part, ast.Name) and part.id in module.names:
+                owner, _, target = module.names[part.id].rpartition(".")
                 if owner in modules and target in modules[owner].definitions:
-                    waiting.append((owner, target))
+                    reach(owner, target)
     return {name: found for name, found in reached.items() if name not in GROUND}
 
 
