@@ -1,8 +1,8 @@
 """What is as dark as ink and is not the writing: ruled lines, specks, edges, seals, stains, neighbours.
 
-Lines are told by their shape. All else is judged by connected parts of the ink: where they lie and how large
-they are, and how pale and how red they are against the rest of the ink of the same picture. So a picture of
-one level of ink whose parts stand together stays as it is.
+Ruled lines are recognised by their shape. All else is judged by connected parts of the ink: where they lie,
+how large they are, and how pale and how red they are beside the rest of the ink of the same picture. So a
+picture of one level of ink whose parts lie close together stays as it is.
 """
 
 from __future__ import annotations

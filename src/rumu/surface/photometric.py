@@ -170,7 +170,7 @@ def _photometry(capture: Capture, lamps: PaperLamps | None, solver: str) -> Phot
         found = estimate_photometry(
             capture.images, capture.lights, mask=capture.mask, strengths=capture.strengths
         )
-        # The closed form has no place for a black level.
+        # The closed form has no term for a black level.
         return found if lamps is None else replace(found, black_level=0.0)
     if lamps is None or capture.strengths is not None:
         return known

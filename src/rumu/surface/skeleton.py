@@ -40,14 +40,13 @@ class Skeleton:
 
     nodes: (k, 2) float64, (x, y) of ends and forks. degree: (k,) how many line ends meet there: 1 an end,
         3 or more a fork, 2 a ring's beginning, 0 a dot. segments: what runs between them.
-    width: twice the median half-width along the lines, in pixels. shape: of the mask.
+    width: twice the median half-width along the lines, in pixels.
     """
 
     nodes: FloatArray
     degree: IntArray
     segments: tuple[Segment, ...]
     width: float
-    shape: tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +106,7 @@ def skeletonise(mask: BoolArray, *, settings: SkeletonSettings | None = None) ->
         for s in segments
     )
     degree = _degrees(len(used), (s.ends for s in lines if len(s.points) > 1))
-    return Skeleton(nodes[used] + origin, degree, lines, width, (int(mask.shape[0]), int(mask.shape[1])))
+    return Skeleton(nodes[used] + origin, degree, lines, width)
 
 
 def strokes(skeleton: Skeleton, *, turn: float = 35.0) -> tuple[Stroke, ...]:
