@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import ast
+import inspect
+import itertools
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -46,6 +49,25 @@ def test_public_names_are_locked():
 @pytest.mark.parametrize("name", sorted(PUBLIC))
 def test_every_public_name_can_be_had(name):
     assert getattr(rumu, name).__doc__
+
+
+def sections_of(docstring: str) -> set[str]:
+    """Headings of a numpydoc docstring: lines that dashes of the same length underline."""
+    lines = inspect.cleandoc(docstring).splitlines()
+    return {line for line, below in itertools.pairwise(lines) if line and below == "-" * len(line)}
+
+
+@pytest.mark.parametrize("name", sorted(PUBLIC))
+def test_every_public_name_is_documented_for_an_ide(name):
+    thing = getattr(rumu, name)
+    sections = sections_of(thing.__doc__)
+    if isinstance(thing, type):
+        assert sections & {"Attributes", "Parameters"}
+        return
+    assert {"Parameters", "Returns", "Raises"} <= sections
+    for parameter in inspect.signature(thing).parameters:
+        entry = rf"^ *([a-z, ]+, )?{parameter}\b( :|,|$)"
+        assert re.search(entry, thing.__doc__, re.MULTILINE), parameter
 
 
 def test_an_unknown_name_is_an_attribute_error():
