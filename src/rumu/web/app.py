@@ -10,9 +10,10 @@ from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
 from rumu import __version__
-from rumu.web import error_handlers, openapi, pages
+from rumu.web import openapi, pages
 from rumu.web.caching import ETagMiddleware
 from rumu.web.dependencies import ERROR_RESPONSES
+from rumu.web.error_handlers import EXCEPTION_HANDLERS
 from rumu.web.routes import (
     attempts,
     classes,
@@ -65,9 +66,9 @@ def create_app(settings: ServiceSettings) -> FastAPI:
         redoc_url=None,
         lifespan=lifespan,
         responses=ERROR_RESPONSES,
+        exception_handlers=EXCEPTION_HANDLERS,
     )
     app.state.service = service
-    error_handlers.register(app)
     for router in _ROUTERS:
         app.include_router(router)
     openapi.register(app)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable, Coroutine
+from typing import Any
 
-from fastapi import FastAPI, Request
+from fastapi import Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
@@ -47,12 +49,6 @@ _STATUS: tuple[tuple[type[StudioError], int], ...] = (
 _BUSY_SECONDS = 3  # after which a client is to try again
 
 
-def register(app: FastAPI) -> None:
-    """Let the application answer every error by `error_response`."""
-    for kind in (StudioError, RumuError, RequestValidationError, HTTPException, Exception):
-        app.add_exception_handler(kind, _handle)
-
-
 def error_response(error: Exception) -> JSONResponse:
     """The response to an error. Of those without a sentence in Chinese, pages choose words by the code."""
     headers: dict[str, str] = {}
@@ -84,3 +80,9 @@ async def _handle(request: Request, error: Exception) -> JSONResponse:
     if response.status_code == 500:
         _log.exception("%s %s", request.method, request.url.path, exc_info=error)
     return response
+
+
+EXCEPTION_HANDLERS: dict[int | type[Exception], Callable[..., Coroutine[Any, Any, Response]]] = {
+    kind: _handle for kind in (StudioError, RumuError, RequestValidationError, HTTPException, Exception)
+}
+"""For FastAPI: every error is answered by `error_response`."""

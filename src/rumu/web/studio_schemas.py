@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, field_validator, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from rumu.web.dependencies import Id, LongText, ShortText
 from rumu.web.schemas import BilingualText, Extended, PersonRead, Reference, Schema, WorkSummary
@@ -307,12 +307,7 @@ class JobRead(Schema):
     total: int
     message: str
     result: dict[str, Any]
-    error: BilingualText | None
-
-    @field_validator("error", mode="before")
-    @classmethod
-    def _no_error(cls, error: Any) -> Any:
-        return error if any(error) else None
+    error: Annotated[BilingualText | None, BeforeValidator(lambda error: error if any(error) else None)]
 
 
 class JobStarted(Schema):
