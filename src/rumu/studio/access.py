@@ -50,7 +50,7 @@ def find_visible_person(session: Session, person_id: str, *, who: Identity) -> P
     """Return a person. Raises Missing also where they exist but may not be seen: an id reveals nothing."""
     person = session.scalar(select(Person).where(Person.id == person_id, people_of(who)))
     if person is None:
-        raise Missing("沒有這個人。", "There is no such person.")
+        raise Missing(zh="沒有這個人。", en="There is no such person.")
     return person
 
 
@@ -59,7 +59,7 @@ def find_visible_attempt(session: Session, attempt_id: str, *, who: Identity | N
     allowed = Attempt.kind == "simulated" if who is None else attempts_of(who)
     attempt = session.scalar(select(Attempt).where(Attempt.id == attempt_id, allowed))
     if attempt is None:
-        raise Missing("沒有這張臨作。", "There is no such copy.")
+        raise Missing(zh="沒有這張臨作。", en="There is no such copy.")
     return attempt
 
 

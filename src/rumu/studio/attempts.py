@@ -73,7 +73,7 @@ def task_for(session: Session, task_id: str, *, who: Identity, work_id: str) -> 
     """
     task = find_row(session, Task, task_id, who=who)
     if session.get(Membership, (task.class_id, who.id)) is None:
-        raise NotAllowed("這項作業是給班上學生的。", "This task is for the pupils of the class.")
+        raise NotAllowed(zh="這項作業是給班上學生的。", en="This task is for the pupils of the class.")
     if task.work_id != work_id:
         raise Unusable("task", zh="這項作業臨的是另一件作品。", en="This task is about another work.")
     return task
@@ -116,15 +116,11 @@ def add_attempt(
         created=now(),
     )
     with gallery.database.writing() as session:
-        if task_id is not None and not _task_exists(session, task_id):
+        lock = {"read": True, "key_share": True}  # PostgreSQL's, until the end of this transaction
+        if task_id is not None and session.get(Task, task_id, with_for_update=lock) is None:
             attempt.task_id = None  # deleted while the copy was marked: it stays its writer's
         session.add(attempt)
     return attempt
-
-
-def _task_exists(session: Session, task_id: str) -> bool:
-    """Whether a task exists; PostgreSQL then locks it until the end of this transaction."""
-    return session.get(Task, task_id, with_for_update={"read": True, "key_share": True}) is not None
 
 
 def residual(store: Store, attempt: Attempt) -> dict[str, Any] | None:

@@ -25,8 +25,11 @@ _CONDITIONS: dict[type[Any], tuple[Callable[[Identity], ColumnElement[bool]], st
 
 @dataclass(frozen=True, slots=True)
 class PupilRow:
-    """One pupil in the table of a task. attempts: how many; best, last: scores, None where none was marked;
-    last_id: the newest attempt; teacher_mark: the teacher's newest mark of this pupil's attempts."""
+    """One pupil in the table of a task.
+
+    attempts: how many; best, last: scores, None where none was marked; last_id: the newest attempt;
+    teacher_mark: the teacher's newest mark of this pupil's attempts.
+    """
 
     person: Person
     attempts: int
@@ -38,7 +41,7 @@ class PupilRow:
 
 @dataclass(frozen=True, slots=True)
 class CommonRemark:
-    """count: in how many pupils' latest attempts a remark of this kind stands."""
+    """A kind of remark, and in how many pupils' latest attempts it stands."""
 
     kind: str
     count: int
@@ -69,7 +72,7 @@ def find_row(
     seen, zh, en = _CONDITIONS[table]
     row = session.scalar(select(table).where(table.id == row_id, seen(who)))
     if row is None:
-        raise Missing(f"沒有這{zh}。", f"There is no such {en}.")
+        raise Missing(zh=f"沒有這{zh}。", en=f"There is no such {en}.")
     if to_teach and not who.teaches:
         raise NotAllowed()
     return row
@@ -119,7 +122,7 @@ def add_task(
 ) -> Task:
     """Add a task to a class. Raises Missing for an unknown work."""
     if session.get(Work, work_id) is None:
-        raise Missing("沒有這件作品。", "There is no such work.")
+        raise Missing(zh="沒有這件作品。", en="There is no such work.")
     task = Task(class_id=school_class.id, work_id=work_id, title=title, note=note, due=due)
     session.add(task)
     session.flush()
@@ -139,7 +142,9 @@ def task_table(session: Session, task: Task, *, who: Identity) -> list[PupilRow]
     here = {person.id for person in people}
     gone = {a.person_id for a in attempts if a.person_id is not None} - here
     people += list(session.scalars(select(Person).where(Person.id.in_(gone)))) if gone else []
-    marks = _teacher_marks(session, [attempt.id for attempt in attempts])
+    ids = [attempt.id for attempt in attempts]
+    given = select(TeacherMark).where(TeacherMark.attempt_id.in_(ids)).order_by(TeacherMark.created)
+    marks = {mark.attempt_id: mark for mark in session.scalars(given)}
     return [_row(person, [a for a in attempts if a.person_id == person.id], marks) for person in people]
 
 
@@ -172,8 +177,3 @@ def count_members(session: Session, class_ids: Sequence[str]) -> dict[str, tuple
     many = dict(session.execute(members.group_by(Membership.class_id)).all())  # type: ignore[arg-type]
     tasks_in = dict(session.execute(given.group_by(Task.class_id)).all())  # type: ignore[arg-type]
     return {one: (many.get(one, 0), tasks_in.get(one, 0)) for one in class_ids}
-
-
-def _teacher_marks(session: Session, attempt_ids: Sequence[str]) -> dict[str, TeacherMark]:
-    wanted = select(TeacherMark).where(TeacherMark.attempt_id.in_(attempt_ids)).order_by(TeacherMark.created)
-    return {mark.attempt_id: mark for mark in session.scalars(wanted)}

@@ -36,21 +36,24 @@ class AttemptPair:
 def next_pair(session: Session, who: Identity, *, work_id: str | None = None) -> AttemptPair | None:
     """Return a pair that this judge has not judged yet, of one work if given; None when none is left."""
     attempts = _candidates(session, who, work_id)
-    judged = _judged_by(session, who.id)
+    verdicts_given = select(Comparison.first_id, Comparison.second_id).where(Comparison.judge_id == who.id)
+    judged = {frozenset((first, second)) for first, second in session.execute(verdicts_given)}
     by_work: dict[str, list[Attempt]] = {}
     for attempt in attempts:
         by_work.setdefault(attempt.work_id, []).append(attempt)
-    open_pairs = {work: _count_open_pairs(group, judged) for work, group in by_work.items()}
+    open_pairs: dict[str, int] = {}
+    for work, group in by_work.items():
+        members = {attempt.id for attempt in group}
+        open_pairs[work] = len(group) * (len(group) - 1) // 2 - sum(pair <= members for pair in judged)
     works = [work for work, left in open_pairs.items() if left]
     if not works:
         return None
     times = _count_judgements(session, [attempt.id for attempt in attempts])
-    chosen = min((_least_judged(by_work[work], times, judged) for work in works), key=lambda found: found[0])[
-        1
-    ]
+    pairs = (_least_judged(by_work[work], times, judged) for work in works)
+    _, chosen = min(pairs, key=lambda pair: pair[0])
     left, right = random.sample(chosen, 2)
     ids = {attempt.id for attempt in attempts}
-    done = sum(1 for pair in judged if pair <= ids)
+    done = sum(pair <= ids for pair in judged)
     return AttemptPair(left, right, done, sum(open_pairs.values()))
 
 
@@ -59,16 +62,6 @@ def _candidates(session: Session, who: Identity, work_id: str | None) -> Sequenc
     if work_id is not None:
         wanted = wanted.where(Attempt.work_id == work_id)
     return session.scalars(wanted).all()
-
-
-def _judged_by(session: Session, judge_id: str) -> set[frozenset[str]]:
-    wanted = select(Comparison.first_id, Comparison.second_id).where(Comparison.judge_id == judge_id)
-    return {frozenset((first, second)) for first, second in session.execute(wanted)}
-
-
-def _count_open_pairs(group: Sequence[Attempt], judged: set[frozenset[str]]) -> int:
-    ids = {attempt.id for attempt in group}
-    return len(group) * (len(group) - 1) // 2 - sum(1 for pair in judged if pair <= ids)
 
 
 def _count_judgements(session: Session, ids: Sequence[str]) -> Counter[str]:
@@ -90,7 +83,7 @@ def _least_judged(
             for a, b in itertools.combinations(some, 2)
             if frozenset((a.id, b.id)) not in judged
         )
-        best = min(pairs, key=lambda found: found[0], default=None)
+        best = min(pairs, key=lambda pair: pair[0], default=None)
         if best is not None:
             return best
     raise AssertionError("expected an open pair in a group that has one left over")

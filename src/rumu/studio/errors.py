@@ -8,11 +8,19 @@ from rumu.errors import RumuError
 
 
 class StudioError(RumuError):
-    """Base. code: one word or two; zh, en: one sentence each."""
+    """Base of the studio's errors.
 
-    def __init__(self, code: str, *, zh: str, en: str) -> None:
-        super().__init__(en)
-        self.code, self.zh, self.en = code, zh, en
+    code: one word or two; zh, en: one sentence each; what is not given is the class's own.
+    """
+
+    code = "error"
+    zh = "無法完成。"
+    en = "It cannot be done."
+
+    def __init__(self, code: str | None = None, *, zh: str | None = None, en: str | None = None) -> None:
+        self.code = code or self.code
+        self.zh, self.en = zh or self.zh, en or self.en
+        super().__init__(self.en)
 
     def __reduce__(self) -> Any:
         return _restore, (type(self), self.__dict__)  # pickled between processes
@@ -27,37 +35,29 @@ def _restore(kind: type[StudioError], state: dict[str, Any]) -> StudioError:
 class Missing(StudioError):  # noqa: N818
     """There is no such thing, or this person may not know of it."""
 
-    def __init__(self, zh: str = "沒有這個項目。", en: str = "There is no such thing.") -> None:
-        super().__init__("not_found", zh=zh, en=en)
+    code, zh, en = "not_found", "沒有這個項目。", "There is no such thing."
 
 
 class NotAllowed(StudioError):  # noqa: N818
-    """This person may not do this."""
+    """The person lacks the right."""
 
-    def __init__(self, zh: str = "您沒有這個權限。", en: str = "You may not do this.") -> None:
-        super().__init__("not_allowed", zh=zh, en=en)
+    code, zh, en = "not_allowed", "您沒有這個權限。", "You may not do this."
 
 
 class Clash(StudioError):  # noqa: N818
     """It conflicts with something that exists already."""
 
-    def __init__(self, code: str = "conflict", *, zh: str, en: str) -> None:
-        super().__init__(code, zh=zh, en=en)
+    code = "conflict"
 
 
 class Unusable(StudioError):  # noqa: N818
     """What was given cannot be used."""
 
-    def __init__(self, code: str = "unusable", *, zh: str, en: str) -> None:
-        super().__init__(code, zh=zh, en=en)
+    code = "unusable"
 
 
 class Busy(StudioError):  # noqa: N818
     """Too many requests are waiting; it can be tried again later."""
 
-    def __init__(self) -> None:
-        super().__init__(
-            "busy",
-            zh="現在排隊的人太多，請過一會兒再試。",
-            en="Too many are waiting now; try again in a moment.",
-        )
+    code = "busy"
+    zh, en = "現在排隊的人太多，請過一會兒再試。", "Too many are waiting now; try again in a moment."

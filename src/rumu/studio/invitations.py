@@ -34,12 +34,12 @@ def invite(
     """
     if not (who.owns or (who.role == "teacher" and role == "pupil" and class_id is not None)):
         raise NotAllowed(
-            "老師只能邀請學生進自己的班。", "A teacher may invite pupils into their own classes only."
+            zh="老師只能邀請學生進自己的班。", en="A teacher may invite pupils into their own classes only."
         )
     if class_id is not None:
         find_row(session, SchoolClass, class_id, who=who, to_teach=True)
         if role != "pupil":
-            raise NotAllowed("班級只收學生。", "Only pupils are invited into a class.")
+            raise NotAllowed(zh="班級只收學生。", en="Only pupils are invited into a class.")
     return _add_invitation(session, role=role, class_id=class_id, author_id=who.id)
 
 
@@ -64,10 +64,11 @@ def find_invitation(session: Session, token: str) -> tuple[Invitation, SchoolCla
     row = session.get(Invitation, _digest(token))
     if row is None or row.used is not None or row.expires < now():
         raise Missing(
-            "這個邀請連結無效，或者已經用過、過期了。", "This invitation is unknown, used or out of date."
+            zh="這個邀請連結無效，或者已經用過、過期了。",
+            en="This invitation is unknown, used or out of date.",
         )
     if row.role == "owner" and row.author_id is None and owner_exists(session):
-        raise Missing("已經有館主了。", "There is an owner already.")
+        raise Missing(zh="已經有館主了。", en="There is an owner already.")
     return row, session.get(SchoolClass, row.class_id) if row.class_id else None
 
 
@@ -79,7 +80,7 @@ def accept(session: Session, token: str, *, name: str, password: str) -> Person:
     row, school_class = find_invitation(session, token)
     taken = update(Invitation).where(Invitation.token == row.token, Invitation.used.is_(None))
     if session.execute(taken.values(used=now())).rowcount != 1:  # type: ignore[attr-defined]
-        raise Missing("這個邀請連結已經用過了。", "This invitation has been used.")
+        raise Missing(zh="這個邀請連結已經用過了。", en="This invitation has been used.")
     person = None
     if school_class is not None:
         person = authenticate(session, name=name, password=password)

@@ -59,7 +59,7 @@ def find_job(session: Session, job_id: str, *, who: Identity) -> Job:
     """Return a job to the person who queued it or to an owner. Raises Missing."""
     job = session.get(Job, job_id)
     if job is None or not (who.owns or job.person_id == who.id):
-        raise Missing("沒有這項工作。", "There is no such job.")
+        raise Missing(zh="沒有這項工作。", en="There is no such job.")
     return job
 
 
@@ -67,7 +67,7 @@ def cancel(session: Session, job_id: str, *, who: Identity) -> Job:
     """Cancel an unfinished job; a running one stops at its next step. Raises Missing, NotAllowed."""
     job = find_job(session, job_id, who=who)
     if job.state in FINISHED:
-        raise NotAllowed("這項工作已經結束了。", "This job has ended.")
+        raise NotAllowed(zh="這項工作已經結束了。", en="This job has ended.")
     job.state, job.changed = "cancelled", now()
     session.flush()
     return job

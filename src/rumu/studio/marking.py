@@ -58,20 +58,20 @@ def load_calibration_of(storage: Storage) -> Calibration | None:
 
 
 def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
-    """Everything of a mark that a page shows, as JSON can say it, but for the residual points."""
+    """Return all that a page shows of a mark, fit for JSON, except the residuals."""
     return {
-        "score": _rounded(mark.score, 2),
+        "score": _round(mark.score, 2),
         "level": mark.level,
         "level_text": None if mark.level is None else LEVELS[mark.level]._asdict(),
         "cuts": dict(CUTS["panel"]),
-        "interval": None if mark.interval is None else [_rounded(bound, 2) for bound in mark.interval],
-        "interval_note": _note(mark),
+        "interval": None if mark.interval is None else [_round(bound, 2) for bound in mark.interval],
+        "interval_note": _interval_note(mark),
         "parts": [_part(name, score) for name, score in mark.parts.items()],
         "remarks": [_remark(remark) for remark in mark.remarks],
-        "similarity": _rounded(mark.similarity, 4),
-        "sim_paper": _rounded(mark.sim_paper, 4),
+        "similarity": _round(mark.similarity, 4),
+        "sim_paper": _round(mark.sim_paper, 4),
         "pose": None if mark.registration is None else _pose(mark.registration),
-        "refused": _refused(mark),
+        "refused": _refusal(mark),
         "source": None if mark.source is None else list(mark.source),
         "source_text": _source_text(mark),
         "calibration": mark.calibration,
@@ -83,28 +83,28 @@ def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
 def residual_facts(registration: Registration) -> dict[str, list[list[float]]]:
     """{'copy', 'master'}: [[x, y, r], ...], at most POINTS each.
 
-    x, y: fractions of the own cell, origin top left. r: distance in the plane to the nearest point of the
-    other
-    once the copy is laid on the master, 0 on the line to 1 at a distance of 0.3 rms radii or more.
+    x, y: fractions of the point's own cell, origin top left. r: distance in the plane to the nearest point of
+    the other once the copy is laid on the master, from 0 at no distance to 1 at 0.3 rms radii or more.
     """
-    copy, master = _planar(registration)
+    copy, master = _planar_points(registration)
     sides = (
         ("copy", registration.probe, copy, master),
         ("master", registration.reference, master, copy),
     )
-    told = {}
+    residuals = {}
     for name, points, own, other in sides:
-        chosen = _spread(own)
-        stray = np.clip(cKDTree(other).query(own[chosen])[0] / _FAR, 0, 1)
+        chosen = _thin_out(own)
+        distance = np.clip(cKDTree(other).query(own[chosen])[0] / _FAR, 0, 1)
         at = in_cell(points)[chosen]
-        told[name] = np.round(np.column_stack([at, stray]), 4).tolist()
-    return told
+        residuals[name] = np.round(np.column_stack([at, distance]), 4).tolist()
+    return residuals
 
 
 def alignment(registration: Registration) -> list[float]:
-    """[a, b, c, d, e, f] with x' = a x + c y + e, y' = b x + d y + f: fractions of the copy's cell, origin
-    top
-    left, to fractions of the master's, as a page's transform takes them."""
+    """Return the map from the copy's cell to the master's as [a, b, c, d, e, f], in the order of CSS.
+
+    x' = a x + c y + e, y' = b x + d y + f, in fractions of each cell, origin top left.
+    """
     probe, reference = registration.probe, registration.reference
     pose = registration.T_reference_probe
     turn, shift = pose[:2, :2], pose[:2, 3]
@@ -119,7 +119,7 @@ def alignment(registration: Registration) -> list[float]:
 
 
 def in_cell(points: PointSet) -> FloatArray:
-    """(N, 2): where the points stand, in fractions of their cell, origin top left."""
+    """Return the points' positions (N, 2) in fractions of their cell, origin top left."""
     from_middle = points.xyz[:, :2] * points.radius + points.centre
     return np.asarray(from_middle @ np.linalg.inv(_linear(points)).T + 0.5)
 
@@ -130,14 +130,14 @@ def _linear(points: PointSet) -> FloatArray:
     return np.array([[width, 0.0], [0.0, -height]])
 
 
-def _planar(registration: Registration) -> tuple[FloatArray, FloatArray]:
+def _planar_points(registration: Registration) -> tuple[FloatArray, FloatArray]:
     pose = registration.T_reference_probe
     copy = registration.probe.xyz @ pose[:3, :3].T + pose[:3, 3]
     return np.asarray(copy[:, :2]), registration.reference.xyz[:, :2]
 
 
-def _spread(points: FloatArray) -> IntArray:
-    """Indices of at most POINTS, one in each square of a grid that is just wide enough."""
+def _thin_out(points: FloatArray) -> IntArray:
+    """Return the indices of at most POINTS points, one in each square of a grid that is just wide enough."""
     side = 1.0 / RADIUS  # a pixel of the canvas they were taken from: all of them
     while True:
         square = np.floor(points / side).astype(np.int64)
@@ -149,7 +149,7 @@ def _spread(points: FloatArray) -> IntArray:
 
 def _part(name: str, score: float) -> dict[str, Any]:
     title, meaning = PARTS[name]
-    return {"name": name, "zh": title.zh, "en": title.en, "score": _rounded(score, 2)} | {
+    return {"name": name, "zh": title.zh, "en": title.en, "score": _round(score, 2)} | {
         "meaning": meaning._asdict()
     }
 
@@ -161,37 +161,37 @@ def _remark(remark: Remark) -> dict[str, Any]:
         "name": name._asdict(),
         "zh": remark.zh,
         "en": remark.en,
-        "severity": _rounded(remark.severity, 3),
-        "size": _rounded(remark.size, 4),
+        "severity": _round(remark.severity, 3),
+        "size": _round(remark.size, 4),
         "unit": remark.unit,
-        "region": None if remark.region is None else [_rounded(edge, 4) for edge in remark.region],
-        "outline": [[[_rounded(x, 4), _rounded(y, 4)] for x, y in line] for line in remark.outline],
+        "region": None if remark.region is None else [_round(edge, 4) for edge in remark.region],
+        "outline": [[[_round(x, 4), _round(y, 4)] for x, y in line] for line in remark.outline],
     }
 
 
 def _pose(registration: Registration) -> dict[str, Any]:
     return {
-        "angle": _rounded(registration.angle, 3),
-        "scale": _rounded(registration.scale, 4),
-        "shift": [_rounded(float(part), 4) for part in registration.shift],
+        "angle": _round(registration.angle, 3),
+        "scale": _round(registration.scale, 4),
+        "shift": [_round(float(part), 4) for part in registration.shift],
     }
 
 
-def _refused(mark: Assessment) -> dict[str, str] | None:
+def _refusal(mark: Assessment) -> dict[str, str] | None:
     if mark.refused is None:
         return None
     code, _, sentence = mark.refused.partition(": ")
     return {"code": code, "zh": mark.refused_zh or sentence, "en": sentence}
 
 
-def _note(mark: Assessment) -> dict[str, str] | None:
+def _interval_note(mark: Assessment) -> dict[str, str] | None:
     if mark.interval_note is None:
         return None
     return {"zh": mark.interval_note_zh or mark.interval_note, "en": mark.interval_note}
 
 
 def _source_text(mark: Assessment) -> dict[str, str] | None:
-    """Where the heights come from; said once where copy and master have it from the same."""
+    """Say where the heights come from, once if those of copy and master come from the same."""
     if mark.source is None:
         return None
     texts = [SOURCES[source] for source in dict.fromkeys(mark.source)]
@@ -204,5 +204,5 @@ def _source_text(mark: Assessment) -> dict[str, str] | None:
     }
 
 
-def _rounded(value: float | None, digits: int) -> float | None:
+def _round(value: float | None, digits: int) -> float | None:
     return None if value is None else round(float(value), digits)

@@ -103,7 +103,7 @@ def change_password(session: Session, person_id: str, *, old: str, new: str) -> 
     """Set a new password and end every session. Raises NotAllowed when the old password is wrong."""
     person = find_person(session, person_id)
     if not verify_password(old, person.password):
-        raise NotAllowed("舊密碼不對。", "The old password is wrong.")
+        raise NotAllowed(zh="舊密碼不對。", en="The old password is wrong.")
     person.password = hash_password(new)
     person.epoch += 1
     return person
@@ -126,7 +126,7 @@ def change_person(session: Session, person_id: str, changes: dict[str, Any]) -> 
         person.epoch += 1
     session.flush()
     if was_owner and not owner_exists(session):
-        raise NotAllowed("至少要留一位館主。", "There must be an owner left.")
+        raise NotAllowed(zh="至少要留一位館主。", en="There must be an owner left.")
     return person
 
 
@@ -153,7 +153,7 @@ def find_person(session: Session, person_id: str) -> Person:
     """Return the person with this id. Raises Missing."""
     person = session.get(Person, person_id)
     if person is None:
-        raise Missing("沒有這個人。", "There is no such person.")
+        raise Missing(zh="沒有這個人。", en="There is no such person.")
     return person
 
 

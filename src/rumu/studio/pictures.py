@@ -16,6 +16,7 @@ MAX_BYTES = 10 * 2**20
 MAX_PIXELS = 24_000_000
 MAX_SIDE = 1600  # pixels; a mark does not gain from more
 MIN_SIDE = 16
+MEDIA_TYPES = {"jpg": "image/jpeg", "png": "image/png"}  # of stored pictures, by their suffix
 _FORMATS = ("PNG", "JPEG")
 _ENDINGS = {"PNG": "png", "JPEG": "jpg", "TIFF": "tif", "WEBP": "webp"}  # of works
 
@@ -95,11 +96,6 @@ def normalise_picture(data: bytes) -> UprightPicture:
     else:
         image.save(stream, "PNG")
     return UprightPicture(stream.getvalue(), "jpg" if jpeg else "png", *image.size)
-
-
-def media_type(ending: str) -> str:
-    """Return the media type of a stored picture."""
-    return {"jpg": "image/jpeg", "png": "image/png"}[ending]
 
 
 def _open(data: bytes, *, formats: tuple[str, ...] = _FORMATS) -> Image:

@@ -61,7 +61,7 @@ def curve(session: Session, person_id: str, *, work_id: str) -> Curve:
     """Return a person's curve of one work. Raises Missing when they never copied it."""
     found = curves(session, person_id, work_id=work_id)
     if not found:
-        raise Missing("還沒有臨過這件作品。", "There is no attempt at this work.")
+        raise Missing(zh="還沒有臨過這件作品。", en="There is no attempt at this work.")
     return found[0]
 
 

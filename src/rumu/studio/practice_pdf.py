@@ -64,9 +64,11 @@ def practice_pdf(sheet: PracticeSheet) -> bytes:
 
     stream = io.BytesIO()
     canvas = Canvas(stream, pagesize=(_WIDTH, _HEIGHT), pageCompression=1)
-    canvas.setTitle(f"rumu: {_title(sheet)}, {sheet.name}")
+    work = sheet.curve.work
+    title = work.title_en if sheet.language == "en" else work.title_zh
+    canvas.setTitle(f"rumu: {title}, {sheet.name}")
     canvas.setAuthor("rumu")
-    y = _heading(canvas, sheet)
+    y = _heading(canvas, sheet, title)
     y = _cells(canvas, sheet, y)
     y = _plot(canvas, sheet, y)
     y = _table(canvas, sheet, y)
@@ -80,15 +82,10 @@ def _word(name: str, sheet: PracticeSheet) -> str:
     return _WORDS[name][sheet.language == "en"]
 
 
-def _title(sheet: PracticeSheet) -> str:
-    work = sheet.curve.work
-    return work.title_en if sheet.language == "en" else work.title_zh
-
-
-def _heading(canvas: Any, sheet: PracticeSheet) -> float:
+def _heading(canvas: Any, sheet: PracticeSheet, title: str) -> float:
     y = _HEIGHT - _MARGIN - 20
     canvas.setFillColorRGB(*_INK)
-    draw_text(canvas, _MARGIN, y, f"{_word('title', sheet)} · {_title(sheet)}", 19, bold=True)
+    draw_text(canvas, _MARGIN, y, f"{_word('title', sheet)} · {title}", 19, bold=True)
     work = sheet.curve.work
     hand = work.hand_en if sheet.language == "en" else work.hand_zh
     scores = sheet.curve.scores

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import hmac
 import secrets
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from itsdangerous import BadData, URLSafeTimedSerializer
 from sqlalchemy import select
@@ -23,26 +23,23 @@ DAYS_VALID = 30
 class Ticket:
     """What a session's cookie holds.
 
-    serial: random, one for each session. person_id: None for a visitor. epoch: the person's, when the ticket
-    was made; a later epoch ends the session.
+    person_id: None for a visitor. epoch: the person's, when the ticket was made; a later epoch ends the
+    session. serial: random, one for each session.
     """
 
-    serial: str
     person_id: str | None = None
     epoch: int = 0
+    serial: str = field(default_factory=lambda: secrets.token_urlsafe(12))
 
 
 class Tickets:
-    """Creates, signs and reads tickets with one key."""
+    """Signs and reads tickets with one key."""
 
     def __init__(self, key: str) -> None:
         self._key = key.encode()
         self._signer = URLSafeTimedSerializer(
             key, salt=_SALT, signer_kwargs={"digest_method": hashlib.sha256}
         )
-
-    def create(self, *, person_id: str | None = None, epoch: int = 0) -> Ticket:
-        return Ticket(secrets.token_urlsafe(12), person_id, epoch)
 
     def serialise(self, ticket: Ticket) -> str:
         """Return the signed text of a ticket, for the cookie."""
@@ -54,7 +51,7 @@ class Tickets:
             return None
         try:
             serial, person_id, epoch = self._signer.loads(text, max_age=DAYS_VALID * 86400)
-            return Ticket(str(serial), None if person_id is None else str(person_id), int(epoch))
+            return Ticket(None if person_id is None else str(person_id), int(epoch), str(serial))
         except (BadData, ValueError, TypeError):
             return None
 

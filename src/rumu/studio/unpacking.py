@@ -45,12 +45,13 @@ def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Pa
     limits = limits or ZipLimits()
     folder.mkdir(parents=True, exist_ok=True)
     try:
+        max_bytes = min(limits.all_bytes, max(limits.ratio_from, limits.ratio * packed.stat().st_size))
         with zipfile.ZipFile(packed) as archive:
             entries = [entry for entry in archive.infolist() if _is_file(entry)]
             if len(entries) > limits.files:
                 raise _too_large(f"{len(entries)} files, at most {limits.files}")
             targets = [_target(entry, folder) for entry in entries]
-            _write_all(archive, entries, targets, limits, max_bytes=_max_bytes(packed, limits))
+            _write_all(archive, entries, targets, limits, max_bytes=max_bytes)
     except (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError, RuntimeError) as error:
         raise Unusable(
             "no_zip",
@@ -63,10 +64,6 @@ def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Pa
         ) from error
     inside = list(folder.iterdir())
     return inside[0] if len(inside) == 1 and inside[0].is_dir() else folder
-
-
-def _max_bytes(packed: Path, limits: ZipLimits) -> int:
-    return min(limits.all_bytes, max(limits.ratio_from, limits.ratio * packed.stat().st_size))
 
 
 def _is_file(entry: zipfile.ZipInfo) -> bool:

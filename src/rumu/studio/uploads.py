@@ -31,12 +31,14 @@ def metadata_of(facts: Mapping[str, str]) -> WorkMetadata:
 
     Where one language is empty the other stands for both.
     """
-    texts: dict[str, Any] = {name: _both(facts, name) for name in TEXTS}
+    texts: dict[str, Any] = {}
+    for name in TEXTS:
+        zh, en = facts.get(f"{name}_zh", ""), facts.get(f"{name}_en", "")
+        texts[name] = Bilingual(zh or en, en or zh)
     words: dict[str, Any] = {name: facts.get(name, "") for name in WORDS}
     words["licence"] = words["licence"] or NO_LICENCE
     if not texts["title"].zh:
-        name = words["character"] or "無題"
-        texts["title"] = Bilingual(name, words["character"] or "Untitled")
+        texts["title"] = Bilingual(words["character"] or "無題", words["character"] or "Untitled")
     return WorkMetadata(**texts, **words)
 
 
@@ -72,12 +74,12 @@ def import_zip(
     nothing else names one, fit for a folder. Works that are there already are counted and left unchanged, so
     that an import can be repeated.
     """
-    with tempfile.TemporaryDirectory(prefix="rumu-") as place:
+    with tempfile.TemporaryDirectory(prefix="rumu-") as temporary:
         progress(0, 0, "解開 Unpacking")
-        folder = unpack(packed, Path(place) / name)
+        folder = unpack(packed, Path(temporary) / name)
         if (folder / LABELS).is_file() or (folder / MANIFEST).is_file():
             progress(0, 0, "收入 Putting in")
-            done = import_folder(gallery, folder, shared=_told(gallery, facts), progress=progress)
+            done = import_folder(gallery, folder, shared=_shared_metadata(gallery, facts), progress=progress)
             return {
                 "collections": list(done.collections),
                 "added": done.added,
@@ -93,13 +95,8 @@ def import_zip(
         return {"work": added.id, "added": int(added.new), "there": int(not added.new)}
 
 
-def _told(gallery: Gallery, facts: Mapping[str, str]) -> SharedMetadata | None:
+def _shared_metadata(gallery: Gallery, facts: Mapping[str, str]) -> SharedMetadata | None:
     if not facts.get("collection"):
         return None
     collection = find_or_name_collection(gallery, facts["collection"])
     return SharedMetadata({"id": collection.id}, {"title": collection.title})
-
-
-def _both(facts: Mapping[str, str], name: str) -> Bilingual:
-    zh, en = facts.get(f"{name}_zh", ""), facts.get(f"{name}_en", "")
-    return Bilingual(zh or en, en or zh)

@@ -15,7 +15,7 @@ from rumu.studio import attempts
 from rumu.studio.access import find_visible_attempt
 from rumu.studio.errors import Missing
 from rumu.studio.people import Identity
-from rumu.studio.pictures import media_type
+from rumu.studio.pictures import MEDIA_TYPES
 from rumu.web.dependencies import CurrentUser, Limit, Offset, PathId, QueryId, ServiceDep, TeacherUser
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
@@ -72,7 +72,7 @@ def get_strokes(request: Request, service: ServiceDep, user: CurrentUser, attemp
     """The path of the pen."""
     key = _find_attempt(service, user, attempt_id).strokes
     if key is None:
-        raise Missing("這張臨作沒有筆跡記錄。", "This copy was not written with a pen here.")
+        raise Missing(zh="這張臨作沒有筆跡記錄。", en="This copy was not written with a pen here.")
     return _stored_file(request, service, key)
 
 
@@ -116,6 +116,6 @@ def _find_attempt(service: Service, user: Identity, attempt_id: str) -> Attempt:
 def _stored_file(request: Request, service: Service, key: str) -> Response:
     data = service.gallery.store.read(key)
     ending = PurePosixPath(key).suffix.removeprefix(".")
-    kind = "application/json" if ending == "json" else media_type(ending)
+    kind = "application/json" if ending == "json" else MEDIA_TYPES[ending]
     content = FileContent(data, None, kind, hashlib.sha256(data).hexdigest()[:20])
     return file_response(request, content, private=True)

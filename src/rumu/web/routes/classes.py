@@ -139,7 +139,9 @@ def _marks_zip(service: ServiceDep, user: Identity, task_id: str | None) -> Resp
     with service.gallery.database.reading() as session:
         marks = given_marks(session, user, task_id=task_id)
     if len(marks) > _MAX_MARKS:
-        raise NotAllowed("分數太多，請按作業分別下載。", "There are too many marks; fetch them task by task.")
+        raise NotAllowed(
+            zh="分數太多，請按作業分別下載。", en="There are too many marks; fetch them task by task."
+        )
     data = marks_zip(service.gallery.store, marks)
     return download_response(data, media_type="application/zip", filename="marks.zip")
 

@@ -36,7 +36,7 @@ def get_collection_manifest(request: Request, service: ServiceDep, collection_id
     try:
         facts = collection_manifest(service.gallery, collection_id, base=_base_url(request))
     except GalleryError as error:
-        raise Missing("沒有這個集子。", "There is no such collection.") from error
+        raise Missing(zh="沒有這個集子。", en="There is no such collection.") from error
     return _iiif_response(facts, "presentation")
 
 

@@ -144,7 +144,7 @@ def _start_session(
 ) -> dict[str, Any]:
     """A new session. person: None for a visitor's."""
     person_id, epoch = (None, 0) if person is None else (person.id, person.epoch)
-    ticket = service.tickets.create(person_id=person_id, epoch=epoch)
+    ticket = Ticket(person_id=person_id, epoch=epoch)
     set_session_cookie(request, response, service, ticket)
     return _session_facts(service, ticket)
 

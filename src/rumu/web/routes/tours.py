@@ -30,7 +30,7 @@ def get_tour(service: ServiceDep, tour_id: PathId) -> Tour:
     try:
         return tours.tour(service.gallery, tour_id)
     except GalleryError as error:
-        raise Missing("沒有這條導覽。", "There is no such tour.") from error
+        raise Missing(zh="沒有這條導覽。", en="There is no such tour.") from error
 
 
 @router.post("/api/tours", response_model=TourRead, status_code=201)

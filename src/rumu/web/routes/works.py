@@ -49,7 +49,7 @@ def find_work(service: Service, work_id: str) -> Work:
     try:
         return catalog.work(service.gallery, work_id)
     except GalleryError as error:
-        raise Missing("沒有這件作品。", "There is no such work.") from error
+        raise Missing(zh="沒有這件作品。", en="There is no such work.") from error
 
 
 def work_filters(
@@ -97,7 +97,7 @@ def get_collection(service: ServiceDep, collection_id: PathId) -> Extended:
     for row in list_collections(service):
         if row.id == collection_id:
             return row
-    raise Missing("沒有這個集子。", "There is no such collection.")
+    raise Missing(zh="沒有這個集子。", en="There is no such collection.")
 
 
 @router.get("/api/works/{work_id}", response_model=WorkRead)
@@ -227,7 +227,7 @@ def _check_annotation(service: Service, work_id: str, annotation_id: str) -> Non
     with service.gallery.database.reading() as session:
         row = session.get(Annotation, annotation_id)
     if row is None or row.work_id != work_id:
-        raise Missing("沒有這條註解。", "There is no such annotation.")
+        raise Missing(zh="沒有這條註解。", en="There is no such annotation.")
 
 
 def to_columns(values: dict[str, Any]) -> dict[str, Any]:
