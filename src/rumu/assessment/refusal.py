@@ -1,4 +1,4 @@
-"""Whether a copy can be marked: is it whole, one character, written solid, and the master's at all?
+"""Whether a copy can be marked: whole, one character, written solid, and the master's at all.
 
 Nothing here knows a character. Everything is asked of the pair: how the copy lies on the master after
 registration, and whether the master mirrored, or turned, or a part of the picture alone, is more alike.

@@ -76,7 +76,7 @@ def kind_of(line: CentreLine, *, width: float) -> Bilingual:
 
 
 def _kind_by_direction(right: float, down: float) -> Bilingual:
-    """y grows downward: 0 runs to the right, 90 down, 180 to the left."""
+    """The kind of a straight stroke; angles: 0 to the right, 90 down, 180 to the left."""
     s, angle = SETTINGS, float(np.degrees(np.arctan2(down, right)))
     if s.rising <= angle <= s.level:
         return HORIZONTAL
