@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sqlite3
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -25,27 +25,15 @@ _TIMEOUT = 30  # seconds that a writer waits for another on SQLite
 
 @dataclass(frozen=True, slots=True)
 class Database:
-    """An open database. reading() and writing() commit their transaction unless the block raises."""
+    """An open database.
+
+    reading, writing: open a session, whose transaction is committed unless the block raises. One that writes
+    takes SQLite's write lock at its start, because a transaction that begins to write later may be refused.
+    """
 
     engine: Engine
-    _read: sessionmaker[Session]
-    _write: sessionmaker[Session]
-
-    @contextmanager
-    def reading(self) -> Iterator[Session]:
-        """A session that only reads."""
-        with self._read.begin() as session:
-            yield session
-
-    @contextmanager
-    def writing(self) -> Iterator[Session]:
-        """A session that writes.
-
-        It takes SQLite's write lock at its start, because a transaction that begins to write later may be
-        refused.
-        """
-        with self._write.begin() as session:
-            yield session
+    reading: Callable[[], AbstractContextManager[Session]]
+    writing: Callable[[], AbstractContextManager[Session]]
 
     def close(self) -> None:
         """Close all connections."""
@@ -76,9 +64,8 @@ def open_database(url: str | Path) -> Database:
             f"open it with that version, or start with a new database ({error})"
         ) from error
     writer = engine.execution_options(**{_WRITES: True})
-    return Database(
-        engine, sessionmaker(engine, expire_on_commit=False), sessionmaker(writer, expire_on_commit=False)
-    )
+    sessions = (sessionmaker(one, expire_on_commit=False).begin for one in (engine, writer))
+    return Database(engine, *sessions)
 
 
 def _address(url: str | Path) -> str:

@@ -1,9 +1,13 @@
-"""All tables, as Alembic writes them from rumu.database.tables.
+"""All tables of rumu.database.tables as they were at the first release.
 
-The number is 0002 because databases of the last development version have it, and the same tables.
+The number is 0002 because databases of the last development version have it, and the same tables. Names of
+constraints and indexes follow the naming convention of rumu.database.tables.
 """
 
 from __future__ import annotations
+
+from functools import partial
+from typing import Any
 
 import sqlalchemy as sa
 from alembic import op
@@ -11,292 +15,197 @@ from alembic import op
 revision = "0002"
 down_revision = None
 
+_ID, _TIME = sa.String(64), sa.DateTime(timezone=True)
+_column = partial(sa.Column, nullable=False)
+
+
+def _bilingual(name: str, kind: Any) -> tuple[sa.Column[str], ...]:
+    """The columns of a text in Chinese and in English."""
+    return tuple(_column(f"{name}_{language}", kind) for language in ("zh", "en"))
+
+
+def _reference(
+    name: str, table: str, *, ondelete: str = "CASCADE", nullable: bool = False, **options: bool
+) -> sa.Column[str]:
+    """A column with the id of a row of a table."""
+    key = sa.ForeignKey(f"{table}.id", ondelete=ondelete)
+    return sa.Column(name, _ID, key, nullable=nullable, **options)  # type: ignore[arg-type]
+
 
 def upgrade() -> None:
     """Create the tables."""
     op.create_table(
         "collections",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("title_zh", sa.String(length=200), nullable=False),
-        sa.Column("title_en", sa.String(length=200), nullable=False),
-        sa.Column("note_zh", sa.Text(), nullable=False),
-        sa.Column("note_en", sa.Text(), nullable=False),
-        sa.Column("source", sa.Text(), nullable=False),
-        sa.Column("licence", sa.String(length=200), nullable=False),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_collections")),
+        _column("id", _ID, primary_key=True),
+        *_bilingual("title", sa.String(200)),
+        *_bilingual("note", sa.Text()),
+        _column("source", sa.Text()),
+        _column("licence", sa.String(200)),
+        _column("created", _TIME),
     )
     op.create_table(
         "people",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("name", sa.String(length=80), nullable=False),
-        sa.Column("name_key", sa.String(length=80), nullable=False),
-        sa.Column("role", sa.String(length=16), nullable=False),
-        sa.Column("password", sa.String(length=200), nullable=True),
-        sa.Column("language", sa.String(length=8), nullable=False),
-        sa.Column("epoch", sa.Integer(), nullable=False),
-        sa.Column("active", sa.Boolean(), nullable=False),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_people")),
-        sa.UniqueConstraint("name_key", name=op.f("uq_people_name_key")),
+        _column("id", _ID, primary_key=True),
+        _column("name", sa.String(80)),
+        _column("name_key", sa.String(80), unique=True),
+        _column("role", sa.String(16)),
+        _column("password", sa.String(200), nullable=True),
+        _column("language", sa.String(8)),
+        _column("epoch", sa.Integer()),
+        _column("active", sa.Boolean()),
+        _column("created", _TIME),
     )
     op.create_table(
         "settings",
-        sa.Column("name", sa.String(length=80), nullable=False),
-        sa.Column("value", sa.Text(), nullable=False),
-        sa.PrimaryKeyConstraint("name", name=op.f("pk_settings")),
+        _column("name", sa.String(80), primary_key=True),
+        _column("value", sa.Text()),
     )
     op.create_table(
         "classes",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("name", sa.String(length=120), nullable=False),
-        sa.Column("teacher_id", sa.String(length=64), nullable=False),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["teacher_id"], ["people.id"], name=op.f("fk_classes_teacher_id"), ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_classes")),
+        _column("id", _ID, primary_key=True),
+        _column("name", sa.String(120)),
+        _reference("teacher_id", "people", index=True),
+        _column("created", _TIME),
     )
-    op.create_index(op.f("ix_classes_teacher_id"), "classes", ["teacher_id"], unique=False)
     op.create_table(
         "jobs",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("kind", sa.String(length=40), nullable=False),
-        sa.Column("payload", sa.JSON(), nullable=False),
-        sa.Column("state", sa.String(length=16), nullable=False),
-        sa.Column("done", sa.Integer(), nullable=False),
-        sa.Column("total", sa.Integer(), nullable=False),
-        sa.Column("message", sa.Text(), nullable=False),
-        sa.Column("result", sa.JSON(), nullable=False),
-        sa.Column("error_zh", sa.Text(), nullable=False),
-        sa.Column("error_en", sa.Text(), nullable=False),
-        sa.Column("tries", sa.Integer(), nullable=False),
-        sa.Column("person_id", sa.String(length=64), nullable=True),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.Column("changed", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["person_id"], ["people.id"], name=op.f("fk_jobs_person_id"), ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_jobs")),
+        _column("id", _ID, primary_key=True),
+        _column("kind", sa.String(40)),
+        _column("payload", sa.JSON()),
+        _column("state", sa.String(16)),
+        _column("done", sa.Integer()),
+        _column("total", sa.Integer()),
+        _column("message", sa.Text()),
+        _column("result", sa.JSON()),
+        *_bilingual("error", sa.Text()),
+        _column("tries", sa.Integer()),
+        _reference("person_id", "people", nullable=True),
+        _column("created", _TIME),
+        _column("changed", _TIME),
+        sa.Index(None, "state", "created"),
     )
-    op.create_index(op.f("ix_jobs_state_created"), "jobs", ["state", "created"], unique=False)
     op.create_table(
         "tours",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("title_zh", sa.String(length=200), nullable=False),
-        sa.Column("title_en", sa.String(length=200), nullable=False),
-        sa.Column("steps", sa.JSON(), nullable=False),
-        sa.Column("position", sa.Integer(), nullable=False),
-        sa.Column("author_id", sa.String(length=64), nullable=True),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["author_id"], ["people.id"], name=op.f("fk_tours_author_id"), ondelete="SET NULL"
-        ),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_tours")),
+        _column("id", _ID, primary_key=True),
+        *_bilingual("title", sa.String(200)),
+        _column("steps", sa.JSON()),
+        _column("position", sa.Integer()),
+        _reference("author_id", "people", ondelete="SET NULL", nullable=True),
+        _column("created", _TIME),
     )
     op.create_table(
         "works",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("collection_id", sa.String(length=64), nullable=False),
-        sa.Column("position", sa.Integer(), nullable=False),
-        sa.Column("title_zh", sa.String(length=200), nullable=False),
-        sa.Column("title_en", sa.String(length=200), nullable=False),
-        sa.Column("character", sa.String(length=16), nullable=False),
-        sa.Column("script", sa.String(length=16), nullable=False),
-        sa.Column("hand_zh", sa.String(length=200), nullable=False),
-        sa.Column("hand_en", sa.String(length=200), nullable=False),
-        sa.Column("dynasty", sa.String(length=40), nullable=False),
-        sa.Column("period_zh", sa.String(length=200), nullable=False),
-        sa.Column("period_en", sa.String(length=200), nullable=False),
-        sa.Column("material_zh", sa.Text(), nullable=False),
-        sa.Column("material_en", sa.Text(), nullable=False),
-        sa.Column("source", sa.Text(), nullable=False),
-        sa.Column("licence", sa.String(length=200), nullable=False),
-        sa.Column("attribution", sa.Text(), nullable=False),
-        sa.Column("kind", sa.String(length=16), nullable=False),
-        sa.Column("height_source", sa.String(length=16), nullable=False),
-        sa.Column("picture", sa.String(length=300), nullable=False),
-        sa.Column("surface", sa.String(length=300), nullable=True),
-        sa.Column("capture", sa.String(length=300), nullable=True),
-        sa.Column("digest", sa.String(length=64), nullable=False),
-        sa.Column("origin", sa.String(length=500), nullable=False),
-        sa.Column("width", sa.Integer(), nullable=False),
-        sa.Column("height", sa.Integer(), nullable=False),
-        sa.Column("spacing", sa.Float(), nullable=True),
-        sa.Column("search", sa.Text(), nullable=False),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.Column("changed", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["collection_id"], ["collections.id"], name=op.f("fk_works_collection_id"), ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_works")),
-        sa.UniqueConstraint("digest", name=op.f("uq_works_digest")),
+        _column("id", _ID, primary_key=True),
+        _reference("collection_id", "collections"),
+        _column("position", sa.Integer()),
+        *_bilingual("title", sa.String(200)),
+        _column("character", sa.String(16), index=True),
+        _column("script", sa.String(16)),
+        *_bilingual("hand", sa.String(200)),
+        _column("dynasty", sa.String(40)),
+        *_bilingual("period", sa.String(200)),
+        *_bilingual("material", sa.Text()),
+        _column("source", sa.Text()),
+        _column("licence", sa.String(200)),
+        _column("attribution", sa.Text()),
+        _column("kind", sa.String(16)),
+        _column("height_source", sa.String(16)),
+        _column("picture", sa.String(300)),
+        _column("surface", sa.String(300), nullable=True),
+        _column("capture", sa.String(300), nullable=True),
+        _column("digest", sa.String(64), unique=True),
+        _column("origin", sa.String(500)),
+        _column("width", sa.Integer()),
+        _column("height", sa.Integer()),
+        _column("spacing", sa.Float(), nullable=True),
+        _column("search", sa.Text()),
+        _column("created", _TIME),
+        _column("changed", _TIME),
+        sa.Index(None, "collection_id", "position"),
+        sa.Index(None, "script", "position"),
     )
-    op.create_index(op.f("ix_works_character"), "works", ["character"], unique=False)
-    op.create_index(
-        op.f("ix_works_collection_id_position"), "works", ["collection_id", "position"], unique=False
-    )
-    op.create_index(op.f("ix_works_script_position"), "works", ["script", "position"], unique=False)
     op.create_table(
         "annotations",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("work_id", sa.String(length=64), nullable=False),
-        sa.Column("x", sa.Float(), nullable=False),
-        sa.Column("y", sa.Float(), nullable=False),
-        sa.Column("title_zh", sa.String(length=200), nullable=False),
-        sa.Column("title_en", sa.String(length=200), nullable=False),
-        sa.Column("text_zh", sa.Text(), nullable=False),
-        sa.Column("text_en", sa.Text(), nullable=False),
-        sa.Column("position", sa.Integer(), nullable=False),
-        sa.Column("author_id", sa.String(length=64), nullable=True),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["author_id"], ["people.id"], name=op.f("fk_annotations_author_id"), ondelete="SET NULL"
-        ),
-        sa.ForeignKeyConstraint(
-            ["work_id"], ["works.id"], name=op.f("fk_annotations_work_id"), ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_annotations")),
+        _column("id", _ID, primary_key=True),
+        _reference("work_id", "works", index=True),
+        _column("x", sa.Float()),
+        _column("y", sa.Float()),
+        *_bilingual("title", sa.String(200)),
+        *_bilingual("text", sa.Text()),
+        _column("position", sa.Integer()),
+        _reference("author_id", "people", ondelete="SET NULL", nullable=True),
+        _column("created", _TIME),
     )
-    op.create_index(op.f("ix_annotations_work_id"), "annotations", ["work_id"], unique=False)
     op.create_table(
         "invitations",
-        sa.Column("token", sa.String(length=64), nullable=False),
-        sa.Column("role", sa.String(length=16), nullable=False),
-        sa.Column("class_id", sa.String(length=64), nullable=True),
-        sa.Column("author_id", sa.String(length=64), nullable=True),
-        sa.Column("expires", sa.DateTime(timezone=True), nullable=False),
-        sa.Column("used", sa.DateTime(timezone=True), nullable=True),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["author_id"], ["people.id"], name=op.f("fk_invitations_author_id"), ondelete="CASCADE"
-        ),
-        sa.ForeignKeyConstraint(
-            ["class_id"], ["classes.id"], name=op.f("fk_invitations_class_id"), ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("token", name=op.f("pk_invitations")),
+        _column("token", sa.String(64), primary_key=True),
+        _column("role", sa.String(16)),
+        _reference("class_id", "classes", nullable=True),
+        _reference("author_id", "people", nullable=True),
+        _column("expires", _TIME),
+        _column("used", _TIME, nullable=True),
+        _column("created", _TIME),
     )
     op.create_table(
         "memberships",
-        sa.Column("class_id", sa.String(length=64), nullable=False),
-        sa.Column("person_id", sa.String(length=64), nullable=False),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["class_id"], ["classes.id"], name=op.f("fk_memberships_class_id"), ondelete="CASCADE"
-        ),
-        sa.ForeignKeyConstraint(
-            ["person_id"], ["people.id"], name=op.f("fk_memberships_person_id"), ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("class_id", "person_id", name=op.f("pk_memberships")),
+        _reference("class_id", "classes", primary_key=True),
+        _reference("person_id", "people", primary_key=True, index=True),
+        _column("created", _TIME),
     )
-    op.create_index(op.f("ix_memberships_person_id"), "memberships", ["person_id"], unique=False)
     op.create_table(
         "tasks",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("class_id", sa.String(length=64), nullable=False),
-        sa.Column("work_id", sa.String(length=64), nullable=False),
-        sa.Column("title", sa.String(length=200), nullable=False),
-        sa.Column("note", sa.Text(), nullable=False),
-        sa.Column("due", sa.DateTime(timezone=True), nullable=True),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["class_id"], ["classes.id"], name=op.f("fk_tasks_class_id"), ondelete="CASCADE"
-        ),
-        sa.ForeignKeyConstraint(["work_id"], ["works.id"], name=op.f("fk_tasks_work_id"), ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_tasks")),
+        _column("id", _ID, primary_key=True),
+        _reference("class_id", "classes", index=True),
+        _reference("work_id", "works"),
+        _column("title", sa.String(200)),
+        _column("note", sa.Text()),
+        _column("due", _TIME, nullable=True),
+        _column("created", _TIME),
     )
-    op.create_index(op.f("ix_tasks_class_id"), "tasks", ["class_id"], unique=False)
     op.create_table(
         "attempts",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("person_id", sa.String(length=64), nullable=True),
-        sa.Column("work_id", sa.String(length=64), nullable=False),
-        sa.Column("task_id", sa.String(length=64), nullable=True),
-        sa.Column("kind", sa.String(length=16), nullable=False),
-        sa.Column("grid", sa.String(length=8), nullable=False),
-        sa.Column("picture", sa.String(length=300), nullable=False),
-        sa.Column("strokes", sa.String(length=300), nullable=True),
-        sa.Column("score", sa.Float(), nullable=True),
-        sa.Column("level", sa.String(length=16), nullable=True),
-        sa.Column("mark", sa.JSON(), nullable=False),
-        sa.Column("version", sa.String(length=20), nullable=False),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["person_id"], ["people.id"], name=op.f("fk_attempts_person_id"), ondelete="CASCADE"
-        ),
-        sa.ForeignKeyConstraint(
-            ["task_id"], ["tasks.id"], name=op.f("fk_attempts_task_id"), ondelete="SET NULL"
-        ),
-        sa.ForeignKeyConstraint(
-            ["work_id"], ["works.id"], name=op.f("fk_attempts_work_id"), ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_attempts")),
+        _column("id", _ID, primary_key=True),
+        _reference("person_id", "people", nullable=True),
+        _reference("work_id", "works"),
+        _reference("task_id", "tasks", ondelete="SET NULL", nullable=True, index=True),
+        _column("kind", sa.String(16)),
+        _column("grid", sa.String(8)),
+        _column("picture", sa.String(300)),
+        _column("strokes", sa.String(300), nullable=True),
+        _column("score", sa.Float(), nullable=True),
+        _column("level", sa.String(16), nullable=True),
+        _column("mark", sa.JSON()),
+        _column("version", sa.String(20)),
+        _column("created", _TIME),
+        sa.Index(None, "person_id", "created"),
+        sa.Index(None, "work_id", "created"),
     )
-    op.create_index(op.f("ix_attempts_person_id_created"), "attempts", ["person_id", "created"], unique=False)
-    op.create_index(op.f("ix_attempts_task_id"), "attempts", ["task_id"], unique=False)
-    op.create_index(op.f("ix_attempts_work_id_created"), "attempts", ["work_id", "created"], unique=False)
     op.create_table(
         "comparisons",
-        sa.Column("id", sa.String(length=64), nullable=False),
-        sa.Column("judge_id", sa.String(length=64), nullable=False),
-        sa.Column("work_id", sa.String(length=64), nullable=False),
-        sa.Column("first_id", sa.String(length=64), nullable=False),
-        sa.Column("second_id", sa.String(length=64), nullable=False),
-        sa.Column("left_id", sa.String(length=64), nullable=False),
-        sa.Column("winner", sa.String(length=8), nullable=False),
-        sa.Column("seconds", sa.Float(), nullable=True),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["first_id"], ["attempts.id"], name=op.f("fk_comparisons_first_id"), ondelete="CASCADE"
-        ),
-        sa.ForeignKeyConstraint(
-            ["judge_id"], ["people.id"], name=op.f("fk_comparisons_judge_id"), ondelete="CASCADE"
-        ),
-        sa.ForeignKeyConstraint(
-            ["left_id"], ["attempts.id"], name=op.f("fk_comparisons_left_id"), ondelete="CASCADE"
-        ),
-        sa.ForeignKeyConstraint(
-            ["second_id"], ["attempts.id"], name=op.f("fk_comparisons_second_id"), ondelete="CASCADE"
-        ),
-        sa.ForeignKeyConstraint(
-            ["work_id"], ["works.id"], name=op.f("fk_comparisons_work_id"), ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("id", name=op.f("pk_comparisons")),
-        sa.UniqueConstraint(
-            "judge_id", "first_id", "second_id", name=op.f("uq_comparisons_judge_id_first_id_second_id")
-        ),
+        _column("id", _ID, primary_key=True),
+        _reference("judge_id", "people", index=True),
+        _reference("work_id", "works"),
+        _reference("first_id", "attempts"),
+        _reference("second_id", "attempts"),
+        _reference("left_id", "attempts"),
+        _column("winner", sa.String(8)),
+        _column("seconds", sa.Float(), nullable=True),
+        _column("created", _TIME),
+        sa.UniqueConstraint("judge_id", "first_id", "second_id"),
     )
-    op.create_index(op.f("ix_comparisons_judge_id"), "comparisons", ["judge_id"], unique=False)
     op.create_table(
         "teacher_marks",
-        sa.Column("attempt_id", sa.String(length=64), nullable=False),
-        sa.Column("teacher_id", sa.String(length=64), nullable=False),
-        sa.Column("mark", sa.Float(), nullable=False),
-        sa.Column("note", sa.Text(), nullable=False),
-        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["attempt_id"], ["attempts.id"], name=op.f("fk_teacher_marks_attempt_id"), ondelete="CASCADE"
-        ),
-        sa.ForeignKeyConstraint(
-            ["teacher_id"], ["people.id"], name=op.f("fk_teacher_marks_teacher_id"), ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("attempt_id", "teacher_id", name=op.f("pk_teacher_marks")),
+        _reference("attempt_id", "attempts", primary_key=True),
+        _reference("teacher_id", "people", primary_key=True),
+        _column("mark", sa.Float()),
+        _column("note", sa.Text()),
+        _column("created", _TIME),
     )
 
 
 def downgrade() -> None:
-    """Drop the tables."""
-    op.drop_table("teacher_marks")
-    op.drop_table("comparisons")
-    op.drop_table("attempts")
-    op.drop_table("tasks")
-    op.drop_table("memberships")
-    op.drop_table("invitations")
-    op.drop_table("annotations")
-    op.drop_table("works")
-    op.drop_table("tours")
-    op.drop_table("jobs")
-    op.drop_table("classes")
-    op.drop_table("settings")
-    op.drop_table("people")
-    op.drop_table("collections")
+    """Drop the tables, those that refer to others first."""
+    for name in ("teacher_marks", "comparisons", "attempts", "tasks", "memberships", "invitations"):
+        op.drop_table(name)
+    for name in ("annotations", "works", "tours", "jobs", "classes", "settings", "people", "collections"):
+        op.drop_table(name)
