@@ -1,4 +1,4 @@
-"""Work in processes: in order, in step with the reader, and one clear line when a process is killed."""
+"""Work in processes: answers in order, bounded memory, and one clear error when a process is killed."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from rumu.executors import by_group, cores, in_order
 
 
 @pytest.mark.parametrize("processes", [1, 2])
-def test_answers_come_in_the_order_of_the_questions(processes):
+def test_answers_come_in_the_order_of_the_items(processes):
     assert list(in_order(math.sqrt, range(50), processes=processes)) == [math.sqrt(n) for n in range(50)]
 
 
-def test_questions_are_read_no_farther_ahead_than_needed():
-    """From an endless table: what waits is bounded, so memory stays flat."""
+def test_items_are_read_no_farther_ahead_than_needed():
+    """Items of an endless iterator: the number that waits is bounded, so memory is."""
     read = []
-    questions = (read.append(n) or n for n in itertools.count())
-    answers = in_order(math.sqrt, questions, processes=2)
+    items = (read.append(n) or n for n in itertools.count())
+    answers = in_order(math.sqrt, items, processes=2)
     assert list(itertools.islice(answers, 30)) == [math.sqrt(n) for n in range(30)]
     assert len(read) < 60
     answers.close()
 
 
-def test_one_process_does_the_work_here():
+def test_one_process_works_in_this_process():
     seen = []
     assert list(in_order(seen.append, range(3), processes=1)) == [None] * 3  # no other process could fill it
     assert seen == [0, 1, 2]
@@ -57,12 +57,12 @@ def test_an_error_of_the_work_is_raised_here():
         list(in_order(math.sqrt, [4, -1, 9], processes=2))
 
 
-def test_a_killed_process_is_one_clear_line():
+def test_a_killed_process_raises_one_clear_error():
     with pytest.raises(RumuError, match="ended from outside"):
         list(in_order(os._exit, [3], processes=2))
 
 
-def test_all_cores_that_may_be_used():
+def test_cores_are_those_that_this_process_may_use():
     assert 1 <= cores() <= (os.cpu_count() or 1)
 
 
@@ -73,7 +73,7 @@ def test_another_executor_can_take_the_work():
 
 
 def is_running(process: int) -> bool:
-    """Whether a process is there and not merely waiting for its parent to read how it ended."""
+    """Whether a process exists and is no zombie."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except OSError:
@@ -95,7 +95,7 @@ def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as parent:
         workers = {int(word) for word in parent.stdout.readline().split()}
         parent.kill()
-    until = time.monotonic() + 20
+    until = time.monotonic() + 60
     while any(map(is_running, workers)) and time.monotonic() < until:
         time.sleep(0.05)
     assert len(workers) == 2

@@ -1,7 +1,7 @@
-"""Work spread over processes, behind one interface: `concurrent.futures.Executor`.
+"""Spread work over processes, behind one interface: `concurrent.futures.Executor`.
 
 The executor here is loky's, which notices a killed worker. Another one, such as that of a Dask client, can
-stand in its place wherever an executor is taken. Answers come in the order of the items.
+replace it in every function that takes an executor. Answers come in the order of the items.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def process_executor(processes: int, *, niceness: int = 0) -> Executor:
     from loky import ProcessPoolExecutor
 
     executor: Executor = ProcessPoolExecutor(
-        processes, env=_ONE_THREAD, initializer=_set_up_worker, initargs=(niceness,)
+        processes, env=_ONE_THREAD, initializer=_set_up_worker, initargs=(niceness, os.getpid())
     )
     return executor
 
@@ -61,7 +61,7 @@ def submit(executor: Executor, work: Callable[..., Answer], *arguments: Any) -> 
 
 
 def end_executor(executor: Executor, *, kill: bool = False) -> None:
-    """End an executor after what is in flight; kill: at once where possible, in the midst of the work."""
+    """End an executor after what is in flight; kill: at once where possible, even while it works."""
     try:
         executor.shutdown(wait=True, kill_workers=kill)  # type: ignore[call-arg]
     except TypeError:  # an executor other than loky's
@@ -86,12 +86,12 @@ def in_order(
         return
     from concurrent.futures import BrokenExecutor
 
-    own = process_executor(processes) if executor is None else executor
+    chosen = process_executor(processes) if executor is None else executor
     waiting: deque[Future[Answer]] = deque()
     finished = False
     try:
         for item in items:
-            waiting.append(submit(own, work, item))
+            waiting.append(submit(chosen, work, item))
             if len(waiting) >= _AHEAD * processes:
                 yield waiting.popleft().result()
         while waiting:
@@ -101,7 +101,7 @@ def in_order(
         raise RumuError("a process was ended from outside (out of memory?); try fewer --jobs") from error
     finally:
         if executor is None:
-            end_executor(own, kill=not finished)
+            end_executor(chosen, kill=not finished)
         else:
             for future in waiting:
                 future.cancel()
@@ -129,7 +129,7 @@ def by_group(
     return [answers[k] for k in range(len(items))]
 
 
-def _set_up_worker(niceness: int) -> None:
+def _set_up_worker(niceness: int, parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with contextlib.suppress(ImportError):
         import cv2
@@ -138,7 +138,7 @@ def _set_up_worker(niceness: int) -> None:
     if niceness and hasattr(os, "nice"):
         os.nice(niceness)
     if os.name == "posix":  # a parent that is killed cannot end its workers
-        threading.Thread(target=_end_with_parent, args=(os.getppid(),), daemon=True).start()
+        threading.Thread(target=_end_with_parent, args=(parent,), daemon=True).start()
 
 
 def _end_with_parent(parent: int) -> None:

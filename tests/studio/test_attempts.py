@@ -1,4 +1,4 @@
-"""Attempts: kept whole, seen by whom they should be, gone when they are deleted."""
+"""Attempts are stored whole, visible to those who may see them, and gone when they are deleted."""
 
 from __future__ import annotations
 
@@ -21,84 +21,86 @@ def marked(storage, gallery, copy_of):
 
 
 @pytest.fixture
-def kept(gallery, marked):
-    def keep(who, **more):
+def add_copy(gallery, marked):
+    def add(who, **more):
         return attempts.add_attempt(
             gallery, marked, work_id="regular-tian", person_id=who and who.id, kind="photo", **more
         )
 
-    return keep
+    return add
 
 
-def seen(gallery, attempt, who):
+def find_attempt(gallery, attempt, who):
     with gallery.database.reading() as session:
         return find_visible_attempt(session, attempt.id, who=who)
 
 
-def test_what_was_kept_is_all_there(gallery, kept, marked, person):
-    attempt = kept(person("林"), strokes="[[[0,0,1]]]", grid="mi")
+def test_an_attempt_is_stored_whole(gallery, add_copy, marked, person):
+    attempt = add_copy(person("林"), strokes="[[[0,0,1]]]", grid="mi")
     assert gallery.store.read(attempt.picture) == marked.picture.data
     assert json.loads(gallery.store.read(attempt.strokes)) == [[[0, 0, 1]]]
-    assert attempts.residual(gallery.store, attempt) == marked.residual
+    assert attempts.read_residual(gallery.store, attempt) == marked.residual
     assert attempt.score == marked.facts["score"] and attempt.mark["parts"]
 
 
-def test_a_deleted_attempt_leaves_no_file(gallery, kept, person, tmp_path):
+def test_a_deleted_attempt_leaves_no_file(gallery, add_copy, person, tmp_path):
     from rumu.gallery.assets import picture_assets
     from rumu.gallery.derived import derived_of
 
     lin = person("林")
     before = {p for p in (tmp_path / "files").rglob("*") if p.is_file()}
-    attempt = kept(lin, strokes="[]")
+    attempt = add_copy(lin, strokes="[]")
     derived_of(gallery.store, picture_assets(gallery.store, attempt.picture), "thumb")
     attempts.delete(gallery, attempt.id, who=lin)
     assert {p for p in (tmp_path / "files").rglob("*") if p.is_file()} == before
     with pytest.raises(Missing):
-        seen(gallery, attempt, lin)
+        find_attempt(gallery, attempt, lin)
 
 
-def test_who_sees_and_who_deletes(gallery, kept, person):
+def test_who_may_see_and_delete_an_attempt(gallery, add_copy, person):
     lin, wu, owner = person("林"), person("吳"), person("館主", "owner")
-    own, other = person("師", "teacher"), person("師二", "teacher")
+    teacher, other = person("師", "teacher"), person("師二", "teacher")
     with gallery.database.writing() as session:
-        school_class = create_class(session, own, name="a")
+        school_class = create_class(session, teacher, name="a")
         session.add(Membership(class_id=school_class.id, person_id=lin.id))
-    attempt = kept(lin)
-    for who in (lin, own, owner):
-        assert seen(gallery, attempt, who).id == attempt.id
+    attempt = add_copy(lin)
+    for who in (lin, teacher, owner):
+        assert find_attempt(gallery, attempt, who).id == attempt.id
     for who in (wu, other, None):
         with pytest.raises(Missing):
-            seen(gallery, attempt, who)
+            find_attempt(gallery, attempt, who)
     with pytest.raises(NotAllowed):
-        attempts.delete(gallery, attempt.id, who=own)
+        attempts.delete(gallery, attempt.id, who=teacher)
     with gallery.database.reading() as session:
-        listed = {who.name: attempts.list_attempts(session, who)[1] for who in (lin, wu, own, other, owner)}
+        listed = {
+            who.name: attempts.list_attempts(session, who)[1] for who in (lin, wu, teacher, other, owner)
+        }
     assert listed == {"林": 1, "吳": 0, "師": 1, "師二": 0, "館主": 1}
 
 
-def test_a_simulated_copy_is_for_all_and_nobody_s(gallery, kept, person):
-    attempt = kept(None)
+def test_all_may_see_a_simulated_copy_and_nobody_may_delete_it(gallery, add_copy, person):
+    attempt = add_copy(None)
     with gallery.database.writing() as session:
         session.get_one(Attempt, attempt.id).kind = "simulated"
     owner = person("館主", "owner")
     for who in (None, person("林"), owner):
-        assert seen(gallery, attempt, who).kind == "simulated"
+        assert find_attempt(gallery, attempt, who).kind == "simulated"
     with pytest.raises(NotAllowed):
         attempts.delete(gallery, attempt.id, who=owner)
 
 
-def test_a_teacher_s_mark_replaces_their_own_and_stands_beside_another_s(gallery, kept, person):
+def test_a_teacher_s_mark_replaces_their_own_and_stands_beside_another_s(gallery, add_copy, person):
     lin, one, two = person("林"), person("師", "teacher"), person("館主", "owner")
     with gallery.database.writing() as session:
         session.add(Membership(class_id=create_class(session, one, name="a").id, person_id=lin.id))
-    attempt = kept(lin)
+    attempt = add_copy(lin)
     with gallery.database.writing() as session:
         for who, mark in ((one, 50), (one, 60), (two, 80)):
-            attempts.mark_by_teacher(session, attempt.id, who=who, mark=mark, note="")
+            attempts.set_teacher_mark(session, attempt.id, who=who, mark=mark, note="")
         (shown,) = attempts.attempt_details(session, [attempt])
         assert sorted((p.name, m.mark) for p, m in shown.teacher_marks) == [("師", 60), ("館主", 80)]
         with pytest.raises(NotAllowed):
-            attempts.mark_by_teacher(session, attempt.id, who=lin, mark=100, note="")
+            attempts.set_teacher_mark(session, attempt.id, who=lin, mark=100, note="")
 
 
 def test_a_task_is_for_its_class_and_its_work(gallery, person):
@@ -122,7 +124,7 @@ def test_a_task_is_for_its_class_and_its_work(gallery, person):
 @pytest.mark.parametrize(
     "text", ["[]", "[[]]", '[{"points":[[1,2,0.5,0]],"tool":"pen"}]', '{"strokes":[[[1,2]]]}']
 )
-def test_strokes(text):
+def test_valid_strokes(text):
     assert json.loads(attempts.check_strokes(text)) == json.loads(text)
 
 
@@ -130,6 +132,6 @@ def test_strokes(text):
     "text",
     ["", "x", "{}", "1", "[1]", "[[1]]", '[[["a",1]]]', "[[[NaN,1]]]", "[[[1]]]", "[" * 100_000, "null"],
 )
-def test_what_are_no_strokes(text):
+def test_invalid_strokes(text):
     with pytest.raises(Unusable):
         attempts.check_strokes(text)

@@ -1,4 +1,4 @@
-"""Pairs: of one master, the least judged first, never twice for a judge, drawn in storage."""
+"""Pairs are of one master, the least judged first, never twice for a judge, in random order."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def pair(gallery, who, work=None):
         return comparisons.next_pair(session, who, work_id=work)
 
 
-def judged(gallery, who, left, right, *terms):
+def judge(gallery, who, left, right, *terms):
     winner, seconds = terms or ("left", 1.0)
     with gallery.database.writing() as session:
         return comparisons.judge(session, who, left=left, right=right, winner=winner, seconds=seconds)
@@ -47,11 +47,11 @@ def test_a_judge_sees_every_pair_of_each_master_once(gallery, person, attempts):
     attempts({"regular-tian": 4, "regular-shui": 3})
     lin = person("林")
     seen = []
-    while (found := pair(gallery, lin)) is not None:
-        assert found.left.work_id == found.right.work_id
-        assert found.done == len(seen) and found.left_over == 9 - len(seen)
-        seen.append(frozenset((found.left.id, found.right.id)))
-        judged(gallery, lin, found.left.id, found.right.id)
+    while (drawn := pair(gallery, lin)) is not None:
+        assert drawn.left.work_id == drawn.right.work_id
+        assert drawn.done == len(seen) and drawn.left_over == 9 - len(seen)
+        seen.append(frozenset((drawn.left.id, drawn.right.id)))
+        judge(gallery, lin, drawn.left.id, drawn.right.id)
     assert len(seen) == len(set(seen)) == 6 + 3
 
 
@@ -60,29 +60,29 @@ def test_the_least_judged_come_first_whoever_judged(gallery, person, attempts):
     for name in "甲乙丙":
         who = person(name)
         for _ in range(3):
-            found = pair(gallery, who)
-            judged(gallery, who, found.left.id, found.right.id)
+            drawn = pair(gallery, who)
+            judge(gallery, who, drawn.left.id, drawn.right.id)
     with gallery.database.reading() as session:
         rows = comparisons.verdicts(session, person("館主", "owner"))
     times = Counter(itertools.chain.from_iterable((row[2], row[3]) for row in rows))
     assert sorted(times.values()) == [3] * 6
 
 
-def test_which_one_stands_on_the_left_is_drawn(gallery, person, attempts):
+def test_the_order_of_a_pair_is_random(gallery, person, attempts):
     attempts({"regular-tian": 2})
     lin = person("林")
     lefts = Counter(pair(gallery, lin).left.id for _ in range(60))
     assert len(lefts) == 2 and min(lefts.values()) > 10  # one in 10 million falls outside
 
 
-def test_one_verdict_a_pair_in_either_order(gallery, person, attempts):
+def test_a_judge_gives_one_verdict_for_each_pair_in_either_order(gallery, person, attempts):
     attempts({"regular-tian": 2})
     lin, wu = person("林"), person("吳")
-    found = pair(gallery, lin)
-    judged(gallery, lin, found.left.id, found.right.id)
+    drawn = pair(gallery, lin)
+    judge(gallery, lin, drawn.left.id, drawn.right.id)
     with pytest.raises(Clash):
-        judged(gallery, lin, found.right.id, found.left.id)
-    judged(gallery, wu, found.right.id, found.left.id, "same", None)
+        judge(gallery, lin, drawn.right.id, drawn.left.id)
+    judge(gallery, wu, drawn.right.id, drawn.left.id, "same", None)
 
 
 def test_only_two_copies_of_one_master_can_be_judged(gallery, person, attempts):
@@ -92,9 +92,9 @@ def test_only_two_copies_of_one_master_can_be_judged(gallery, person, attempts):
         one, other = session.query(Attempt).all()
     for left, right in ((one.id, other.id), (one.id, one.id)):
         with pytest.raises(Unusable):
-            judged(gallery, lin, left, right)
+            judge(gallery, lin, left, right)
     with pytest.raises(Missing):
-        judged(gallery, lin, one.id, "nothing")
+        judge(gallery, lin, one.id, "nothing")
 
 
 def test_copies_of_others_are_not_shown_to_a_pupil_nor_refused_ones_to_anybody(gallery, person, attempts):
@@ -106,12 +106,12 @@ def test_copies_of_others_are_not_shown_to_a_pupil_nor_refused_ones_to_anybody(g
     assert pair(gallery, owner, "regular-shui") is None
 
 
-def test_the_table_tells_what_stood_where_and_who_sees_it(gallery, person, attempts):
+def test_verdicts_name_both_sides_and_are_for_those_who_may_see_them(gallery, person, attempts):
     attempts({"regular-tian": 3})
     lin, teacher, owner = person("林"), person("師", "teacher"), person("館主", "owner")
-    found = pair(gallery, lin)
-    judged(gallery, lin, found.left.id, found.right.id, "right", 2.5)
+    drawn = pair(gallery, lin)
+    judge(gallery, lin, drawn.left.id, drawn.right.id, "right", 2.5)
     with gallery.database.reading() as session:
-        expected = (lin.id, "regular-tian", found.left.id, found.right.id, "right", 2.5)
+        expected = (lin.id, "regular-tian", drawn.left.id, drawn.right.id, "right", 2.5)
         assert comparisons.verdicts(session, owner) == [expected]
         assert comparisons.verdicts(session, teacher) == []  # no pupil of theirs

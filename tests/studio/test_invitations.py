@@ -37,18 +37,18 @@ def a_class(gallery):
     return make
 
 
-def test_the_first_owner_comes_in_once(gallery):
+def test_the_link_of_the_first_owner_works_once(gallery):
     with gallery.database.writing() as session:
-        old = invitations.first_owner(session)
+        old = invitations.invite_first_owner(session)
     with gallery.database.writing() as session:
-        new = invitations.first_owner(session)
+        new = invitations.invite_first_owner(session)
     with pytest.raises(Missing):
         joined(gallery, old, "館主")  # a newer link replaced it
     assert joined(gallery, new, "館主").role == "owner"
     with pytest.raises(Missing):
         joined(gallery, new, "another")
     with gallery.database.writing() as session:
-        assert invitations.first_owner(session) is None
+        assert invitations.invite_first_owner(session) is None
 
 
 def test_the_database_holds_no_link(gallery, person, link):
@@ -57,7 +57,7 @@ def test_the_database_holds_no_link(gallery, person, link):
         assert all(token not in (row.token, row.role) for row in session.query(Invitation))
 
 
-def test_a_link_grows_old(gallery, person, link):
+def test_a_link_expires(gallery, person, link):
     token = link(person("館主", "owner"), role="teacher")
     with gallery.database.writing() as session:
         session.query(Invitation).update({"expires": now() - timedelta(seconds=1)})
@@ -72,7 +72,7 @@ def test_a_refused_name_leaves_the_link_open(gallery, person, link):
     assert joined(gallery, token, "林").role == "teacher"
 
 
-def test_a_pupil_comes_into_the_class_and_into_a_second_one(gallery, person, link, a_class):
+def test_a_pupil_joins_the_class_and_a_second_one(gallery, person, link, a_class):
     lin = person("林", "teacher")
     first, second = a_class(lin, "one"), a_class(lin, "two")
     wu = joined(gallery, link(lin, role="pupil", class_id=first), "吳")

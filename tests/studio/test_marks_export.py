@@ -1,4 +1,4 @@
-"""A teacher's marks are what `rumu calibrate` reads, run on the very zip."""
+"""`rumu calibrate` reads the zip of the marks that a teacher gave."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MARKS = {"excellent": 95, "good": 80, "medium": 60, "bad": 30}
 
 @pytest.fixture
 def teacher(gallery, storage, person):
-    """Who marked the eight samples, as if a pupil had sent them."""
+    """A teacher with marks for the eight samples, sent by a pupil."""
     who, pupil = person("師", "teacher"), person("林")
     for sample in starter_samples():
         with gallery.database.reading() as session:
@@ -30,22 +30,22 @@ def teacher(gallery, storage, person):
         marked = worker_tasks.mark(
             storage, data=sample.path.read_bytes(), work_id=row.id, digest=row.digest, script=row.script
         )
-        kept = attempts.add_attempt(gallery, marked, work_id=row.id, person_id=pupil.id, kind="photo")
+        attempt = attempts.add_attempt(gallery, marked, work_id=row.id, person_id=pupil.id, kind="photo")
         with gallery.database.writing() as session:
-            session.add(TeacherMark(attempt_id=kept.id, teacher_id=who.id, mark=MARKS[sample.degree]))
+            session.add(TeacherMark(attempt_id=attempt.id, teacher_id=who.id, mark=MARKS[sample.degree]))
     with gallery.database.writing() as session:
         session.add(Membership(class_id=create_class(session, who, name="a").id, person_id=pupil.id))
     return who
 
 
-def test_calibrate_reads_the_zip_of_a_teacher_s_own_marks(gallery, teacher, person, tmp_path):
+def test_calibrate_reads_the_zip_of_a_teacher_s_marks(gallery, teacher, person, tmp_path):
     with gallery.database.reading() as session:
         marks = given_marks(session, teacher)
     with zipfile.ZipFile(io.BytesIO(marks_zip(gallery.store, marks))) as packed:
         packed.extractall(tmp_path / "marks")
     command = (sys.executable, "-m", "rumu.cli", "calibrate", tmp_path / "marks" / "marks.csv", "-o")
     ended = subprocess.run(
-        [*command, tmp_path / "own.json", "--jobs", "1", "--json"],
+        [*command, tmp_path / "calibration.json", "--jobs", "1", "--json"],
         capture_output=True,
         text=True,
         check=False,

@@ -11,7 +11,7 @@ from rumu.studio.errors import Clash, Missing, NotAllowed, Unusable
 PASSWORD = "a long password"  # of everybody in these tests, see conftest
 
 
-def test_a_password_is_kept_as_an_argon2_hash(gallery, person):
+def test_a_password_is_stored_as_an_argon2_hash(gallery, person):
     lin = person("林")
     with gallery.database.reading() as session:
         held = session.get(Person, lin.id).password
@@ -19,7 +19,7 @@ def test_a_password_is_kept_as_an_argon2_hash(gallery, person):
 
 
 @pytest.mark.parametrize("name", ["Lin", "LIN", "Ｌｉｎ", "  lin "])
-def test_width_case_and_spaces_make_no_other_person(gallery, person, name):
+def test_width_case_and_spaces_do_not_distinguish_people(gallery, person, name):
     person("Lin")
     with gallery.database.reading() as session:
         assert people.authenticate(session, name=name, password=PASSWORD) is not None
@@ -28,12 +28,12 @@ def test_width_case_and_spaces_make_no_other_person(gallery, person, name):
 
 
 @pytest.mark.parametrize("name", ["", "   ", "x" * 81, "a\nb\x00", "a\u202eb"])
-def test_a_name_that_will_not_do(person, name):
+def test_an_invalid_name_is_refused(person, name):
     with pytest.raises(Unusable):
         person(name)
 
 
-def test_who_comes_in(gallery, person):
+def test_who_may_log_in(gallery, person):
     lin = person("林")
     with gallery.database.writing() as session:
         assert people.authenticate(session, name="林", password="another password") is None
@@ -52,11 +52,11 @@ def test_a_new_password_ends_older_sessions(gallery, person):
     lin = person("林")
     with gallery.database.writing() as session:
         assert people.identify_session(session, person_id=lin.id, epoch=0) == lin
-        people.change_password(session, lin.id, old=PASSWORD, new="quite another one")
+        people.set_password(session, lin.id, old=PASSWORD, new="quite another one")
         assert people.identify_session(session, person_id=lin.id, epoch=0) is None
         assert people.identify_session(session, person_id=lin.id, epoch=1) == lin
         with pytest.raises(NotAllowed):
-            people.change_password(session, lin.id, old=PASSWORD, new="a third password")
+            people.set_password(session, lin.id, old=PASSWORD, new="a third password")
 
 
 def test_the_last_owner_cannot_go(gallery, person):
@@ -70,6 +70,6 @@ def test_the_last_owner_cannot_go(gallery, person):
         assert people.owner_exists(session)
 
 
-def test_nobody_is_changed_who_is_not_there(gallery):
+def test_an_unknown_person_cannot_be_changed(gallery):
     with gallery.database.writing() as session, pytest.raises(Missing):
         people.change_person(session, "nobody", {"role": "pupil"})

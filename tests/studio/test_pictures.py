@@ -1,4 +1,4 @@
-"""What is taken for a picture, and what is left of it."""
+"""Which files are pictures, and how they are normalised."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rumu.studio.errors import Unusable
 from rumu.studio.pictures import MAX_SIDE, check_picture, format_of, normalise_picture
 
 
-def test_a_picture_is_known_by_what_it_holds(packed, cross):
+def test_a_picture_is_recognised_by_its_content(packed, cross):
     assert normalise_picture(packed(cross())).ending == "png"
     assert normalise_picture(packed(cross(), "JPEG")).ending == "jpg"
     for no_picture in (
@@ -29,7 +29,7 @@ def test_a_picture_is_known_by_what_it_holds(packed, cross):
             check_picture(no_picture)
 
 
-def test_a_cut_picture_is_none(packed, cross):
+def test_a_truncated_picture_is_refused(packed, cross):
     whole = packed(cross(400, 400))
     check_picture(whole[: len(whole) // 2])  # its head is fine
     with pytest.raises(Unusable, match="whole"):
@@ -54,17 +54,17 @@ def test_too_many_bytes(packed, cross):
     assert refused.value.code == "too_large"
 
 
-def test_what_a_camera_wrote_of_place_and_time_is_left_behind_and_the_picture_stands(packed):
+def test_metadata_of_the_camera_is_dropped_and_the_picture_is_turned_upright(packed):
     page = Image.new("RGB", (120, 60), "white")
     page.paste("black", (0, 0, 30, 60))  # ink at the left
     exif = Image.Exif()
     exif[0x0112] = 6  # to be turned a quarter clockwise
-    exif[0x010E] = "secret place"
+    exif[0x010E] = "secret position"
     data = packed(page, "JPEG", exif=exif, quality=95)
     assert b"secret" in data
-    told = normalise_picture(data)
-    assert b"secret" not in told.data and (told.width, told.height) == (60, 120)
-    upright = np.asarray(Image.open(io.BytesIO(told.data)).convert("L"))
+    stored = normalise_picture(data)
+    assert b"secret" not in stored.data and (stored.width, stored.height) == (60, 120)
+    upright = np.asarray(Image.open(io.BytesIO(stored.data)).convert("L"))
     assert upright[:25].mean() < 60  # now at the top
     assert upright[40:].mean() > 200
 
@@ -73,19 +73,19 @@ def test_what_a_camera_wrote_of_place_and_time_is_left_behind_and_the_picture_st
 def test_all_modes_keep_ink_dark_and_paper_pale(packed, cross, mode):
     deep = Image.fromarray(np.asarray(cross(), np.uint16) * 257)
     image = deep if mode == "I;16" else cross().convert(mode)
-    told = np.asarray(Image.open(io.BytesIO(normalise_picture(packed(image)).data)).convert("L"))
-    assert told[100, 100] < 60 and told[5, 5] > 240
+    stored = np.asarray(Image.open(io.BytesIO(normalise_picture(packed(image)).data)).convert("L"))
+    assert stored[100, 100] < 60 and stored[5, 5] > 240
 
 
-def test_what_is_clear_is_paper(packed):
+def test_transparent_pixels_become_paper(packed):
     clear = Image.new("RGBA", (50, 50), (0, 0, 0, 0))
-    told = np.asarray(Image.open(io.BytesIO(normalise_picture(packed(clear)).data)).convert("L"))
-    assert told.min() == 255
+    stored = np.asarray(Image.open(io.BytesIO(normalise_picture(packed(clear)).data)).convert("L"))
+    assert stored.min() == 255
 
 
 def test_a_large_photograph_is_reduced(packed, cross):
-    told = normalise_picture(packed(cross(4000, 3000), "JPEG"))
-    assert (told.width, told.height) == (MAX_SIDE, MAX_SIDE * 3 // 4)
+    stored = normalise_picture(packed(cross(4000, 3000), "JPEG"))
+    assert (stored.width, stored.height) == (MAX_SIDE, MAX_SIDE * 3 // 4)
 
 
 def test_works_may_have_more_formats(packed, cross):

@@ -1,4 +1,4 @@
-"""Signed sessions: what was forged, cut or is too old is none."""
+"""Signed sessions: a forged, truncated or expired ticket is refused."""
 
 from __future__ import annotations
 
@@ -8,37 +8,37 @@ from itsdangerous import URLSafeTimedSerializer
 from rumu.studio.tickets import Ticket, Tickets, open_tickets
 
 
-def test_a_ticket_comes_back_as_it_was_written():
+def test_a_ticket_is_read_as_it_was_written():
     tickets = Tickets("key")
     ticket = Ticket(person_id="p", epoch=3)
     assert tickets.read(tickets.serialise(ticket)) == ticket
 
 
 @pytest.mark.parametrize("spoil", [lambda t: t[:-2], lambda t: "x" + t, lambda t: t.replace(".", "", 1)])
-def test_a_spoilt_ticket_is_none(spoil):
+def test_a_damaged_ticket_is_refused(spoil):
     tickets = Tickets("key")
     assert tickets.read(spoil(tickets.serialise(Ticket(person_id="p")))) is None
 
 
 @pytest.mark.parametrize("text", [None, "", "x", "é" * 400, "a.b.c", "W10.x.y"])
-def test_nonsense_is_none(text):
+def test_text_that_is_no_ticket_is_refused(text):
     assert Tickets("key").read(text) is None
 
 
-def test_another_key_reads_nothing():
+def test_a_ticket_of_another_key_is_refused():
     one, other = Tickets("key"), Tickets("another")
     ticket = Ticket(person_id="p")
     assert other.read(one.serialise(ticket)) is None
     assert one.csrf(ticket) != other.csrf(ticket)
 
 
-def test_a_signed_value_of_another_shape_is_none():
+def test_a_signed_value_of_another_shape_is_refused():
     tickets = Tickets("key")
     signer = URLSafeTimedSerializer("key", salt="rumu-session", signer_kwargs=tickets._signer.signer_kwargs)
     assert tickets.read(signer.dumps({"a": 1})) is None
 
 
-def test_an_old_ticket_is_none(monkeypatch):
+def test_an_expired_ticket_is_refused(monkeypatch):
     tickets = Tickets("key")
     text = tickets.serialise(Ticket())
     from itsdangerous import timed

@@ -1,4 +1,4 @@
-"""What is sent in goes into the collection that was named, whatever kind of thing it is."""
+"""Uploads go into the collection that was named, of whatever kind they are."""
 
 from __future__ import annotations
 
@@ -54,17 +54,17 @@ def members(gallery, collection):
 
 def test_labels_go_into_the_collection_that_was_named(gallery, labelled):
     done = import_zip(gallery, labelled, {"collection": "課堂"}, progress=quiet)
-    (room,) = done["collections"]
-    assert {row.id: row.title_zh for row, _ in collections(gallery)}[room] == "課堂"
-    assert (done["added"], len(members(gallery, room))) == (1, 1)
+    (collection,) = done["collections"]
+    assert {row.id: row.title_zh for row, _ in collections(gallery)}[collection] == "課堂"
+    assert (done["added"], len(members(gallery, collection))) == (1, 1)
 
 
-def test_labels_that_nobody_names_a_collection_for_go_by_the_name_of_the_zip(gallery, labelled):
+def test_without_a_named_collection_labels_go_into_one_named_after_the_zip(gallery, labelled):
     done = import_zip(gallery, labelled, {"collection": ""}, name="Third Class", progress=quiet)
     assert done["collections"] == ["third-class"]
 
 
-def test_a_collection_that_is_there_is_found_by_its_title(gallery, labelled, copy_of):
+def test_works_go_into_an_existing_collection_of_this_title(gallery, labelled, copy_of):
     starter = next(row for row, _ in collections(gallery) if row.id == "starter")
     before = len(members(gallery, "starter"))
     done = import_zip(gallery, labelled, {"collection": starter.title_zh}, progress=quiet)
@@ -82,7 +82,7 @@ def test_an_export_goes_into_the_collection_that_was_named_and_moves_nothing(gal
     assert [one.id for one in works(gallery, query="restored").items] == [gone]
 
 
-def test_an_export_without_a_named_collection_keeps_its_own(gallery, exported):
+def test_without_a_named_collection_an_export_goes_into_the_one_it_came_from(gallery, exported):
     packed, gone = exported
     done = import_zip(gallery, packed, {}, progress=quiet)
     assert (work(gallery, gone).collection_id, done["added"]) == ("own", 1)

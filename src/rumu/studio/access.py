@@ -1,4 +1,4 @@
-"""Access rights: pupils see their own, teachers also what their pupils wrote, owners everything."""
+"""Access rights: pupils see what they wrote, teachers also what their pupils wrote, owners everything."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, Select, false, or_, select, true
 from sqlalchemy.orm import Session
 
-from rumu.database.tables import Attempt, Membership, Person, SchoolClass, Task
+from rumu.database.tables import Attempt, Membership, Person, SchoolClass
 from rumu.studio.errors import Missing
 from rumu.studio.people import Identity
 
@@ -19,11 +19,6 @@ def pupils_of(teacher_id: str) -> Select[Any]:
         .join(SchoolClass, SchoolClass.id == Membership.class_id)
         .where(SchoolClass.teacher_id == teacher_id)
     )
-
-
-def people_of(who: Identity) -> ColumnElement[bool]:
-    """Return a condition on Person: those that this person may see."""
-    return _within(who, Person.id)
 
 
 def attempts_of(who: Identity, *, simulated: bool = True) -> ColumnElement[bool]:
@@ -41,14 +36,9 @@ def classes_of(who: Identity) -> ColumnElement[bool]:
     return SchoolClass.id.in_(select(Membership.class_id).where(Membership.person_id == who.id))
 
 
-def tasks_of(who: Identity) -> ColumnElement[bool]:
-    """Return a condition on Task: those of the classes that this person may see."""
-    return Task.class_id.in_(select(SchoolClass.id).where(classes_of(who)))
-
-
 def find_visible_person(session: Session, person_id: str, *, who: Identity) -> Person:
     """Return a person. Raises Missing also where they exist but may not be seen: an id reveals nothing."""
-    person = session.scalar(select(Person).where(Person.id == person_id, people_of(who)))
+    person = session.scalar(select(Person).where(Person.id == person_id, _within(who, Person.id)))
     if person is None:
         raise Missing(zh="沒有這個人。", en="There is no such person.")
     return person
@@ -64,9 +54,10 @@ def find_visible_attempt(session: Session, attempt_id: str, *, who: Identity | N
 
 
 def _within(who: Identity, column: object) -> ColumnElement[bool]:
+    """Return a condition on a column of ids of people: those that this person may see."""
     if who.owns:
         return true()
-    own: ColumnElement[bool] = column == who.id  # type: ignore[assignment]
+    themselves: ColumnElement[bool] = column == who.id  # type: ignore[assignment]
     if who.teaches:
-        return or_(own, column.in_(pupils_of(who.id)))  # type: ignore[attr-defined]
-    return own if who.role == "pupil" else false()
+        return or_(themselves, column.in_(pupils_of(who.id)))  # type: ignore[attr-defined]
+    return themselves if who.role == "pupil" else false()

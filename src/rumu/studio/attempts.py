@@ -44,17 +44,16 @@ def check_strokes(text: str) -> str:
     try:
         parsed = json.loads(text)
         strokes = parsed["strokes"] if isinstance(parsed, dict) else parsed
-        whole = isinstance(strokes, list) and all(_is_stroke(stroke) for stroke in strokes)
+        lines: list[Any] = [
+            stroke.get("points") if isinstance(stroke, dict) else stroke for stroke in strokes
+        ]
+        valid = isinstance(strokes, list) and all(isinstance(line, list) for line in lines)
+        valid = valid and all(_is_point(point) for line in lines for point in line)
     except (ValueError, KeyError, RecursionError, TypeError):
-        whole = False
-    if not whole or len(text) > MAX_STROKES:
+        valid = False
+    if not valid or len(text) > MAX_STROKES:
         raise Unusable("strokes", zh="筆跡的格式不對。", en="Expected strokes as a list of lists of points.")
     return json.dumps(parsed, separators=(",", ":"), allow_nan=False)
-
-
-def _is_stroke(stroke: Any) -> bool:
-    points = stroke.get("points") if isinstance(stroke, dict) else stroke
-    return isinstance(points, list) and all(_is_point(point) for point in points)
 
 
 def _is_point(point: Any) -> bool:
@@ -91,9 +90,9 @@ def add_attempt(
     task_id: str | None = None,
     attempt_id: str | None = None,
 ) -> Attempt:
-    """Store an attempt: its files first, then its row, so that whatever is listed is complete."""
-    one = attempt_id or new_id()
-    folder = f"attempts/{one}"
+    """Store an attempt: its files first, then its row, so that a listed attempt is complete."""
+    attempt_id = attempt_id or new_id()
+    folder = f"attempts/{attempt_id}"
     picture = f"{folder}/picture.{copy.picture.ending}"
     gallery.store.write(picture, copy.picture.data)
     if copy.residual is not None:
@@ -101,7 +100,7 @@ def add_attempt(
     if strokes is not None:
         gallery.store.write(f"{folder}/strokes.json", strokes.encode())
     attempt = Attempt(
-        id=one,
+        id=attempt_id,
         person_id=person_id,
         work_id=work_id,
         task_id=task_id,
@@ -116,15 +115,16 @@ def add_attempt(
         created=now(),
     )
     with gallery.database.writing() as session:
-        lock = {"read": True, "key_share": True}  # PostgreSQL's, until the end of this transaction
+        # PostgreSQL locks the task until the end of this transaction
+        lock = {"read": True, "key_share": True}
         if task_id is not None and session.get(Task, task_id, with_for_update=lock) is None:
             attempt.task_id = None  # deleted while the copy was marked: it stays its writer's
         session.add(attempt)
     return attempt
 
 
-def residual(store: Store, attempt: Attempt) -> dict[str, Any] | None:
-    """Return the residuals of an attempt (see `marking.residual_facts`); None when it was refused."""
+def read_residual(store: Store, attempt: Attempt) -> dict[str, Any] | None:
+    """Return the residual points of an attempt (see `marking.residual_facts`); None when it was refused."""
     key = f"attempts/{attempt.id}/residual.json"
     if not store.exists(key):
         return None
@@ -143,16 +143,16 @@ def list_attempts(
     limit: int = 60,
 ) -> tuple[list[AttemptDetails], int]:
     """Return the attempts of people that this person may see, newest first, and how many there are."""
-    asked = [attempts_of(who, simulated=False)]
+    conditions = [attempts_of(who, simulated=False)]
     for column, value in (
         (Attempt.work_id, work_id),
         (Attempt.person_id, person_id),
         (Attempt.task_id, task_id),
     ):
         if value is not None:
-            asked.append(column == value)
-    total = session.scalar(select(func.count()).select_from(Attempt).where(*asked)) or 0
-    wanted = select(Attempt).where(*asked).order_by(Attempt.created.desc(), Attempt.id)
+            conditions.append(column == value)
+    total = session.scalar(select(func.count()).select_from(Attempt).where(*conditions)) or 0
+    wanted = select(Attempt).where(*conditions).order_by(Attempt.created.desc(), Attempt.id)
     return attempt_details(session, session.scalars(wanted.offset(offset).limit(limit)).all()), total
 
 
@@ -165,8 +165,10 @@ def attempt_details(session: Session, attempts: Sequence[Attempt]) -> list[Attem
         .where(TeacherMark.attempt_id.in_(ids))
         .order_by(TeacherMark.created)
     ).all()
-    works = _by_id(session, Work, {attempt.work_id for attempt in attempts})
-    people = _by_id(session, Person, {attempt.person_id for attempt in attempts if attempt.person_id})
+    works_asked = select(Work).where(Work.id.in_({attempt.work_id for attempt in attempts}))
+    works = {work.id: work for work in session.scalars(works_asked)}
+    writers = select(Person).where(Person.id.in_({attempt.person_id for attempt in attempts}))
+    people = {person.id: person for person in session.scalars(writers)}
     return [
         AttemptDetails(
             attempt,
@@ -176,10 +178,6 @@ def attempt_details(session: Session, attempts: Sequence[Attempt]) -> list[Attem
         )
         for attempt in attempts
     ]
-
-
-def _by_id(session: Session, table: Any, ids: set[str]) -> dict[str, Any]:
-    return {row.id: row for row in session.scalars(select(table).where(table.id.in_(ids)))} if ids else {}
 
 
 def delete(gallery: Gallery, attempt_id: str, *, who: Identity) -> None:
@@ -193,10 +191,10 @@ def delete(gallery: Gallery, attempt_id: str, *, who: Identity) -> None:
     gallery.store.delete(derived_folder(picture_assets(gallery.store, attempt.picture).digest))
 
 
-def mark_by_teacher(
+def set_teacher_mark(
     session: Session, attempt_id: str, *, who: Identity, mark: float, note: str
 ) -> TeacherMark:
-    """Set a teacher's own mark. Raises Missing, or NotAllowed for a pupil or a simulated attempt."""
+    """Set the mark of a teacher. Raises Missing, or NotAllowed for a pupil or a simulated attempt."""
     attempt = find_visible_attempt(session, attempt_id, who=who)
     if not who.teaches or attempt.kind == "simulated":
         raise NotAllowed()

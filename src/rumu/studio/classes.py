@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, TypeVar
 
-from sqlalchemy import ColumnElement, delete, func, select
+from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 
 from rumu.database.tables import Attempt, Membership, Person, SchoolClass, Task, TeacherMark, Work
-from rumu.studio.access import attempts_of, classes_of, tasks_of
+from rumu.studio.access import attempts_of, classes_of
 from rumu.studio.errors import Missing, NotAllowed
 from rumu.studio.people import Identity
 
 ClassOrTask = TypeVar("ClassOrTask", SchoolClass, Task)
-_CONDITIONS: dict[type[Any], tuple[Callable[[Identity], ColumnElement[bool]], str, str]] = {
-    SchoolClass: (classes_of, "個班", "class"),
-    Task: (tasks_of, "項作業", "task"),
+_NAMES: dict[type[Any], tuple[Any, str, str]] = {  # the column with the id of the class, and the names
+    SchoolClass: (SchoolClass.id, "個班", "class"),
+    Task: (Task.class_id, "項作業", "task"),
 }
 
 
@@ -27,8 +27,8 @@ _CONDITIONS: dict[type[Any], tuple[Callable[[Identity], ColumnElement[bool]], st
 class PupilRow:
     """One pupil in the table of a task.
 
-    attempts: how many; best, last: scores, None where none was marked; last_id: the newest attempt;
-    teacher_mark: the teacher's newest mark of this pupil's attempts.
+    attempts: how many. best, last: scores, None where none was marked. last_id: the newest attempt.
+    teacher_mark: the newest mark that a teacher gave to this pupil's attempts.
     """
 
     person: Person
@@ -41,7 +41,7 @@ class PupilRow:
 
 @dataclass(frozen=True, slots=True)
 class CommonRemark:
-    """A kind of remark, and in how many pupils' latest attempts it stands."""
+    """A kind of remark. count: the pupils whose latest attempt has a remark of this kind."""
 
     kind: str
     count: int
@@ -57,9 +57,12 @@ def create_class(session: Session, who: Identity, *, name: str) -> SchoolClass:
     return school_class
 
 
-def classes(session: Session, who: Identity) -> list[SchoolClass]:
-    """Return the classes in which this person teaches or learns."""
-    return list(session.scalars(select(SchoolClass).where(classes_of(who)).order_by(SchoolClass.created)))
+def list_classes(session: Session, who: Identity) -> list[tuple[SchoolClass, int, int]]:
+    """Return (class, number of pupils, number of tasks) where this person teaches or learns; an owner all."""
+    pupils_in = select(func.count()).where(Membership.class_id == SchoolClass.id).scalar_subquery()
+    tasks_in = select(func.count()).where(Task.class_id == SchoolClass.id).scalar_subquery()
+    wanted = select(SchoolClass, pupils_in, tasks_in).where(classes_of(who)).order_by(SchoolClass.created)
+    return [(row, pupils, tasks) for row, pupils, tasks in session.execute(wanted)]
 
 
 def find_row(
@@ -69,28 +72,14 @@ def find_row(
 
     Raises Missing where there is none that this person may see, NotAllowed for a pupil where `to_teach`.
     """
-    seen, zh, en = _CONDITIONS[table]
-    row = session.scalar(select(table).where(table.id == row_id, seen(who)))
+    class_id, zh, en = _NAMES[table]
+    visible = select(SchoolClass.id).where(classes_of(who))
+    row = session.scalar(select(table).where(table.id == row_id, class_id.in_(visible)))
     if row is None:
         raise Missing(zh=f"沒有這{zh}。", en=f"There is no such {en}.")
     if to_teach and not who.teaches:
         raise NotAllowed()
     return row
-
-
-def rename_class(session: Session, class_id: str, *, who: Identity, name: str) -> None:
-    """Rename a class (by its teacher or an owner). Raises Missing, NotAllowed for a pupil."""
-    find_row(session, SchoolClass, class_id, who=who, to_teach=True).name = name
-
-
-def delete_class(session: Session, class_id: str, *, who: Identity) -> None:
-    """Delete a class with its tasks, its list of pupils and its invitations.
-
-    What pupils wrote stays theirs, with every mark given to it, but belongs to no task any more. Raises
-    Missing, NotAllowed for a pupil.
-    """
-    school_class = find_row(session, SchoolClass, class_id, who=who, to_teach=True)
-    session.delete(school_class)  # foreign keys delete the rest
 
 
 def pupils(session: Session, class_id: str) -> list[Person]:
@@ -100,15 +89,10 @@ def pupils(session: Session, class_id: str) -> list[Person]:
 
 
 def remove_pupil(session: Session, class_id: str, person_id: str) -> None:
-    """Remove a pupil from a class; what they wrote stays theirs."""
+    """Remove a pupil from a class; their attempts stay."""
     session.execute(
         delete(Membership).where(Membership.class_id == class_id, Membership.person_id == person_id)
     )
-
-
-def tasks(session: Session, class_id: str) -> list[Task]:
-    """Return the tasks of a class, newest first."""
-    return list(session.scalars(select(Task).where(Task.class_id == class_id).order_by(Task.created.desc())))
 
 
 def add_task(
@@ -129,23 +113,25 @@ def add_task(
     return task
 
 
-def attempts_at(session: Session, task: Task, *, who: Identity) -> list[Attempt]:
-    """Return the attempts at a task that this person may see, oldest first."""
+def summarise_task(
+    session: Session, task: Task, *, who: Identity
+) -> tuple[list[PupilRow], list[CommonRemark]]:
+    """Return a row for each pupil of a task, and remarks by how many pupils' latest attempts have them.
+
+    A pupil gets only their own row, and the remarks on their own attempt.
+    """
     wanted = select(Attempt).where(Attempt.task_id == task.id, attempts_of(who, simulated=False))
-    return list(session.scalars(wanted.order_by(Attempt.created)))
-
-
-def task_table(session: Session, task: Task, *, who: Identity) -> list[PupilRow]:
-    """Return one row for each pupil of a task; to a pupil only their own."""
+    attempts = session.scalars(wanted.order_by(Attempt.created)).all()
     people = [p for p in pupils(session, task.class_id) if who.teaches or p.id == who.id]
-    attempts = attempts_at(session, task, who=who)
-    here = {person.id for person in people}
-    gone = {a.person_id for a in attempts if a.person_id is not None} - here
-    people += list(session.scalars(select(Person).where(Person.id.in_(gone)))) if gone else []
-    ids = [attempt.id for attempt in attempts]
-    given = select(TeacherMark).where(TeacherMark.attempt_id.in_(ids)).order_by(TeacherMark.created)
-    marks = {mark.attempt_id: mark for mark in session.scalars(given)}
-    return [_row(person, [a for a in attempts if a.person_id == person.id], marks) for person in people]
+    former = {a.person_id for a in attempts} - {person.id for person in people}
+    people += session.scalars(select(Person).where(Person.id.in_(former)))
+    given = select(TeacherMark).where(TeacherMark.attempt_id.in_([attempt.id for attempt in attempts]))
+    marks = {mark.attempt_id: mark for mark in session.scalars(given.order_by(TeacherMark.created))}
+    rows = [_row(person, [a for a in attempts if a.person_id == person.id], marks) for person in people]
+    kinds: Counter[str] = Counter()
+    for attempt in {attempt.person_id: attempt for attempt in attempts}.values():
+        kinds.update({remark["kind"] for remark in attempt.mark.get("remarks", ())})
+    return rows, [CommonRemark(kind, count) for kind, count in kinds.most_common()]
 
 
 def _row(person: Person, attempts: Sequence[Attempt], marks: dict[str, TeacherMark]) -> PupilRow:
@@ -159,21 +145,3 @@ def _row(person: Person, attempts: Sequence[Attempt], marks: dict[str, TeacherMa
         last_id=attempts[-1].id if attempts else None,
         teacher_mark=given[-1].mark if given else None,
     )
-
-
-def common_remarks(session: Session, task: Task, *, who: Identity) -> list[CommonRemark]:
-    """Count the kinds of remarks in each pupil's latest attempt, the most frequent first."""
-    latest = {attempt.person_id: attempt for attempt in attempts_at(session, task, who=who)}
-    kinds: Counter[str] = Counter()
-    for attempt in latest.values():
-        kinds.update({remark["kind"] for remark in attempt.mark.get("remarks", ())})
-    return [CommonRemark(kind, count) for kind, count in kinds.most_common()]
-
-
-def count_members(session: Session, class_ids: Sequence[str]) -> dict[str, tuple[int, int]]:
-    """Return (number of pupils, number of tasks) of each class."""
-    members = select(Membership.class_id, func.count()).where(Membership.class_id.in_(class_ids))
-    given = select(Task.class_id, func.count()).where(Task.class_id.in_(class_ids))
-    many = dict(session.execute(members.group_by(Membership.class_id)).all())  # type: ignore[arg-type]
-    tasks_in = dict(session.execute(given.group_by(Task.class_id)).all())  # type: ignore[arg-type]
-    return {one: (many.get(one, 0), tasks_in.get(one, 0)) for one in class_ids}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import random
 from collections import Counter
 from collections.abc import Sequence
@@ -44,8 +45,8 @@ def next_pair(session: Session, who: Identity, *, work_id: str | None = None) ->
     open_pairs: dict[str, int] = {}
     for work, group in by_work.items():
         members = {attempt.id for attempt in group}
-        open_pairs[work] = len(group) * (len(group) - 1) // 2 - sum(pair <= members for pair in judged)
-    works = [work for work, left in open_pairs.items() if left]
+        open_pairs[work] = math.comb(len(group), 2) - sum(pair <= members for pair in judged)
+    works = [work for work, count in open_pairs.items() if count]
     if not works:
         return None
     times = _count_judgements(session, [attempt.id for attempt in attempts])
@@ -75,7 +76,7 @@ def _least_judged(
     group: Sequence[Attempt], times: Counter[str], judged: set[frozenset[str]]
 ) -> tuple[tuple[int, float], list[Attempt]]:
     """Return ((judgements of its two, random number), the pair) for the least judged open pair of a work."""
-    # drawn before they are sorted, so that attempts judged alike often do not always meet in one order
+    # drawn before they are sorted, so that attempts judged equally often come in random order
     order = sorted(random.sample(list(group), len(group)), key=lambda attempt: times[attempt.id])
     for some in (order[:_MAX_CANDIDATES], order):
         pairs = (
@@ -86,7 +87,7 @@ def _least_judged(
         best = min(pairs, key=lambda pair: pair[0], default=None)
         if best is not None:
             return best
-    raise AssertionError("expected an open pair in a group that has one left over")
+    raise AssertionError("expected an open pair in a group that has one")
 
 
 def judge(
@@ -121,7 +122,7 @@ def judge(
 def verdicts(session: Session, who: Identity) -> list[tuple[str, str, str, str, str, float | None]]:
     """Return (judge, work, left, right, winner, seconds) with ids.
 
-    All judgements to an owner; to a teacher their own and those of their pupils.
+    All judgements to an owner; to a teacher those by themselves and by their pupils.
     """
     wanted = select(Comparison).join(Person, Person.id == Comparison.judge_id).order_by(Comparison.created)
     if not who.owns:

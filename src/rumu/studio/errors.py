@@ -10,7 +10,7 @@ from rumu.errors import RumuError
 class StudioError(RumuError):
     """Base of the studio's errors.
 
-    code: one word or two; zh, en: one sentence each; what is not given is the class's own.
+    code: one word or two; zh, en: one sentence each; what is not given is that of the class.
     """
 
     code = "error"
@@ -22,24 +22,18 @@ class StudioError(RumuError):
         self.zh, self.en = zh or self.zh, en or self.en
         super().__init__(self.en)
 
-    def __reduce__(self) -> Any:
-        return _restore, (type(self), self.__dict__)  # pickled between processes
-
-
-def _restore(kind: type[StudioError], state: dict[str, Any]) -> StudioError:
-    error = kind.__new__(kind, state["en"])
-    error.__dict__.update(state)
-    return error
+    def __reduce__(self) -> Any:  # pickled between processes, whatever the arguments of a subclass
+        return Exception.__new__, (type(self), self.en), self.__dict__
 
 
 class Missing(StudioError):  # noqa: N818
-    """There is no such thing, or this person may not know of it."""
+    """There is no such thing, or the person who asks may not know of it."""
 
     code, zh, en = "not_found", "沒有這個項目。", "There is no such thing."
 
 
 class NotAllowed(StudioError):  # noqa: N818
-    """The person lacks the right."""
+    """The person who asks may not do this."""
 
     code, zh, en = "not_allowed", "您沒有這個權限。", "You may not do this."
 

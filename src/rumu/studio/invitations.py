@@ -1,4 +1,4 @@
-"""Invitation links, each for one login: the first owner's at the first start, a teacher's for a class."""
+"""Invitation links, each for one login: of the first owner at the first start, of others later."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rumu.studio.people import Identity, Role, authenticate, create_person, owne
 DAYS_VALID = 14
 
 
-def first_owner(session: Session) -> str | None:
+def invite_first_owner(session: Session) -> str | None:
     """Return the token of a new link for the first owner, None when there is one; earlier links expire."""
     if owner_exists(session):
         return None
@@ -48,7 +48,7 @@ def _add_invitation(
 ) -> tuple[str, Invitation]:
     token = secrets.token_urlsafe(24)
     row = Invitation(
-        token=_digest(token),
+        token=hashlib.sha256(token.encode()).hexdigest(),  # the link itself is not stored
         role=role,
         class_id=class_id,
         author_id=author_id,
@@ -61,7 +61,7 @@ def _add_invitation(
 
 def find_invitation(session: Session, token: str) -> tuple[Invitation, SchoolClass | None]:
     """Return an open invitation and its class. Raises Missing when it is unknown, used or expired."""
-    row = session.get(Invitation, _digest(token))
+    row = session.get(Invitation, hashlib.sha256(token.encode()).hexdigest())
     if row is None or row.used is not None or row.expires < now():
         raise Missing(
             zh="這個邀請連結無效，或者已經用過、過期了。",
@@ -93,7 +93,3 @@ def accept(session: Session, token: str, *, name: str, password: str) -> Person:
         session.add(Membership(class_id=school_class.id, person_id=person.id))
         session.flush()
     return person
-
-
-def _digest(token: str) -> str:
-    return hashlib.sha256(token.encode()).hexdigest()

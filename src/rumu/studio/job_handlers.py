@@ -48,16 +48,12 @@ def run_job(gallery: Gallery, job_id: str, *, storage: Storage) -> None:
     else:
         values = {"state": "done", "result": result, "done": Job.total}
     update_running(database, job_id, values | {"changed": now()})
-    gallery.store.delete(_upload_folder(job_id))
+    gallery.store.delete(f"uploads/{job_id}")
 
 
 def upload_key(job_id: str, ending: str) -> str:
     """Return the key under which a job's upload is stored until the job ends."""
-    return f"{_upload_folder(job_id)}/sent{ending}"
-
-
-def _upload_folder(job_id: str) -> str:
-    return f"uploads/{job_id}"
+    return f"uploads/{job_id}/sent{ending}"
 
 
 def make_thumbnails(gallery: Gallery, advance: Callable[[int, int], object]) -> list[str]:

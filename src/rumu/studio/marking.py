@@ -22,7 +22,7 @@ from rumu.studio.pictures import UprightPicture, normalise_picture
 from rumu.studio.storage import Storage
 from rumu.values import Assessment, FloatArray, IntArray, PointSet, Registration, Remark
 
-POINTS = 1500  # of a cell, in what is sent
+POINTS = 1500  # of a cell, at most, in what a page receives
 _FAR = OverlaySettings().full  # rms radii at which a point counts as far off
 
 
@@ -38,7 +38,7 @@ class MarkedCopy:
 def mark_copy(
     data: bytes, master: PreparedMaster, *, script: str, calibration: Calibration | None
 ) -> MarkedCopy:
-    """Mark an encoded picture against a master. Raises Unusable for what is no picture."""
+    """Mark an encoded picture against a master. Raises Unusable when it is no picture."""
     from PIL import Image
 
     started = time.perf_counter()
@@ -58,7 +58,7 @@ def load_calibration_of(storage: Storage) -> Calibration | None:
 
 
 def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
-    """Return all that a page shows of a mark, fit for JSON, except the residuals."""
+    """Return everything of a mark that a page shows, as values of JSON, except the residual points."""
     return {
         "score": _round(mark.score, 2),
         "level": mark.level,
@@ -66,11 +66,11 @@ def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
         "cuts": dict(CUTS["panel"]),
         "interval": None if mark.interval is None else [_round(bound, 2) for bound in mark.interval],
         "interval_note": _interval_note(mark),
-        "parts": [_part(name, score) for name, score in mark.parts.items()],
-        "remarks": [_remark(remark) for remark in mark.remarks],
+        "parts": [_part_facts(name, score) for name, score in mark.parts.items()],
+        "remarks": [_remark_facts(remark) for remark in mark.remarks],
         "similarity": _round(mark.similarity, 4),
         "sim_paper": _round(mark.sim_paper, 4),
-        "pose": None if mark.registration is None else _pose(mark.registration),
+        "pose": None if mark.registration is None else _pose_facts(mark.registration),
         "refused": _refusal(mark),
         "source": None if mark.source is None else list(mark.source),
         "source_text": _source_text(mark),
@@ -81,29 +81,28 @@ def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
 
 
 def residual_facts(registration: Registration) -> dict[str, list[list[float]]]:
-    """{'copy', 'master'}: [[x, y, r], ...], at most POINTS each.
+    """Return {'copy', 'master'}: [[x, y, r], ...], at most POINTS each.
 
-    x, y: fractions of the point's own cell, origin top left. r: distance in the plane to the nearest point of
-    the other once the copy is laid on the master, from 0 at no distance to 1 at 0.3 rms radii or more.
+    x, y: fractions of the cell of this writing, origin top left. r: distance in the plane to the nearest
+    point of the other writing once the copy is laid on the master, from 0 to 1 at 0.3 rms radii or more.
     """
-    copy, master = _planar_points(registration)
+    copy, master = _plane_points(registration)
     sides = (
         ("copy", registration.probe, copy, master),
         ("master", registration.reference, master, copy),
     )
     residuals = {}
-    for name, points, own, other in sides:
-        chosen = _thin_out(own)
-        distance = np.clip(cKDTree(other).query(own[chosen])[0] / _FAR, 0, 1)
-        at = in_cell(points)[chosen]
-        residuals[name] = np.round(np.column_stack([at, distance]), 4).tolist()
+    for name, points, plane, other in sides:
+        chosen = _thin_out(plane)
+        distance = np.clip(cKDTree(other).query(plane[chosen])[0] / _FAR, 0, 1)
+        residuals[name] = np.round(np.column_stack([in_cell(points)[chosen], distance]), 4).tolist()
     return residuals
 
 
 def alignment(registration: Registration) -> list[float]:
-    """Return the map from the copy's cell to the master's as [a, b, c, d, e, f], in the order of CSS.
+    """Return [a, b, c, d, e, f] with x' = a x + c y + e, y' = b x + d y + f, as CSS takes a matrix.
 
-    x' = a x + c y + e, y' = b x + d y + f, in fractions of each cell, origin top left.
+    From fractions of the copy's cell, origin top left, to fractions of the master's.
     """
     probe, reference = registration.probe, registration.reference
     pose = registration.T_reference_probe
@@ -119,26 +118,27 @@ def alignment(registration: Registration) -> list[float]:
 
 
 def in_cell(points: PointSet) -> FloatArray:
-    """Return the points' positions (N, 2) in fractions of their cell, origin top left."""
+    """Return (N, 2): the points in fractions of their cell, origin top left."""
     from_middle = points.xyz[:, :2] * points.radius + points.centre
     return np.asarray(from_middle @ np.linalg.inv(_linear(points)).T + 0.5)
 
 
 def _linear(points: PointSet) -> FloatArray:
-    """(2, 2): fractions of the cell, y down -> fractions of its longer side, y up."""
+    """Return (2, 2): from fractions of the cell, y down, to fractions of its longer side, y up."""
     width, height = points.cell
     return np.array([[width, 0.0], [0.0, -height]])
 
 
-def _planar_points(registration: Registration) -> tuple[FloatArray, FloatArray]:
+def _plane_points(registration: Registration) -> tuple[FloatArray, FloatArray]:
+    """Return (x, y) of the points of the copy, laid on the master, and of the master."""
     pose = registration.T_reference_probe
     copy = registration.probe.xyz @ pose[:3, :3].T + pose[:3, 3]
     return np.asarray(copy[:, :2]), registration.reference.xyz[:, :2]
 
 
 def _thin_out(points: FloatArray) -> IntArray:
-    """Return the indices of at most POINTS points, one in each square of a grid that is just wide enough."""
-    side = 1.0 / RADIUS  # a pixel of the canvas they were taken from: all of them
+    """Return indices of at most POINTS, one in each square of a grid that is just wide enough."""
+    side = 1.0 / RADIUS  # a pixel of the canvas that the points come from: all of them
     while True:
         square = np.floor(points / side).astype(np.int64)
         _, first = np.unique(square, axis=0, return_index=True)
@@ -147,14 +147,14 @@ def _thin_out(points: FloatArray) -> IntArray:
         side *= 1.1
 
 
-def _part(name: str, score: float) -> dict[str, Any]:
+def _part_facts(name: str, score: float) -> dict[str, Any]:
     title, meaning = PARTS[name]
     return {"name": name, "zh": title.zh, "en": title.en, "score": _round(score, 2)} | {
         "meaning": meaning._asdict()
     }
 
 
-def _remark(remark: Remark) -> dict[str, Any]:
+def _remark_facts(remark: Remark) -> dict[str, Any]:
     name = kind_name(remark.kind)
     return {
         "kind": remark.kind,
@@ -169,7 +169,7 @@ def _remark(remark: Remark) -> dict[str, Any]:
     }
 
 
-def _pose(registration: Registration) -> dict[str, Any]:
+def _pose_facts(registration: Registration) -> dict[str, Any]:
     return {
         "angle": _round(registration.angle, 3),
         "scale": _round(registration.scale, 4),
@@ -191,7 +191,7 @@ def _interval_note(mark: Assessment) -> dict[str, str] | None:
 
 
 def _source_text(mark: Assessment) -> dict[str, str] | None:
-    """Say where the heights come from, once if those of copy and master come from the same."""
+    """Return where the heights come from; one sentence if it is the same for copy and master."""
     if mark.source is None:
         return None
     texts = [SOURCES[source] for source in dict.fromkeys(mark.source)]

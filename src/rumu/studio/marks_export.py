@@ -1,4 +1,4 @@
-"""A teacher's own marks as a folder that `rumu calibrate` reads: marks.csv, the copies, the masters."""
+"""The marks that a teacher gave, as `rumu calibrate` reads them: marks.csv, the copies, the masters."""
 
 from __future__ import annotations
 
@@ -21,21 +21,16 @@ COLUMNS = ("image", "reference", "mark")
 
 @dataclass(frozen=True, slots=True)
 class GivenMark:
-    """A teacher's mark with the attempt and its master."""
+    """A teacher's mark with the attempt and its master.
+
+    image, reference: their paths in the zip; that of a measured surface is a folder.
+    """
 
     attempt: Attempt
     work: Work
     mark: float
-
-    @property
-    def image(self) -> str:
-        return f"copies/{self.attempt.id}{PurePosixPath(self.attempt.picture).suffix}"
-
-    @property
-    def reference(self) -> str:
-        """A file of the zip, or the folder of a measured surface."""
-        suffix = "" if self.work.surface else PurePosixPath(self.work.picture).suffix
-        return f"masters/{self.work.id}{suffix}"
+    image: str
+    reference: str
 
 
 def given_marks(session: Session, who: Identity, *, task_id: str | None = None) -> list[GivenMark]:
@@ -49,7 +44,12 @@ def given_marks(session: Session, who: Identity, *, task_id: str | None = None) 
     )
     if task_id is not None:
         wanted = wanted.where(Attempt.task_id == task_id)
-    return [GivenMark(attempt, work, mark) for attempt, work, mark in session.execute(wanted)]
+    marks = []
+    for attempt, work, mark in session.execute(wanted):
+        image = f"copies/{attempt.id}{PurePosixPath(attempt.picture).suffix}"
+        suffix = "" if work.surface else PurePosixPath(work.picture).suffix
+        marks.append(GivenMark(attempt, work, mark, image, f"masters/{work.id}{suffix}"))
+    return marks
 
 
 def marks_csv(marks: Sequence[GivenMark]) -> str:

@@ -1,4 +1,4 @@
-"""Chinese and English text on a PDF page without a font file of our own.
+"""Chinese and English text on a PDF page without a font file in this package.
 
 Latin is set in Helvetica, which every PDF reader has. Chinese is drawn as outlines of a font of this machine,
 so that the page prints anywhere; without one it is set in MSung-Light, which readers bring themselves.
@@ -90,8 +90,10 @@ def find_chinese_font() -> Path | None:
     if chosen and Path(chosen).is_file():
         return Path(chosen)
     folders = [Path(folder).expanduser() for folder in _FONT_FOLDERS]
-    found = {path.name: path for folder in folders if folder.is_dir() for path in folder.rglob("*.[to]t[fc]")}
-    return next((found[name] for name in _CHINESE_FONTS if name in found), None)
+    installed = {
+        path.name: path for folder in folders if folder.is_dir() for path in folder.rglob("*.[to]t[fc]")
+    }
+    return next((installed[name] for name in _CHINESE_FONTS if name in installed), None)
 
 
 def _words(text: str) -> Iterator[str]:

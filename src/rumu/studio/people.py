@@ -53,13 +53,19 @@ def identity(person: Person) -> Identity:
 
 def create_person(session: Session, *, name: str, password: str, role: Role) -> Person:
     """Add a login. Raises Clash when the name is taken, Unusable for an invalid name or password."""
-    shown, key = normalise_name(name)
-    if _by_key(session, key) is not None:
-        raise Clash("name_taken", zh=f"「{shown}」已經有人用了。", en=f"The name {shown!r} is taken.")
+    shown, key = _check_name(session, name)
     person = Person(name=shown, name_key=key, role=role, password=hash_password(password))
     session.add(person)
     session.flush()
     return person
+
+
+def _check_name(session: Session, name: str, *, person_id: str | None = None) -> tuple[str, str]:
+    """Return a name as shown and as compared. Raises Unusable; Clash when another person has it."""
+    shown, key = normalise_name(name)
+    if session.scalar(select(Person.id).where(Person.name_key == key, Person.id != person_id)) is not None:
+        raise Clash("name_taken", zh=f"「{shown}」已經有人用了。", en=f"The name {shown!r} is taken.")
+    return shown, key
 
 
 def normalise_name(name: str) -> tuple[str, str]:
@@ -77,7 +83,7 @@ def normalise_name(name: str) -> tuple[str, str]:
 def authenticate(session: Session, *, name: str, password: str) -> Person | None:
     """Return the person of this name and password, None when there is none; both take equally long."""
     try:
-        person = _by_key(session, normalise_name(name)[1])
+        person = session.scalar(select(Person).where(Person.name_key == normalise_name(name)[1]))
     except Unusable:
         person = None
     right = verify_password(password, person.password if person is not None and person.active else None)
@@ -92,17 +98,20 @@ def renew_hash(session: Session, person_id: str, *, password: str) -> None:
 
 
 def identify_session(session: Session, *, person_id: str, epoch: int) -> Identity | None:
-    """Return whose session it is; None when the person is deleted, disabled, or has ended all sessions."""
+    """Return the person of a session; None if they are deleted, disabled, or have ended all sessions."""
     person = session.get(Person, person_id)
     if person is None or not person.active or person.epoch != epoch:
         return None
     return identity(person)
 
 
-def change_password(session: Session, person_id: str, *, old: str, new: str) -> Person:
-    """Set a new password and end every session. Raises NotAllowed when the old password is wrong."""
+def set_password(session: Session, person_id: str, *, new: str, old: str | None = None) -> Person:
+    """Set a password and end every session of this person; only an owner does so without the old one.
+
+    Raises NotAllowed when the old password is wrong, Missing, Unusable.
+    """
     person = find_person(session, person_id)
-    if not verify_password(old, person.password):
+    if old is not None and not verify_password(old, person.password):
         raise NotAllowed(zh="舊密碼不對。", en="The old password is wrong.")
     person.password = hash_password(new)
     person.epoch += 1
@@ -114,11 +123,7 @@ def change_person(session: Session, person_id: str, changes: dict[str, Any]) -> 
     person = find_person(session, person_id)
     was_owner = person.role == "owner" and person.active
     if changes.get("name") is not None:
-        shown, key = normalise_name(changes["name"])
-        other = _by_key(session, key)
-        if other is not None and other.id != person.id:
-            raise Clash("name_taken", zh=f"「{shown}」已經有人用了。", en=f"The name {shown!r} is taken.")
-        person.name, person.name_key = shown, key
+        person.name, person.name_key = _check_name(session, changes["name"], person_id=person.id)
     for field in ("role", "language", "active"):
         if changes.get(field) is not None:
             setattr(person, field, changes[field])
@@ -130,23 +135,10 @@ def change_person(session: Session, person_id: str, changes: dict[str, Any]) -> 
     return person
 
 
-def set_password(session: Session, person_id: str, *, new: str) -> Person:
-    """Set the password of a person who forgot it (by an owner), and end all their sessions."""
-    person = find_person(session, person_id)
-    person.password = hash_password(new)
-    person.epoch += 1
-    return person
-
-
 def owner_exists(session: Session) -> bool:
     """Whether there is an owner; until then the service must not be public."""
     wanted = select(func.count()).select_from(Person).where(Person.role == "owner", Person.active)
     return bool(session.scalar(wanted))
-
-
-def list_people(session: Session) -> list[Person]:
-    """Return everybody with a login, by name."""
-    return list(session.scalars(select(Person).order_by(Person.name_key)))
 
 
 def find_person(session: Session, person_id: str) -> Person:
@@ -155,10 +147,6 @@ def find_person(session: Session, person_id: str) -> Person:
     if person is None:
         raise Missing(zh="沒有這個人。", en="There is no such person.")
     return person
-
-
-def _by_key(session: Session, key: str) -> Person | None:
-    return session.scalar(select(Person).where(Person.name_key == key))
 
 
 def hash_password(password: str) -> str:
@@ -174,7 +162,7 @@ def hash_password(password: str) -> str:
 
 
 def verify_password(password: str, hashed: str | None) -> bool:
-    """Whether a password has this hash; as slow when there is none, so that response times tell no names."""
+    """Whether a password has this hash; as slow without one, so that response times reveal no names."""
     try:
         with _TWO_AT_A_TIME:
             HASHER.verify(hashed or _placeholder_hash(), password[: 2 * MAX_PASSWORD])

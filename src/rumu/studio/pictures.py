@@ -23,7 +23,7 @@ _ENDINGS = {"PNG": "png", "JPEG": "jpg", "TIFF": "tif", "WEBP": "webp"}  # of wo
 
 @dataclass(frozen=True, slots=True)
 class UprightPicture:
-    """A picture as it is stored: upright, without the camera's metadata (place, time)."""
+    """A picture as it is stored: upright, without the camera's metadata (position, time)."""
 
     data: bytes
     ending: str
@@ -73,7 +73,7 @@ def format_of(data: bytes, *, max_pixels: int = 100_000_000) -> str:
 def normalise_picture(data: bytes) -> UprightPicture:
     """Decode a whole picture, turn it upright, shrink it to MAX_SIDE and drop its metadata.
 
-    Raises Unusable for what is no whole PNG or JPEG.
+    Raises Unusable when it is no whole PNG or JPEG.
     """
     from PIL import ImageOps
 
@@ -85,7 +85,7 @@ def normalise_picture(data: bytes) -> UprightPicture:
             if jpeg:
                 image.draft("RGB", (2 * MAX_SIDE, 2 * MAX_SIDE))
             image.load()
-            image = _on_white(ImageOps.exif_transpose(image))
+            image = _put_on_white(ImageOps.exif_transpose(image))
         except (OSError, ValueError, SyntaxError, MemoryError) as error:
             raise _not_a_picture() from error
     if max(image.size) > MAX_SIDE:
@@ -103,14 +103,14 @@ def _open(data: bytes, *, formats: tuple[str, ...] = _FORMATS) -> Image:
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own bound is lower
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # MAX_PIXELS is lower
             return Image.open(io.BytesIO(data), formats=formats)
     except (UnidentifiedImageError, Image.DecompressionBombError, OSError, ValueError, SyntaxError) as error:
         raise _not_a_picture() from error
 
 
-def _on_white(image: Image) -> Image:
-    """8 bits, gray or RGB: palettes and CMYK become RGB, what is clear becomes paper."""
+def _put_on_white(image: Image) -> Image:
+    """Return an 8-bit picture, gray or RGB; what is transparent becomes white paper."""
     from PIL import Image
 
     if image.mode in ("I;16", "I;16B", "I"):
@@ -119,9 +119,9 @@ def _on_white(image: Image) -> Image:
         values = np.asarray(image, dtype=np.float64)
         return Image.fromarray(np.clip(np.round(values / 257), 0, 255).astype(np.uint8))
     if image.mode in ("LA", "PA", "RGBA", "La", "RGBa") or "transparency" in image.info:
-        clear = image.convert("RGBA")
-        page = Image.new("RGBA", clear.size, (255, 255, 255, 255))
-        return Image.alpha_composite(page, clear).convert("RGB")
+        picture = image.convert("RGBA")
+        page = Image.new("RGBA", picture.size, (255, 255, 255, 255))
+        return Image.alpha_composite(page, picture).convert("RGB")
     return image if image.mode in ("L", "RGB") else image.convert("L" if image.mode == "1" else "RGB")
 
 

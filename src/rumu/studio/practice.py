@@ -53,16 +53,16 @@ def curves(session: Session, person_id: str, *, work_id: str | None = None) -> l
     for attempt in _attempts(session, person_id, work_id):
         by_work.setdefault(attempt.work_id, []).append(attempt)
     works = {w.id: w for w in session.scalars(select(Work).where(Work.id.in_(by_work)))}
-    found = [Curve(works[one], tuple(attempts)) for one, attempts in by_work.items()]
-    return sorted(found, key=lambda curve: curve.attempts[-1].created, reverse=True)
+    unsorted = (Curve(works[one], tuple(attempts)) for one, attempts in by_work.items())
+    return sorted(unsorted, key=lambda curve: curve.attempts[-1].created, reverse=True)
 
 
 def curve(session: Session, person_id: str, *, work_id: str) -> Curve:
     """Return a person's curve of one work. Raises Missing when they never copied it."""
-    found = curves(session, person_id, work_id=work_id)
-    if not found:
+    of_work = curves(session, person_id, work_id=work_id)
+    if not of_work:
         raise Missing(zh="還沒有臨過這件作品。", en="There is no attempt at this work.")
-    return found[0]
+    return of_work[0]
 
 
 def attempts_csv(session: Session, person_id: str) -> str:
@@ -77,13 +77,11 @@ def to_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     stream = io.StringIO()
     table = csv.writer(stream, lineterminator="\n")
     table.writerow(columns)
+    formula = tuple("=+-@\t\r")  # the first characters of formulas
     for row in rows:
-        table.writerow([_escape_formula(cell) for cell in row])
+        cells = [f"'{cell}" if str(cell)[:1] in formula and isinstance(cell, str) else cell for cell in row]
+        table.writerow(cells)
     return stream.getvalue()
-
-
-def _escape_formula(cell: object) -> object:
-    return f"'{cell}" if isinstance(cell, str) and cell[:1] in tuple("=+-@\t\r") else cell
 
 
 def _attempts(session: Session, person_id: str, work_id: str | None) -> Sequence[Attempt]:

@@ -17,7 +17,7 @@ Language = Literal["zh", "en"]
 
 _WIDTH, _HEIGHT, _MARGIN = 595.3, 841.9, 48.0
 _INK, _GREY, _SEAL, _PALE = (0.15, 0.14, 0.13), (0.45, 0.43, 0.40), (0.69, 0.13, 0.10), (0.90, 0.87, 0.82)
-_CELL, _GAP, _SHOWN, _ROWS = 92.0, 9.75, 4, 10
+_CELL, _GAP, _MAX_PRINTED, _MAX_ROWS = 92.0, 9.75, 4, 10
 
 _WORDS: dict[str, tuple[str, str]] = {
     "title": ("臨帖練習", "Practice"),
@@ -55,7 +55,7 @@ class PracticeSheet:
 def printed_attempts(curve: Curve) -> tuple[Attempt, ...]:
     """Return the attempts whose pictures are printed: the first and the latest."""
     attempts = curve.attempts
-    return attempts if len(attempts) <= _SHOWN else (attempts[0], *attempts[-(_SHOWN - 1) :])
+    return attempts if len(attempts) <= _MAX_PRINTED else (attempts[0], *attempts[-(_MAX_PRINTED - 1) :])
 
 
 def practice_pdf(sheet: PracticeSheet) -> bytes:
@@ -64,16 +64,13 @@ def practice_pdf(sheet: PracticeSheet) -> bytes:
 
     stream = io.BytesIO()
     canvas = Canvas(stream, pagesize=(_WIDTH, _HEIGHT), pageCompression=1)
-    work = sheet.curve.work
-    title = work.title_en if sheet.language == "en" else work.title_zh
-    canvas.setTitle(f"rumu: {title}, {sheet.name}")
     canvas.setAuthor("rumu")
-    y = _heading(canvas, sheet, title)
-    y = _cells(canvas, sheet, y)
-    y = _plot(canvas, sheet, y)
-    y = _table(canvas, sheet, y)
-    _remarks(canvas, sheet, y)
-    _foot(canvas, sheet)
+    y = _draw_heading(canvas, sheet)
+    y = _draw_cells(canvas, sheet, y)
+    y = _draw_curve(canvas, sheet, y)
+    y = _draw_table(canvas, sheet, y)
+    _draw_remarks(canvas, sheet, y)
+    _draw_footer(canvas, sheet)
     canvas.save()
     return stream.getvalue()
 
@@ -82,12 +79,14 @@ def _word(name: str, sheet: PracticeSheet) -> str:
     return _WORDS[name][sheet.language == "en"]
 
 
-def _heading(canvas: Any, sheet: PracticeSheet, title: str) -> float:
+def _draw_heading(canvas: Any, sheet: PracticeSheet) -> float:
     y = _HEIGHT - _MARGIN - 20
+    work = sheet.curve.work
+    english = sheet.language == "en"
+    title, hand = (work.title_en, work.hand_en) if english else (work.title_zh, work.hand_zh)
+    canvas.setTitle(f"rumu: {title}, {sheet.name}")
     canvas.setFillColorRGB(*_INK)
     draw_text(canvas, _MARGIN, y, f"{_word('title', sheet)} · {title}", 19, bold=True)
-    work = sheet.curve.work
-    hand = work.hand_en if sheet.language == "en" else work.hand_zh
     scores = sheet.curve.scores
     best = f"  ·  {_word('best', sheet)} {max(scores):.0f}" if scores else ""
     canvas.setFillColorRGB(*_GREY)
@@ -96,17 +95,19 @@ def _heading(canvas: Any, sheet: PracticeSheet, title: str) -> float:
     return y - 36
 
 
-def _cells(canvas: Any, sheet: PracticeSheet, y: float) -> float:
-    """The master, then the first and the latest copies, each with its mark below."""
-    _cell(canvas, _MARGIN, y, sheet.master, _word("master", sheet), red=True)
+def _draw_cells(canvas: Any, sheet: PracticeSheet, y: float) -> float:
+    """Draw the master, then the first and the latest copies, each with its mark below."""
+    _draw_cell(canvas, _MARGIN, y, sheet.master, _word("master", sheet), red=True)
     for k, attempt in enumerate(printed_attempts(sheet.curve), start=1):
         x = _MARGIN + k * (_CELL + _GAP)
         label = f"{attempt.created:%m-%d}  {_score(attempt, sheet)}"
-        _cell(canvas, x, y, sheet.pictures.get(attempt.id), label)
+        _draw_cell(canvas, x, y, sheet.pictures.get(attempt.id), label)
     return y - _CELL - 34
 
 
-def _cell(canvas: Any, x: float, y: float, picture: bytes | None, label: str, *, red: bool = False) -> None:
+def _draw_cell(
+    canvas: Any, x: float, y: float, picture: bytes | None, label: str, *, red: bool = False
+) -> None:
     from reportlab.lib.utils import ImageReader
 
     if picture is not None:
@@ -120,9 +121,9 @@ def _cell(canvas: Any, x: float, y: float, picture: bytes | None, label: str, *,
     draw_text(canvas, x + (_CELL - text_width(label, 8.5)) / 2, y - _CELL - 12, label, 8.5)
 
 
-def _plot(canvas: Any, sheet: PracticeSheet, y: float) -> float:
-    """Marks over attempts with their intervals, 0 to 100."""
-    _caption(canvas, _word("curve", sheet), y)
+def _draw_curve(canvas: Any, sheet: PracticeSheet, y: float) -> float:
+    """Draw the marks of attempts with their intervals, 0 to 100."""
+    _draw_caption(canvas, _word("curve", sheet), y)
     low, high, left, right = y - 148.0, y - 16.0, _MARGIN + 22.0, _WIDTH - _MARGIN
     canvas.setLineWidth(0.4)
     for mark in (0, 25, 50, 75, 100):
@@ -133,11 +134,11 @@ def _plot(canvas: Any, sheet: PracticeSheet, y: float) -> float:
         draw_text(canvas, left - 6 - text_width(str(mark), 7.5), at - 2.5, str(mark), 7.5)
     marked = [point for point in sheet.curve.points if point.score is not None]
     step = (right - left) / max(len(marked), 2)
-    places = [
+    positions = [
         (left + step * (k + 0.5), low + (high - low) * (point.score or 0.0) / 100)
         for k, point in enumerate(marked)
     ]
-    for (x, _), point in zip(places, marked, strict=True):
+    for (x, _), point in zip(positions, marked, strict=True):
         if point.interval is not None:
             canvas.setStrokeColorRGB(*_PALE)
             canvas.setLineWidth(3)
@@ -146,9 +147,9 @@ def _plot(canvas: Any, sheet: PracticeSheet, y: float) -> float:
     canvas.setStrokeColorRGB(*_SEAL)
     canvas.setFillColorRGB(*_SEAL)
     canvas.setLineWidth(1.1)
-    for (x0, y0), (x1, y1) in itertools.pairwise(places):
+    for (x0, y0), (x1, y1) in itertools.pairwise(positions):
         canvas.line(x0, y0, x1, y1)
-    for x, at in places:
+    for x, at in positions:
         canvas.circle(x, at, 2.2, stroke=0, fill=1)
     if not marked:
         canvas.setFillColorRGB(*_GREY)
@@ -156,20 +157,20 @@ def _plot(canvas: Any, sheet: PracticeSheet, y: float) -> float:
     return low - 26
 
 
-def _table(canvas: Any, sheet: PracticeSheet, y: float) -> float:
+def _draw_table(canvas: Any, sheet: PracticeSheet, y: float) -> float:
     columns = (("date", 0.0), ("score", 120.0), ("interval", 190.0), ("level", 290.0), ("kind", 380.0))
     for name, x in columns:
-        _caption(canvas, _word(name, sheet), y, x=_MARGIN + x)
+        _draw_caption(canvas, _word(name, sheet), y, x=_MARGIN + x)
     attempts = sheet.curve.attempts
-    for attempt in reversed(attempts[-_ROWS:]):
+    for attempt in reversed(attempts[-_MAX_ROWS:]):
         y -= 14
         canvas.setFillColorRGB(*_INK)
         for (_, x), text in zip(columns, _row(attempt, sheet), strict=True):
             draw_text(canvas, _MARGIN + x, y, text, 9)
-    if len(attempts) > _ROWS:
+    if len(attempts) > _MAX_ROWS:
         y -= 14
         canvas.setFillColorRGB(*_GREY)
-        draw_text(canvas, _MARGIN, y, _word("earlier", sheet).format(len(attempts) - _ROWS), 9)
+        draw_text(canvas, _MARGIN, y, _word("earlier", sheet).format(len(attempts) - _MAX_ROWS), 9)
     return y - 28
 
 
@@ -182,8 +183,8 @@ def _row(attempt: Attempt, sheet: PracticeSheet) -> Sequence[str]:
     return when, _score(attempt, sheet), between, level, _word(attempt.kind, sheet)
 
 
-def _remarks(canvas: Any, sheet: PracticeSheet, y: float) -> None:
-    _caption(canvas, _word("remarks", sheet), y)
+def _draw_remarks(canvas: Any, sheet: PracticeSheet, y: float) -> None:
+    _draw_caption(canvas, _word("remarks", sheet), y)
     mark = sheet.curve.attempts[-1].mark
     refused = mark.get("refused")
     sentences = [refused[sheet.language]] if refused else [r[sheet.language] for r in mark.get("remarks", ())]
@@ -198,7 +199,7 @@ def _remarks(canvas: Any, sheet: PracticeSheet, y: float) -> None:
         y -= 3
 
 
-def _foot(canvas: Any, sheet: PracticeSheet) -> None:
+def _draw_footer(canvas: Any, sheet: PracticeSheet) -> None:
     """Print what a mark means: the sheet is read without the page that explains it."""
     meaning = " ".join(text[sheet.language == "en"] for text in MEANS[:2])
     folded = wrap_text(meaning, 7.5, width=_WIDTH - 2 * _MARGIN)
@@ -207,7 +208,7 @@ def _foot(canvas: Any, sheet: PracticeSheet) -> None:
         draw_text(canvas, _MARGIN, _MARGIN - 14 + 10 * k, line, 7.5)
 
 
-def _caption(canvas: Any, text: str, y: float, *, x: float = _MARGIN) -> None:
+def _draw_caption(canvas: Any, text: str, y: float, *, x: float = _MARGIN) -> None:
     canvas.setFillColorRGB(*_GREY)
     draw_text(canvas, x, y, text, 9, bold=True)
 

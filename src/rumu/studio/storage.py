@@ -1,4 +1,4 @@
-"""Where a gallery is stored, in words by which another process can open it too."""
+"""Where a gallery is stored, as an address that another process can open too."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from rumu.database.engine import open_database
-from rumu.gallery.gallery import Gallery, user_home
-from rumu.gallery.store import Store
+from rumu.gallery.gallery import user_home
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +34,3 @@ class Storage:
             files=str(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
             calibration=calibration,
         )
-
-    def open(self) -> Gallery:
-        """Open the gallery as it is; unlike `open_gallery` this adds nothing to an empty one."""
-        return Gallery(open_database(self.database), Store.open(self.files))

@@ -21,7 +21,7 @@ DAYS_VALID = 30
 
 @dataclass(frozen=True, slots=True)
 class Ticket:
-    """What a session's cookie holds.
+    """The content of a session's cookie.
 
     person_id: None for a visitor. epoch: the person's, when the ticket was made; a later epoch ends the
     session. serial: random, one for each session.
@@ -60,6 +60,7 @@ class Tickets:
         return hmac.new(self._key, f"csrf:{ticket.serial}".encode(), hashlib.sha256).hexdigest()[:40]
 
     def has_csrf_token(self, ticket: Ticket, token: str | None) -> bool:
+        """Whether a token is that of this ticket."""
         return hmac.compare_digest(self.csrf(ticket).encode(), (token or "").encode("utf-8", "replace"))
 
 

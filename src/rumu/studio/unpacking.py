@@ -1,4 +1,4 @@
-"""Unpack an uploaded zip into a folder: nothing outside of it, and no more than the limits allow."""
+"""Unpack an uploaded zip into a folder: nothing outside it, and no more than the limits allow."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from rumu.studio.errors import Unusable
 
 _CHUNK = 2**20
-_UNSAFE = set('\\:*?"<>|')  # in names: other systems read more into them
+_UNSAFE = set('\\:*?"<>|')  # in names: with a meaning on other systems
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +39,8 @@ def folder_name(sent: str) -> str:
 def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Path:
     """Unpack a zip into an empty folder and return the folder of its files, one level down if all lie in one.
 
-    Names are checked before the first byte is written, and bytes are counted as they are written, since the
-    zip's own figures prove nothing. Raises Unusable.
+    Names are checked before the first byte is written, and bytes are counted as they are written, since
+    the sizes that a zip states may be false. Raises Unusable.
     """
     limits = limits or ZipLimits()
     folder.mkdir(parents=True, exist_ok=True)
@@ -67,20 +67,21 @@ def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Pa
 
 
 def _is_file(entry: zipfile.ZipInfo) -> bool:
-    """Whether an entry is neither a folder nor one of those that macOS adds to every zip."""
+    """Whether an entry is neither a folder nor a file that macOS adds to every zip."""
     return not (
         entry.is_dir() or entry.filename.startswith("__MACOSX/") or entry.filename.endswith(".DS_Store")
     )
 
 
 def _target(entry: zipfile.ZipInfo, folder: Path) -> Path:
-    """Return where an entry is written; names are kept, since labels.csv refers to them, if they are safe."""
+    """Return where to write an entry, under its name, since labels.csv refers to it. Raises Unusable."""
     name = PurePosixPath(entry.filename)
     kind = stat.S_IFMT(entry.external_attr >> 16)
     safe = (
         not name.is_absolute()
         and 0 < len(name.parts) <= 12
-        and all(_is_safe_part(part) for part in name.parts)
+        and all(part not in ("", ".", "..") and len(part) <= 150 for part in name.parts)
+        and all(part.isprintable() and not set(part) & _UNSAFE for part in name.parts)
         and kind in (0, stat.S_IFREG)
     )
     target = folder.joinpath(*name.parts) if safe else folder
@@ -93,10 +94,6 @@ def _target(entry: zipfile.ZipInfo, folder: Path) -> Path:
     return target
 
 
-def _is_safe_part(part: str) -> bool:
-    return part not in ("", ".", "..") and len(part) <= 150 and part.isprintable() and not set(part) & _UNSAFE
-
-
 def _write_all(
     archive: zipfile.ZipFile,
     entries: list[zipfile.ZipInfo],
@@ -105,14 +102,14 @@ def _write_all(
     *,
     max_bytes: int,
 ) -> None:
-    written = 0
+    all_bytes = 0
     for entry, target in zip(entries, targets, strict=True):
         target.parent.mkdir(parents=True, exist_ok=True)
-        own = 0
+        entry_bytes = 0
         with archive.open(entry) as source, target.open("xb") as sink:
             while chunk := source.read(_CHUNK):
-                own, written = own + len(chunk), written + len(chunk)
-                if own > limits.file_bytes or written > max_bytes:
+                entry_bytes, all_bytes = entry_bytes + len(chunk), all_bytes + len(chunk)
+                if entry_bytes > limits.file_bytes or all_bytes > max_bytes:
                     raise _too_large("more than a zip of this size should hold")
                 sink.write(chunk)
 

@@ -23,7 +23,7 @@ from rumu.values import Bilingual
 
 TEXTS = ("title", "hand", "period", "material")
 WORDS = ("character", "script", "dynasty", "source", "licence", "attribution")
-_MAX_LISTED = 20  # left out pictures that are listed one by one
+_MAX_LISTED = 20  # skipped pictures that are listed one by one
 
 
 def metadata_of(facts: Mapping[str, str]) -> WorkMetadata:
@@ -45,7 +45,7 @@ def metadata_of(facts: Mapping[str, str]) -> WorkMetadata:
 def add_work(gallery: Gallery, data: bytes, facts: Mapping[str, str], *, spacing: float | None) -> str:
     """Add a picture as a work and return its id.
 
-    Raises Unusable, ImageError or RefusedImage for what is no writing.
+    Raises Unusable, ImageError or RefusedImage when it is no writing.
     """
     method = facts.get("method") or "inflation"
     with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
@@ -70,9 +70,9 @@ def import_zip(
 ) -> dict[str, Any]:
     """Import a zip: a folder with labels.csv, an export of `rumu gallery export`, or one capture.
 
-    facts: the collection that its works go into, and what is known of a capture. name: of the collection when
-    nothing else names one, fit for a folder. Works that are there already are counted and left unchanged, so
-    that an import can be repeated.
+    facts: the collection that its works go into, and the metadata of a capture. name: of the collection when
+    nothing else names one, fit for a folder. Works that exist already are counted and left unchanged, so that
+    an import can be repeated.
     """
     with tempfile.TemporaryDirectory(prefix="rumu-") as temporary:
         progress(0, 0, "解開 Unpacking")

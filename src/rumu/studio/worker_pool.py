@@ -69,7 +69,7 @@ class WorkerPool:
             self._discard(executor)
 
     def stop(self) -> None:
-        """End all workers at once and for good, in the midst of what they do; later requests raise Busy."""
+        """End all workers for good, even while they work; later requests raise Busy."""
         with self._lock:
             self._stopped = True
             executor, self._executor = self._executor, None

@@ -32,7 +32,7 @@ def warm_up(storage: Storage) -> int:
 def mark(storage: Storage, *, data: bytes, work_id: str, digest: str, script: str) -> MarkedCopy:
     """Mark a picture against a work. digest: of the work, so that a changed one is read anew.
 
-    Raises Unusable for what is no picture.
+    Raises Unusable when it is no picture.
     """
     master = _prepare_master(storage, work_id, digest)
     return mark_copy(data, master, script=script, calibration=load_calibration_of(storage))
@@ -46,7 +46,7 @@ def derived_file(
     work_id: str | None = None,
     picture: str | None = None,
 ) -> DerivedFile:
-    """Return a file derived from a work or from a stored picture; it is made when it is not there yet."""
+    """Return a file derived from a work or from a stored picture; it is made when it does not exist yet."""
     from rumu.gallery.assets import assets_of, picture_assets
     from rumu.gallery.catalog import work
     from rumu.gallery.derived import derived_of
@@ -58,7 +58,7 @@ def derived_file(
 
 
 def image_part(storage: Storage, *, work_id: str, words: tuple[str, str, str, str, str]) -> tuple[bytes, str]:
-    """A part of a work's picture, see `rumu.gallery.iiif_image.image_response`."""
+    """Return a part of a work's picture, see `rumu.gallery.iiif_image.image_response`."""
     from rumu.gallery.iiif_image import image_response
 
     return image_response(_open_gallery(storage), work_id, *words)
@@ -76,7 +76,12 @@ def run_job(storage: Storage, *, job_id: str) -> None:
 
 @lru_cache(maxsize=2)
 def _open_gallery(storage: Storage) -> Gallery:
-    return storage.open()
+    """Open the gallery as it is; unlike `rumu.gallery.catalog.open_gallery` this adds nothing to it."""
+    from rumu.database.engine import open_database
+    from rumu.gallery.gallery import Gallery
+    from rumu.gallery.store import Store
+
+    return Gallery(open_database(storage.database), Store.open(storage.files))
 
 
 @lru_cache(maxsize=_MAX_MASTERS)

@@ -10,7 +10,7 @@ from sqlalchemy import select
 from rumu.database.tables import Attempt, Job, Work
 from rumu.gallery.catalog import open_gallery
 from rumu.studio import job_queue, worker_tasks
-from rumu.studio.invitations import first_owner
+from rumu.studio.invitations import invite_first_owner
 from rumu.studio.job_runner import JobRunner
 from rumu.studio.people import Identity, identify_session, owner_exists
 from rumu.studio.tickets import Ticket, open_tickets
@@ -89,5 +89,5 @@ class Service:
         if self.has_owner():
             return None
         with self.gallery.database.writing() as session:
-            token = first_owner(session)
+            token = invite_first_owner(session)
         return None if token is None else f"/#/join/{token}"

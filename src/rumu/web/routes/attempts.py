@@ -52,7 +52,7 @@ def get_attempt(service: ServiceDep, user: CurrentUser, attempt_id: PathId) -> E
     with service.gallery.database.reading() as session:
         row = find_visible_attempt(session, attempt_id, who=user)
         (shown,) = attempts.attempt_details(session, [row])
-    return Extended(shown, residual=attempts.residual(service.gallery.store, row))
+    return Extended(shown, residual=attempts.read_residual(service.gallery.store, row))
 
 
 @router.delete("/api/attempts/{attempt_id}", status_code=204)
@@ -104,7 +104,7 @@ def set_teacher_mark(
 ) -> Extended:
     """The teacher's own mark."""
     with service.gallery.database.writing() as session:
-        row = attempts.mark_by_teacher(session, attempt_id, who=user, mark=mark.mark, note=mark.note)
+        row = attempts.set_teacher_mark(session, attempt_id, who=user, mark=mark.mark, note=mark.note)
     return Extended(row, teacher=user.name)
 
 

@@ -27,9 +27,8 @@ _MAX_MARKS = 5000  # in one zip, which is made in memory
 def list_classes(service: ServiceDep, user: CurrentUser) -> list[Extended]:
     """The classes that the user teaches or learns in; for an owner all."""
     with service.gallery.database.reading() as session:
-        rows = classes.classes(session, user)
-        counts = classes.count_members(session, [row.id for row in rows])
-    return [Extended(row, pupils=counts[row.id][0], tasks=counts[row.id][1]) for row in rows]
+        rows = classes.list_classes(session, user)
+    return [Extended(row, pupils=pupils, tasks=tasks) for row, pupils, tasks in rows]
 
 
 @router.post("/api/classes", response_model=ClassRead, status_code=201)
@@ -46,12 +45,13 @@ def get_class(service: ServiceDep, user: CurrentUser, class_id: PathId) -> Exten
     with service.gallery.database.reading() as session:
         row = classes.find_row(session, SchoolClass, class_id, who=user)
         unused = Invitation.class_id == class_id, Invitation.used.is_(None), Invitation.expires > now()
+        tasks = select(Task).where(Task.class_id == class_id).order_by(Task.created.desc())
         links = session.scalars(select(Invitation).where(*unused).order_by(Invitation.created)).all()
         return Extended(
             row,
             teacher=session.get(Person, row.teacher_id),
             pupils=classes.pupils(session, class_id) if user.teaches else [],
-            tasks=[_with_work(session, task) for task in classes.tasks(session, class_id)],
+            tasks=[_with_work(session, task) for task in session.scalars(tasks)],
             invitations=links if user.teaches else [],
         )
 
@@ -60,7 +60,7 @@ def get_class(service: ServiceDep, user: CurrentUser, class_id: PathId) -> Exten
 def rename_class(service: ServiceDep, user: TeacherUser, class_id: PathId, changes: ClassCreate) -> Extended:
     """Give a class another name."""
     with service.gallery.database.writing() as session:
-        classes.rename_class(session, class_id, who=user, name=changes.name)
+        classes.find_row(session, SchoolClass, class_id, who=user, to_teach=True).name = changes.name
     return get_class(service, user, class_id)
 
 
@@ -68,7 +68,8 @@ def rename_class(service: ServiceDep, user: TeacherUser, class_id: PathId, chang
 def delete_class(service: ServiceDep, user: TeacherUser, class_id: PathId) -> None:
     """Delete a class with its tasks, its list of pupils and its links; attempts and their marks stay."""
     with service.gallery.database.writing() as session:
-        classes.delete_class(session, class_id, who=user)
+        row = classes.find_row(session, SchoolClass, class_id, who=user, to_teach=True)
+        session.delete(row)  # foreign keys delete the rest
 
 
 @router.delete("/api/classes/{class_id}/pupils/{person_id}", status_code=204)
@@ -104,10 +105,10 @@ def get_task(service: ServiceDep, user: CurrentUser, task_id: PathId) -> dict[st
     """The results of a task: a row for each pupil, and common remarks; for a pupil their own row."""
     with service.gallery.database.reading() as session:
         task = classes.find_row(session, Task, task_id, who=user)
-        remarks = classes.common_remarks(session, task, who=user)
+        rows, remarks = classes.summarise_task(session, task, who=user)
         return {
             "task": _with_work(session, task),
-            "rows": classes.task_table(session, task, who=user),
+            "rows": rows,
             "common": [Extended(remark, **kind_name(remark.kind)._asdict()) for remark in remarks],
         }
 

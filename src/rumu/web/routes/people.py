@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, HTTPException, Path, Request, Response
+from sqlalchemy import select
 
 from rumu import __version__
 from rumu.database.tables import Person
@@ -82,7 +83,7 @@ def change_password(
     """Change one's own password; every other session of this person ends."""
     service.rate_limiter.hit(service.settings.rate_limits.login_name, "password", user.id)
     with service.gallery.database.writing() as session:
-        person = people.change_password(session, user.id, old=passwords.old, new=passwords.new)
+        person = people.set_password(session, user.id, old=passwords.old, new=passwords.new)
     return _start_session(request, response, service, person)
 
 
@@ -118,7 +119,7 @@ def accept_invitation(
 def list_people(service: ServiceDep, user: OwnerUser) -> Sequence[Person]:
     """Everybody with a login."""
     with service.gallery.database.reading() as session:
-        return people.list_people(session)
+        return session.scalars(select(Person).order_by(Person.name_key)).all()
 
 
 @people_router.patch("/api/people/{person_id}", response_model=PersonRead)
