@@ -86,7 +86,7 @@ def with_rumu(case: Case) -> np.ndarray:
 
 
 def with_scipy(case: Case, *, workers: int) -> np.ndarray:
-    """rumu with SciPy's k-d tree in place of OpenCV's."""
+    """Our registration with SciPy's k-d tree in place of OpenCV's."""
 
     def kd_tree(points: np.ndarray, *, with_second: bool) -> Search:
         tree = cKDTree(points)

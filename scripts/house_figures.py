@@ -113,7 +113,7 @@ def circles(modules: dict[str, Module]) -> list[list[str]]:
 
 
 def way_of_a_copy(modules: dict[str, Module]) -> dict[str, set[str]]:
-    """module -> definitions, of all that `pipeline.assess` may call for a picture.
+    """Return the definitions of each module that `pipeline.assess` may call for a picture.
 
     Names are followed through imports. A method counts when its class is reached and its name is used.
     """
