@@ -8,7 +8,8 @@ from html.parser import HTMLParser
 
 import pytest
 
-from rumu.report.pages import IndexSample, IndexWork, assessment_page, demo_index, level_zones, surface_page
+from rumu.gallery.starter import starter_works
+from rumu.report.pages import IndexSample, assessment_page, demo_index, level_zones, surface_page
 from rumu.report.wording import PARTS, SIMULATED
 from rumu.values import Bilingual, Remark
 
@@ -189,10 +190,7 @@ def test_the_demo_s_first_page(assessment, refusal, copy_surface, master_surface
         ),
         IndexSample(Bilingual("人", "ren"), "bad", (), refusal, "b.html", None),
     ]
-    works = [
-        IndexWork(f"w{n}", Bilingual("天", f"work {n}"), Bilingual("某", "a hand"), master_surface)
-        for n in range(3)
-    ]
+    works = [(work, master_surface) for work in starter_works()[:3]]
     html = demo_index(samples, works, title="rumu")
     outline = Outline(html)
     assert needs_no_network(html)

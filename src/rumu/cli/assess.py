@@ -10,14 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rumu.assessment.scripts import Script
-from rumu.cli.options import (
-    AsJson,
-    level_cuts,
-    master_path,
-    master_script,
-    not_an_input,
-    part_weights,
-)
+from rumu.cli.options import AsJson, find_master, level_cuts, not_an_input, part_weights
 from rumu.cli.terminal import Outcome, bar, print_outcome, working
 
 if TYPE_CHECKING:
@@ -75,7 +68,7 @@ def assess(
     if copy is None or reference is None:
         raise typer.BadParameter("expected COPY --reference MASTER, or --pairs PAIRS.csv -o OUT.csv")
     not_an_input(report, copy, reference, calibration)
-    terms = _terms(levels, calibration, weights, script or master_script(reference))
+    terms = _terms(levels, calibration, weights, script)
     return _assess_one(copy, reference, report=report, terms=terms)
 
 
@@ -98,13 +91,13 @@ def _only_with(*, one: Mapping[str, object], mode: str) -> None:
 
 
 def _assess_one(copy: Path, reference: str, *, report: Path | None, terms: dict[str, Any]) -> Outcome:
-    cuts = terms["levels"]
+    path, known_script = find_master(reference)
+    terms["script"] = terms["script"] or known_script
     with working("Comparing"):
-        surface, master, mark = assess_files(copy, master_path(reference), **terms)
+        surface, master, mark = assess_files(copy, path, **terms)
         if report is not None:
-            write_page(
-                mark, copy=surface, master=master, names=(str(copy), reference), levels=cuts, target=report
-            )
+            names = (str(copy), reference)
+            write_page(mark, copy=surface, master=master, names=names, levels=terms["levels"], target=report)
     facts = {"copy": copy, "reference": reference, **mark_facts(mark), "report": report}
     if mark.refused is not None:
         return Outcome(
@@ -182,34 +175,14 @@ def write_page(
 def mark_facts(mark: Assessment) -> dict[str, Any]:
     """The mark without its point sets, for JSON."""
     pose = mark.registration
-    return {
-        "score": mark.score,
-        "level": mark.level,
-        "interval": mark.interval,
-        "interval_note": mark.interval_note,
-        "interval_note_zh": mark.interval_note_zh,
-        "script": mark.script,
-        "weights": mark.weights,
-        "calibration": mark.calibration,
-        "sim_paper": mark.sim_paper,
-        "similarity": mark.similarity,
-        "parts": mark.parts,
-        "remarks": mark.remarks,
-        "pose": None
-        if pose is None
-        else {
-            "angle": pose.angle,
-            "shift": pose.shift,
-            "scale": pose.scale,
-            "overlap": pose.overlap,
-            "d_ms": pose.d_ms,
-            "converged": pose.converged,
-            "iterations": pose.iterations,
-        },
-        "source": mark.source,
-        "refused": mark.refused,
-        "refused_zh": mark.refused_zh,
-    }
+    terms = ("interval_note", "interval_note_zh", "script", "weights", "calibration")
+    names = ("score", "level", "interval", *terms, "sim_paper", "similarity", "parts", "remarks")
+    of_pose = ("angle", "shift", "scale", "overlap", "d_ms", "converged", "iterations")
+    return (
+        {name: getattr(mark, name) for name in names}
+        | {"pose": pose and {name: getattr(pose, name) for name in of_pose}}
+        | {name: getattr(mark, name) for name in ("source", "refused", "refused_zh")}
+    )
 
 
 def _describe(mark: Assessment, report: Path | None) -> str:

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import csv
 import functools
 import itertools
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from rumu.cli.options import AsJson, check_file_writable, master_path, not_an_input
+from rumu.cli.options import AsJson, check_writable, find_master, not_an_input
+from rumu.cli.pairs import prepared_master, read_rows, reason_in_one_line
 from rumu.cli.terminal import Outcome, bar, print_outcome, working
-from rumu.errors import CalibrationError, RumuError
+from rumu.errors import CalibrationError
+from rumu.executors import by_group, cores
+from rumu.outputs import whole_file
 
 if TYPE_CHECKING:
     from rumu.assessment.features import Features
-    from rumu.assessment.measurement import PreparedMaster
     from rumu.assessment.teacher import TeacherFit
     from rumu.cli.terminal import Advance
 
@@ -57,7 +57,7 @@ def calibrate(
     """Fit the mark to your own marks; keeps the default, and says so, when they do not carry more."""
     not_an_input(out, marks)
     rows = read_marks(marks)
-    check_file_writable(out)
+    check_writable(whole_file(out))
     with bar("Measuring") as advance:
         measured = _measure_rows(rows, root=root or marks.parent, jobs=jobs, advance=advance)
     left_out = [(row, one.refused) for row, one in zip(rows, measured, strict=True) if one.refused]
@@ -78,20 +78,8 @@ def read_marks(path: Path) -> list[MarkedRow]:
 
     Raises CalibrationError that names the file and the line of whatever is no such row.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as stream:
-            table = csv.DictReader(stream)
-            table.fieldnames = names = [name.strip() for name in table.fieldnames or ()]
-            if not set(COLUMNS) <= set(names):
-                raise CalibrationError(
-                    f"{path}: expected the columns {','.join(COLUMNS)} in the first line, "
-                    f"found {', '.join(names) or 'nothing'}"
-                )
-            rows = [_row(row, path=path, line=table.line_num) for row in table]
-    except OSError as error:
-        raise CalibrationError(f"{path}: cannot be read ({os.strerror(error.errno or 0)})") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise CalibrationError(f"{path}: expected a CSV in UTF-8, cannot read it ({error})") from error
+    table = read_rows(path, COLUMNS, error_type=CalibrationError)
+    rows = [_row(row, path=path, line=line) for line, row in table]
     if not rows:
         raise CalibrationError(f"{path}: expected at least one row below the header, found none")
     return rows
@@ -118,31 +106,19 @@ def measure_row(row: MarkedRow, *, root: Path) -> MeasuredRow:
     from rumu.assessment.measurement import measure
 
     try:
-        path = master_path(row.reference, root=root)
-        master = _master(path)
-        measurement = measure(pipeline.surface_of(root / row.image), master)
-    except RumuError as error:
-        return MeasuredRow(None, refused=" ".join(str(error).split()))
+        path, _ = find_master(row.reference, root=root)
+        measurement = measure(pipeline.surface_of(root / row.image), prepared_master(path))
     except Exception as error:  # one row must never cost the others
-        return MeasuredRow(None, refused=f"unexpected {type(error).__name__}: {' '.join(str(error).split())}")
+        return MeasuredRow(None, refused=reason_in_one_line(error))
     if measurement.refusal is not None:
         return MeasuredRow(None, refused=f"{measurement.refusal.code}: {measurement.refusal.en}")
     return MeasuredRow(measurement.features, str(path.resolve()))
-
-
-@functools.lru_cache(maxsize=2)  # copies of one master come together; a surface may hold many pixels
-def _master(path: Path) -> PreparedMaster:
-    from rumu import pipeline
-
-    return pipeline.prepare_master(path)
 
 
 def _measure_rows(
     rows: Sequence[MarkedRow], *, root: Path, jobs: int | None, advance: Advance
 ) -> list[MeasuredRow]:
     """What each row holds, in order; measured master by master, so that a master is read once."""
-    from rumu.executors import by_group, cores
-
     done = itertools.count(1)
     return by_group(
         functools.partial(measure_row, root=root),

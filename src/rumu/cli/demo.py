@@ -16,8 +16,10 @@ from rumu.cli.options import AsJson, level_cuts
 from rumu.cli.terminal import Advance, Outcome, bar, plain, print_outcome
 
 if TYPE_CHECKING:
-    from rumu.gallery.starter import Sample, StarterWork
-    from rumu.report.pages import IndexSample, IndexWork
+    from rich.console import Group
+
+    from rumu.gallery.starter import Sample
+    from rumu.report.pages import IndexSample
 
 MARKS = "marks.json"  # also the sign by which an earlier demo is known and may be replaced
 
@@ -43,7 +45,7 @@ def demo(
             rows = _mark_samples(samples, advance, total=len(samples))
         else:
             rows = _write_pages(samples, out, advance)
-    outcome = Outcome(_facts(samples, rows, out), SampleTable(samples, rows, out))
+    outcome = Outcome(_facts(samples, rows, out), _table(samples, rows, out))
     if no_serve or as_json:
         return outcome
     from rich.console import Console
@@ -88,6 +90,7 @@ def _serve_gallery(port: int, *, opens: bool) -> None:
 
 def _write_pages(samples: Sequence[Sample], out: Path, advance: Advance) -> list[IndexSample]:
     """The marks, with a page for each and an index of them and of the starter works."""
+    from rumu import pipeline
     from rumu.gallery.starter import starter_works
     from rumu.outputs import whole_folder
     from rumu.report.pages import demo_index
@@ -96,7 +99,10 @@ def _write_pages(samples: Sequence[Sample], out: Path, advance: Advance) -> list
     total = len(samples) + len(works)
     with whole_folder(out, marker=MARKS) as folder:
         rows = _mark_samples(samples, advance, total=total, folder=folder)
-        sheet = _sheet(works, advance=advance, done=len(samples), total=total)
+        sheet = []
+        for done, work in enumerate(works, start=len(samples) + 1):
+            sheet.append((work, pipeline.surface_of(work.path)))
+            advance(done, total)
         index = demo_index(rows, sheet, title="rumu 入木")
         (folder / "index.html").write_text(index, encoding="utf-8")
         facts = _facts(samples, rows, out)
@@ -131,18 +137,6 @@ def _mark_samples(
     return rows
 
 
-def _sheet(works: Sequence[StarterWork], *, advance: Advance, done: int, total: int) -> list[IndexWork]:
-    from rumu import pipeline
-    from rumu.report.pages import IndexWork
-
-    sheet = []
-    for count, work in enumerate(works, start=1):
-        surface = pipeline.surface_of(work.path)
-        sheet.append(IndexWork(work.id, work.title, work.hand, surface))
-        advance(done + count, total)
-    return sheet
-
-
 def _facts(samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | None) -> dict[str, Any]:
     marks = [
         {
@@ -158,23 +152,17 @@ def _facts(samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | N
     return {"out": out, "index": out and out / "index.html", "samples": marks}
 
 
-class SampleTable:
-    """The marks as a table for a terminal, drawn only when it is printed."""
+def _table(samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | None) -> Group:
+    """The marks as a table for a terminal."""
+    from rich.console import Group
+    from rich.table import Table
 
-    def __init__(self, samples: Sequence[Sample], rows: Sequence[IndexSample], out: Path | None) -> None:
-        self.samples, self.rows, self.out = samples, rows, out
-
-    def __rich_console__(self, console: Any, options: Any) -> Any:
-        from rich.table import Table
-
-        table = Table(title="Simulated sample copies (nobody wrote them)", title_justify="left")
-        for name in ("work", "degree simulated", "score", "interval", "level"):
-            table.add_column(name, justify="right" if name in ("score", "interval") else "left")
-        for sample, row in zip(self.samples, self.rows, strict=True):
-            table.add_row(sample.work, sample.degree, *_mark_cells(row))
-        yield table
-        if self.out is not None:
-            yield f"Pages: {self.out / 'index.html'}"
+    table = Table(title="Simulated sample copies (nobody wrote them)", title_justify="left")
+    for name in ("work", "degree simulated", "score", "interval", "level"):
+        table.add_column(name, justify="right" if name in ("score", "interval") else "left")
+    for sample, row in zip(samples, rows, strict=True):
+        table.add_row(sample.work, sample.degree, *_mark_cells(row))
+    return Group(table, *([] if out is None else [f"Pages: {out / 'index.html'}"]))
 
 
 def _mark_cells(row: IndexSample) -> tuple[str, str, str]:

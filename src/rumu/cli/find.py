@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,7 +12,7 @@ from rumu.cli.options import AsJson
 from rumu.cli.terminal import Outcome, bar, print_outcome
 
 if TYPE_CHECKING:
-    from rumu.gallery.search import MasterIndex, SearchResult
+    from rumu.gallery.search import SearchResult
 
 
 @print_outcome
@@ -39,29 +39,20 @@ def find(
         "copy": copy,
         "masters": len(index.masters),
         "left_out": [{"file": master.path, "reason": reason} for master, reason in index.left_out],
-        "matches": [_facts(match) for match in matches],
+        "matches": [
+            {"file": match.master.path}
+            | {name: getattr(match.master, name) for name in ("character", "hand", "work")}
+            | {"likeness": match.likeness}
+            for match in matches
+        ],
         "seconds": round(seconds, 3),
     }
-    return Outcome(facts, "\n".join([_heading(copy, index, seconds), *map(_line, matches)]))
-
-
-def _heading(copy: Path, index: MasterIndex, seconds: float) -> str:
     left_out = f" ({len(index.left_out)} more hold no writing)" if index.left_out else ""
-    return f"{copy}, among {len(index.masters)} masters{left_out}, {seconds:.2f} s"
+    heading = f"{copy}, among {len(index.masters)} masters{left_out}, {seconds:.2f} s"
+    return Outcome(facts, "\n".join([heading, *map(_line, matches)]))
 
 
 def _line(match: SearchResult) -> str:
     master = match.master
     words = [word for word in (master.character, master.hand, master.work) if word]
     return f"  {match.likeness:.2f}  {' '.join(words)}  {master.path}".replace("    ", "  ")
-
-
-def _facts(match: SearchResult) -> dict[str, Any]:
-    master = match.master
-    return {
-        "file": master.path,
-        "character": master.character,
-        "hand": master.hand,
-        "work": master.work,
-        "likeness": match.likeness,
-    }

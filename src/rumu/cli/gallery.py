@@ -55,9 +55,10 @@ def list_works(
     """The works: id, character, script, hand."""
     from rumu.gallery.catalog import open_gallery, works
 
-    asked: dict[str, Any] = {"script": script, "character": character, "dynasty": dynasty, "hand": hand}
-    asked |= {"collection": collection, "query": search}
-    page = works(open_gallery(), **asked, offset=offset, limit=limit or 1_000_000)
+    page = works(
+        open_gallery(), script=script, character=character, dynasty=dynasty, hand=hand,
+        collection=collection, query=search, offset=offset, limit=limit or 1_000_000,
+    )  # fmt: skip
     facts = {"total": page.total, "works": [_facts(work) for work in page.items]}
     if not page.items:
         return Outcome(facts, "no work matches")
@@ -321,6 +322,4 @@ def _facts(work: Work) -> dict[str, Any]:
     more = ("height", "height_source", "spacing", "picture", "surface", "capture", "digest", "origin")
     facts: dict[str, Any] = {name: getattr(work, name) for name in (*plain, *more)}
     facts["collection"] = work.collection_id
-    return facts | {
-        name: {language: getattr(work, f"{name}_{language}") for language in ("zh", "en")} for name in both
-    }
+    return facts | {name: getattr(work, name)._asdict() for name in both}

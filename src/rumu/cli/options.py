@@ -6,6 +6,7 @@ import contextlib
 import json
 import math
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -38,51 +39,33 @@ class _OnlyCheckingError(Exception):
     pass
 
 
-def check_folder_writable(folder: Path, *, marker: str) -> None:
-    """Raise OutputError now, when `folder` cannot be written, rather than after minutes of work."""
-    from rumu.outputs import whole_folder
+def check_writable(writing: AbstractContextManager[Path]) -> None:
+    """Enter `whole_file` or `whole_folder` and leave everything as it was.
 
-    with contextlib.suppress(_OnlyCheckingError), whole_folder(folder, marker=marker):
-        raise _OnlyCheckingError  # leaves everything as it was
-
-
-def check_file_writable(path: Path) -> None:
-    """Raise OutputError now, when `path` cannot be written, rather than after minutes of work."""
-    from rumu.outputs import whole_file
-
-    with contextlib.suppress(_OnlyCheckingError), whole_file(path):
-        raise _OnlyCheckingError  # leaves everything as it was
+    Raises OutputError now, when it cannot be written, rather than after minutes of work.
+    """
+    with contextlib.suppress(_OnlyCheckingError), writing:
+        raise _OnlyCheckingError
 
 
-def master_path(master: str, *, root: Path | None = None) -> Path:
-    """The file or folder of a master, named by path (relative to `root`) or by the id of a starter work.
+def find_master(master: str, *, root: Path | None = None) -> tuple[Path, str | None]:
+    """The file or folder of a master, and its script where that is known.
 
-    Raises ImageError when it is neither.
+    master: its path (relative to `root`), or the id of a starter work, which knows its script. Raises
+    ImageError when it is neither.
     """
     path = Path(master) if root is None else root / master
     if path.exists():
-        return path
+        return path, None
     from rumu.gallery.starter import find_work
 
     try:
-        return find_work(master).path
+        work = find_work(master)
     except GalleryError as error:
         if Path(master).name != master or Path(master).suffix:
             raise ImageError(f"{path}: there is no such file") from error
         raise ImageError(f"{path}: there is no such file, and {error}") from error
-
-
-def master_script(master: str, *, root: Path | None = None) -> str | None:
-    """The script of a master named by the id of a starter work; None for one named by its path."""
-    path = Path(master) if root is None else root / master
-    if path.exists():
-        return None
-    from rumu.gallery.starter import find_work
-
-    try:
-        return find_work(master).script
-    except GalleryError:
-        return None
+    return work.path, work.script
 
 
 def part_weights(text: str) -> Mapping[str, float]:

@@ -6,11 +6,11 @@ import csv
 import functools
 import itertools
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rumu.cli.options import master_path, master_script
+from rumu.cli.options import find_master
 from rumu.errors import ImageError, RumuError
 from rumu.executors import by_group, cores
 from rumu.outputs import whole_file
@@ -41,6 +41,7 @@ COLUMNS = (
     "remarks_zh",
     "remarks_en",
 )
+_WINDOW = 2000  # rows that are in memory at a time
 
 
 class PairRow(NamedTuple):
@@ -71,7 +72,8 @@ def assess_pairs(
         work = functools.partial(mark_row, root=root, terms=terms)
         processes = min(jobs or cores(), total)
         done = itertools.count(1)
-        for window in _windows(read_pairs(pairs)):
+        pairs_in_order = read_pairs(pairs)
+        while window := list(itertools.islice(pairs_in_order, _WINDOW)):
             rows = by_group(
                 work,
                 window,
@@ -84,35 +86,35 @@ def assess_pairs(
     return marked, total - marked
 
 
-def _windows(pairs: Iterator[PairRow], *, size: int = 2000) -> Iterator[list[PairRow]]:
-    while window := list(itertools.islice(pairs, size)):
-        yield window
-
-
 def read_pairs(path: Path) -> Iterator[PairRow]:
-    """The rows of a CSV with the columns copy, reference and perhaps script, UTF-8 with or without BOM.
+    """The rows of a CSV with the columns copy, reference and perhaps script; see `read_rows`."""
+    for _, row in read_rows(path, ("copy", "reference"), error_type=ImageError):
+        yield PairRow(
+            row["copy"] or None, row["reference"] or None, (row.get("script") or "").strip() or None
+        )
 
-    Raises ImageError naming the file when it is missing, no UTF-8 text, or lacks a column.
+
+def read_rows(
+    path: Path, columns: Sequence[str], *, error_type: type[RumuError]
+) -> Iterator[tuple[int, dict[str, Any]]]:
+    """The lines and rows of a CSV with these columns and perhaps others, UTF-8 with or without BOM.
+
+    Raises `error_type` naming the file when it is missing, no UTF-8 text, or lacks a column.
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as stream:
-            rows = csv.DictReader(stream)
-            names = [name.strip() for name in rows.fieldnames or ()]
-            missing = [name for name in ("copy", "reference") if name not in names]
-            if missing:
-                found = ", ".join(names) or "nothing"
-                raise ImageError(
-                    f"{path}: expected the columns copy,reference in the first line, found {found}"
+            table = csv.DictReader(stream)
+            table.fieldnames = names = [name.strip() for name in table.fieldnames or ()]
+            if not set(columns) <= set(names):
+                raise error_type(
+                    f"{path}: expected the columns {','.join(columns)} in the first line, "
+                    f"found {', '.join(names) or 'nothing'}"
                 )
-            rows.fieldnames = names
-            for row in rows:
-                yield PairRow(
-                    row["copy"] or None, row["reference"] or None, (row.get("script") or "").strip() or None
-                )
+            yield from ((table.line_num, row) for row in table)
     except OSError as error:
-        raise ImageError(f"{path}: cannot be read ({os.strerror(error.errno or 0)})") from error
+        raise error_type(f"{path}: cannot be read ({os.strerror(error.errno or 0)})") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise ImageError(f"{path}: expected a CSV in UTF-8, cannot read it ({error})") from error
+        raise error_type(f"{path}: expected a CSV in UTF-8, cannot read it ({error})") from error
 
 
 def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str, Any]:
@@ -123,20 +125,26 @@ def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str
     from rumu import pipeline
 
     try:
-        master = _master(master_path(pair.reference, root=root))
-        script = pair.script or terms.get("script") or master_script(pair.reference, root=root)
-        return row | _cells(pipeline.assess(root / pair.copy, master, **{**terms, "script": script}))
-    except RumuError as error:
-        return row | {"refused": " ".join(str(error).split())}
+        path, known_script = find_master(pair.reference, root=root)
+        script = pair.script or terms.get("script") or known_script
+        mark = pipeline.assess(root / pair.copy, prepared_master(path), **{**terms, "script": script})
+        return row | _cells(mark)
     except Exception as error:  # one row must never cost the others
-        return row | {"refused": f"unexpected {type(error).__name__}: {' '.join(str(error).split())}"}
+        return row | {"refused": reason_in_one_line(error)}
 
 
 @functools.lru_cache(maxsize=4)  # rows come by master; each surface may hold many pixels
-def _master(path: Path) -> PreparedMaster:
+def prepared_master(path: Path) -> PreparedMaster:
+    """The master in a file or folder; the last ones stay in memory."""
     from rumu import pipeline
 
     return pipeline.prepare_master(path)
+
+
+def reason_in_one_line(error: Exception) -> str:
+    """Why a row cannot be used."""
+    unexpected = "" if isinstance(error, RumuError) else f"unexpected {type(error).__name__}: "
+    return unexpected + " ".join(str(error).split())
 
 
 def _cells(mark: Assessment) -> dict[str, Any]:

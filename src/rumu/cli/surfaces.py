@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from rumu.cli.options import AsJson, check_folder_writable, finite
+from rumu.cli.options import AsJson, check_writable, finite
 from rumu.cli.terminal import Outcome, print_outcome, working
 
 if TYPE_CHECKING:
@@ -47,9 +47,10 @@ def reconstruct(
 
     from rumu import pipeline
     from rumu.capture.folder import read_capture
+    from rumu.outputs import whole_folder
     from rumu.surface.folder import MARKER
 
-    check_folder_writable(out, marker=MARKER)
+    check_writable(whole_folder(out, marker=MARKER))
     with working("Reconstructing"):
         capture = read_capture(capture_dir)
         if mm_per_pixel is not None:
@@ -96,6 +97,8 @@ def relight(
     as_json: AsJson = False,
 ) -> Outcome:
     """A surface under any lamp, as an sRGB PNG."""
+    from rumu.outputs import whole_file
+    from rumu.report.pictures import png_bytes, srgb
     from rumu.surface.folder import read_surface
     from rumu.surface.relight import relight as light
 
@@ -106,13 +109,16 @@ def relight(
     if bits not in (8, 16):
         raise typer.BadParameter(f"expected 8 or 16, got {bits}", param_hint="'--bits'")
     surface = read_surface(surface_dir)
-    _write_png(light(surface, tilt=tilt, slant=slant), target, bits=bits)
+    lit = srgb(light(surface, tilt=tilt, slant=slant), bits=bits)
+    with whole_file(target) as part:
+        part.write_bytes(png_bytes(lit))
     facts = {"file": target, "tilt": tilt, "slant": slant, "bits": bits, "source": surface.source}
     return Outcome(facts, f"{target}: tilt {tilt:g}°, slant {slant:g}°")
 
 
 def _write_surface(surface: Surface, out: Path, *, title: str) -> Outcome:
     from rumu.report.pages import surface_page
+    from rumu.report.wording import SOURCES
     from rumu.surface.folder import write_surface
 
     write_surface(surface, out, extra={"report.html": surface_page(surface, title=title)})
@@ -127,24 +133,11 @@ def _write_surface(surface: Surface, out: Path, *, title: str) -> Outcome:
         "mask_share": surface.mask.mean(),
         "quality": surface.quality,
     }
-    return Outcome(facts, _describe(surface, out))
-
-
-def _describe(surface: Surface, out: Path) -> str:
-    from rumu.report.wording import SOURCES
-
     rows, columns = surface.height.shape
     low, high = float(surface.height.min()), float(surface.height.max())
     quality = "".join(f"\n  {name}: {value:.4g}" for name, value in surface.quality.items())
-    return (
+    text = (
         f"{out}: {columns} x {rows} pixels, height {low:.3g} to {high:.3g} {surface.unit}\n"
         f"  {SOURCES[surface.source].en}{quality}\n  report: {out / 'report.html'}"
     )
-
-
-def _write_png(linear: Any, target: Path, *, bits: int) -> None:
-    from rumu.outputs import whole_file
-    from rumu.report.pictures import png_bytes, srgb
-
-    with whole_file(target) as part:
-        part.write_bytes(png_bytes(srgb(linear, bits=bits)))
+    return Outcome(facts, text)

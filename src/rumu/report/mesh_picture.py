@@ -41,7 +41,9 @@ def mesh_picture(surface: Surface, *, view: MeshView | None = None) -> tuple[Pic
     height, drawn = _sample_height(surface, view)
     xyz, exaggeration = _vertices(height, drawn, view)
     screen, depth = _project(xyz, view)
-    quads = _whole_quads(drawn)
+    quads = drawn[:-1, :-1] & drawn[:-1, 1:] & drawn[1:, :-1] & drawn[1:, 1:]
+    if not quads.any():  # none of which all four corners are drawn
+        quads = np.ones_like(quads)
     return _paint_quads(screen, depth, _colours(surface, xyz), quads, view), exaggeration
 
 
@@ -94,12 +96,6 @@ def _vertices(height: FloatArray, drawn: BoolArray, view: MeshView) -> tuple[Flo
     y = ((rows - 1) / 2 - np.arange(rows)) * step
     xx, yy = np.meshgrid(x, y)
     return np.stack([xx, yy, z * exaggeration], axis=-1), exaggeration
-
-
-def _whole_quads(drawn: BoolArray) -> BoolArray:
-    """(rows - 1, columns - 1): quads of which all four corners are drawn; all, when there are none."""
-    quads = drawn[:-1, :-1] & drawn[:-1, 1:] & drawn[1:, :-1] & drawn[1:, 1:]
-    return quads if quads.any() else np.ones_like(quads)
 
 
 def _colours(surface: Surface, xyz: FloatArray) -> FloatArray:

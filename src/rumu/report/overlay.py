@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.report.pictures import PAPER, RESIDUAL_STOPS, Picture, colour_scale
 from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
@@ -46,8 +46,9 @@ def overlay_picture(
     order = np.argsort(distances)  # the loudest on top
     colours = colour_scale(distances / settings.full, stops=RESIDUAL_STOPS)
     dot = 0.85 * scale * _pitch(copy)  # neighbours just touch: the points read as ink
-    _dots(canvas, copy[order], colours[order], scale, radius=dot)
-    _rings(canvas, model[_distances(model, copy) > settings.missing], scale, radius=dot)
+    _circles(canvas, copy[order], colours[order].tolist(), scale, radius=dot, thickness=-1)
+    uncovered = model[_distances(model, copy) > settings.missing]
+    _circles(canvas, uncovered, [MISSING] * len(uncovered), scale, radius=dot, thickness=2)
     import cv2
 
     return np.asarray(cv2.resize(canvas, (settings.side, settings.side), interpolation=cv2.INTER_AREA))
@@ -103,20 +104,14 @@ def _master_ink(mask: BoolArray, points: PointSet, settings: OverlaySettings, sc
     return np.asarray(cv2.warpAffine(sheet, affine, (side, side), flags=cv2.INTER_LINEAR, borderValue=PAPER))
 
 
-def _pixels(xy: FloatArray, side: int, scale: float) -> npt.NDArray[np.int32]:
-    at = np.stack([side / 2 + xy[:, 0] * scale, side / 2 - xy[:, 1] * scale], axis=1)
-    return np.round(at * 16).astype(np.int32)  # cv2 takes 4 bits of fraction
-
-
-def _dots(canvas: Picture, xy: FloatArray, colours: Picture, scale: float, *, radius: float) -> None:
+def _circles(
+    canvas: Picture, xy: FloatArray, colours: list[Any], scale: float, *, radius: float, thickness: int
+) -> None:
+    """Draw a circle at each point; thickness: of the line in pixels, -1 fills it."""
     import cv2
 
-    for at, colour in zip(_pixels(xy, canvas.shape[0], scale).tolist(), colours.tolist(), strict=True):
-        cv2.circle(canvas, at, round(radius * 16), colour, -1, cv2.LINE_AA, 4)
-
-
-def _rings(canvas: Picture, xy: FloatArray, scale: float, *, radius: float) -> None:
-    import cv2
-
-    for at in _pixels(xy, canvas.shape[0], scale).tolist():
-        cv2.circle(canvas, at, round(radius * 16), MISSING, 2, cv2.LINE_AA, 4)
+    middle = canvas.shape[0] / 2
+    at = np.stack([middle + xy[:, 0] * scale, middle - xy[:, 1] * scale], axis=1)
+    pixels = np.round(at * 16).astype(np.int32)  # cv2 takes 4 bits of fraction
+    for centre, colour in zip(pixels.tolist(), colours, strict=True):
+        cv2.circle(canvas, centre, round(radius * 16), colour, thickness, cv2.LINE_AA, 4)

@@ -30,6 +30,8 @@ from rumu.values import Assessment, Bilingual, FloatArray, Level, Registration, 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
+    from rumu.gallery.starter import StarterWork
+
 # Upper left, as a reader expects the light on a page.
 _LAMP_TILT = 135.0
 
@@ -55,16 +57,6 @@ class IndexSample:
     assessment: Assessment
     href: str
     copy: Surface | None
-
-
-@dataclass(frozen=True, slots=True)
-class IndexWork:
-    """One work of the contact sheet."""
-
-    id: str
-    title: Bilingual
-    hand: Bilingual
-    surface: Surface
 
 
 def assessment_page(
@@ -93,14 +85,18 @@ def assessment_page(
     if assessment.refused is not None or copy is None or assessment.registration is None:
         en = assessment.refused or "there is nothing to compare"
         reason = Bilingual(assessment.refused_zh or "沒有可比的內容。", en)
-        return _render("refused.html", **context, reason=reason, pictures=_pictures_of_refused(copy, master))
+        pictures = [_captioned(albedo_picture(master), Bilingual("範字", "Master"), "master")]
+        if copy is not None:
+            pictures.insert(0, _captioned(albedo_picture(copy), Bilingual("臨作", "Copy"), "copy"))
+        return _render("refused.html", **context, reason=reason, pictures=pictures)
+    marks = assessment.parts
     return _render(
         "assessment.html",
         **context,
         level=wording.LEVELS[assessment.level] if assessment.level else None,
         zones=level_zones(levels or {}),
         basis=wording.basis(assessment),
-        parts=_parts(assessment.parts),
+        parts=[(*words, marks[name]) for name, words in wording.PARTS.items() if name in marks],
         pose=_pose(assessment.registration),
         remarks=_remarks(assessment.remarks),
         copy_picture=data_uri(albedo_picture(copy)),
@@ -131,7 +127,9 @@ def surface_page(surface: Surface, *, title: str, notes: Sequence[Bilingual] = (
     )
 
 
-def demo_index(samples: Sequence[IndexSample], works: Sequence[IndexWork], *, title: str) -> str:
+def demo_index(
+    samples: Sequence[IndexSample], works: Sequence[tuple[StarterWork, Surface]], *, title: str
+) -> str:
     """The first page of the demo: the marks of the samples, and the starter works as a contact sheet."""
     small = PictureSettings(side=200)
     cards = [
@@ -148,10 +146,10 @@ def demo_index(samples: Sequence[IndexSample], works: Sequence[IndexWork], *, ti
     sheet = [
         (
             work,
-            data_uri(albedo_picture(work.surface, settings=small), settings=small),
-            data_uri(shaded_picture(work.surface, tilt=_LAMP_TILT, settings=small), settings=small),
+            data_uri(albedo_picture(surface, settings=small), settings=small),
+            data_uri(shaded_picture(surface, tilt=_LAMP_TILT, settings=small), settings=small),
         )
-        for work in works
+        for work, surface in works
     ]
     return _render("demo.html", title=title, cards=cards, sheet=sheet, simulated=wording.SIMULATED)
 
@@ -169,69 +167,28 @@ def level_zones(levels: Mapping[str, float]) -> list[dict[str, Any]]:
     ]
 
 
-def _parts(parts: Mapping[str, float]) -> list[tuple[Bilingual, Bilingual, float]]:
-    """(name, meaning, value) in the order of `wording.PARTS`."""
-    return [(*words, parts[name]) for name, words in wording.PARTS.items() if name in parts]
-
-
 def _pose(registration: Registration) -> list[tuple[Bilingual, str, Bilingual]]:
     """Lean, position and size of the copy as written, and in which direction they are off."""
     lean, scale = registration.angle, registration.scale
     right, up = (float(v) * 100 for v in registration.shift)
+    centred = Bilingual("正", "centred")
+    facts = (
+        # name, value, what is shown of it; below which size it is none; the words for plus, minus and none
+        (Bilingual("傾斜", "Lean"), lean, f"{abs(lean):.1f}°", 0.05,
+         Bilingual("右傾", "clockwise"), Bilingual("左傾", "anticlockwise"), Bilingual("正", "upright")),
+        (Bilingual("左右", "Across"), right, f"{abs(right):.1f} %", 0.05,
+         Bilingual("偏右", "to the right"), Bilingual("偏左", "to the left"), centred),
+        (Bilingual("上下", "Up and down"), up, f"{abs(up):.1f} %", 0.05,
+         Bilingual("偏高", "too high"), Bilingual("偏低", "too low"), centred),
+        (Bilingual("大小", "Size"), scale - 1, f"{scale * 100:.0f} %", 0.005,
+         Bilingual("為範字之比，偏大", "of the master's, larger"),
+         Bilingual("為範字之比，偏小", "of the master's, smaller"),
+         Bilingual("與範字同大", "of the master's")),
+    )  # fmt: skip
     return [
-        (
-            Bilingual("傾斜", "Lean"),
-            f"{abs(lean):.1f}°",
-            _choose_by_sign(
-                lean,
-                0.05,
-                Bilingual("右傾", "clockwise"),
-                Bilingual("左傾", "anticlockwise"),
-                Bilingual("正", "upright"),
-            ),
-        ),
-        (
-            Bilingual("左右", "Across"),
-            f"{abs(right):.1f} %",
-            _choose_by_sign(
-                right,
-                0.05,
-                Bilingual("偏右", "to the right"),
-                Bilingual("偏左", "to the left"),
-                Bilingual("正", "centred"),
-            ),
-        ),
-        (
-            Bilingual("上下", "Up and down"),
-            f"{abs(up):.1f} %",
-            _choose_by_sign(
-                up,
-                0.05,
-                Bilingual("偏高", "too high"),
-                Bilingual("偏低", "too low"),
-                Bilingual("正", "centred"),
-            ),
-        ),
-        (
-            Bilingual("大小", "Size"),
-            f"{scale * 100:.0f} %",
-            _choose_by_sign(
-                scale - 1,
-                0.005,
-                Bilingual("為範字之比，偏大", "of the master's, larger"),
-                Bilingual("為範字之比，偏小", "of the master's, smaller"),
-                Bilingual("與範字同大", "of the master's"),
-            ),
-        ),
+        (name, shown, none if abs(value) < still else plus if value > 0 else minus)
+        for name, value, shown, still, plus, minus, none in facts
     ]
-
-
-def _choose_by_sign(
-    value: float, still: float, plus: Bilingual, minus: Bilingual, none: Bilingual
-) -> Bilingual:
-    if abs(value) < still:
-        return none
-    return plus if value > 0 else minus
 
 
 def _remarks(remarks: Sequence[Remark]) -> list[dict[str, Any]]:
@@ -325,45 +282,22 @@ def _overlay(registration: Registration, master: Surface) -> dict[str, Any]:
     }
 
 
-def _pictures_of_refused(copy: Surface | None, master: Surface) -> list[CaptionedPicture]:
-    shown = [] if copy is None else [_captioned(albedo_picture(copy), Bilingual("臨作", "Copy"), "copy")]
-    return [*shown, _captioned(albedo_picture(master), Bilingual("範字", "Master"), "master")]
-
-
 def _maps(surface: Surface) -> list[CaptionedPicture]:
+    albedo = Bilingual("反照率", "Albedo: the sheet without its light")
+    normals = Bilingual("法線：紅 x，綠 y，藍 z", "Normals: red x, green y, blue z")
+    confidence = Bilingual("可信度：白為可信，黑為填補", "Confidence: white is sure, black was filled in")
     return [
-        CaptionedPicture(
-            data_uri(albedo_picture(surface)),
-            "Albedo",
-            Bilingual("反照率", "Albedo: the sheet without its light"),
-        ),
-        CaptionedPicture(
-            data_uri(normals_picture(surface)),
-            "Normals",
-            Bilingual("法線：紅 x，綠 y，藍 z", "Normals: red x, green y, blue z"),
-        ),
-        CaptionedPicture(
-            data_uri(share_picture(surface.confidence)),
-            "Confidence",
-            Bilingual("可信度：白為可信，黑為填補", "Confidence: white is sure, black was filled in"),
-        ),
+        CaptionedPicture(data_uri(albedo_picture(surface)), "Albedo", albedo),
+        CaptionedPicture(data_uri(normals_picture(surface)), "Normals", normals),
+        CaptionedPicture(data_uri(share_picture(surface.confidence)), "Confidence", confidence),
     ]
 
 
 def _render(template: str, **context: Any) -> str:
     import rumu
 
-    return (
-        _environment()
-        .get_template(template)
-        .render(
-            **context,
-            means=wording.MEANS,
-            means_not=wording.MEANS_NOT,
-            advice=wording.REFUSED_ADVICE,
-            version=rumu.__version__,
-        )
-    )
+    context |= {"means": wording.MEANS, "means_not": wording.MEANS_NOT, "advice": wording.REFUSED_ADVICE}
+    return _environment().get_template(template).render(**context, version=rumu.__version__)
 
 
 @lru_cache(maxsize=1)

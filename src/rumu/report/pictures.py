@@ -95,16 +95,14 @@ def albedo_picture(surface: Surface, *, settings: PictureSettings | None = None)
     return srgb(small / max(float(np.percentile(small, 99)), 1e-6))
 
 
-def shaded_picture(
-    surface: Surface, *, tilt: float, slant: float | None = None, settings: PictureSettings | None = None
-) -> Picture:
-    """The form alone: `surface` under one lamp (tilt, slant in degrees), as if all of one pale clay."""
+def shaded_picture(surface: Surface, *, tilt: float, settings: PictureSettings | None = None) -> Picture:
+    """The form alone: `surface` under one lamp (tilt in degrees), as if all of one pale clay."""
     from rumu.surface.relight import relight
 
     settings = settings or PictureSettings()
     pale = np.broadcast_to(np.array(settings.clay, dtype=np.float32), (*surface.height.shape, 3))
     clay = replace(surface, albedo_from=pale)
-    lit = relight(clay, tilt=tilt, slant=settings.slant if slant is None else slant)
+    lit = relight(clay, tilt=tilt, slant=settings.slant)
     return srgb(shrink_to_fit(np.asarray(lit, dtype=np.float32), side=settings.side))
 
 
