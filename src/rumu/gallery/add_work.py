@@ -180,8 +180,8 @@ def add_stored_work(
         existing = session.scalar(select(Work.id).where(Work.digest == files.digest))
         if existing is not None:
             return AddedWork(existing, new=False)
-        last = session.scalar(select(func.max(Work.position)).where(Work.collection_id == collection.id))
-        position = 0 if last is None else last + 1
+        after_last = select(func.coalesce(func.max(Work.position) + 1, 0))
+        position = session.execute(after_last.where(Work.collection_id == collection.id)).scalar_one()
         row = work_row(metadata, files, work_id=work_id, collection=collection, position=position)
         return AddedWork(work_id, new=bool(insert_works(session, collection, [row])))
 
@@ -258,6 +258,8 @@ def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
     import numpy as np
     from PIL import Image
 
+    from rumu.capture.light_files import read_description
+
     target.mkdir(parents=True)
     names, lines = {}, [str(len(capture.names))]
     for number, (name, light) in enumerate(zip(capture.names, capture.lights, strict=True), start=1):
@@ -271,22 +273,15 @@ def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
         Image.fromarray(capture.mask.astype(np.uint8) * 255).save(target / "mask.png")
     for dark in sorted(folder.glob("[aA]mbient.*")):
         shutil.copyfile(dark, target / f"ambient{dark.suffix.lower()}")
-    (target / "capture.json").write_text(json.dumps(_description(capture, folder)), encoding="utf-8")
+    description: dict[str, Any] = {} if capture.spacing is None else {"spacing_mm": capture.spacing}
+    if (folder / "capture.json").is_file():
+        encoding = read_description(folder / "capture.json").encoding
+        description |= {} if encoding is None else {"encoding": encoding}
+    (target / "capture.json").write_text(json.dumps(description), encoding="utf-8")
     digest = hashlib.sha256()
     for file in sorted(target.iterdir()):
         digest.update(file.name.encode() + b"\0" + hashlib.sha256(file.read_bytes()).digest())
     return digest.hexdigest()
-
-
-def _description(capture: Capture, folder: Path) -> dict[str, Any]:
-    """The content of the copy's capture.json."""
-    from rumu.capture.light_files import read_description
-
-    description: dict[str, Any] = {} if capture.spacing is None else {"spacing_mm": capture.spacing}
-    if (folder / "capture.json").is_file():
-        encoding = read_description(folder / "capture.json").encoding
-        return description | ({} if encoding is None else {"encoding": encoding})
-    return description
 
 
 def _write_surface(surface: Surface, folder: Path) -> None:

@@ -41,8 +41,8 @@ def add_annotation(
     _require_text({name: facts.get(name, "") for name in TEXTS})
     work(gallery, work_id)
     with gallery.database.writing() as session:
-        last = session.scalar(select(func.max(Annotation.position)).where(Annotation.work_id == work_id))
-        position = 0 if last is None else last + 1
+        after_last = select(func.coalesce(func.max(Annotation.position) + 1, 0))
+        position = session.scalar(after_last.where(Annotation.work_id == work_id))
         new = Annotation(work_id=work_id, author_id=author, **{"position": position} | dict(facts))
         session.add(new)
         session.flush()

@@ -149,11 +149,7 @@ _cache: LRUCache[tuple[Any, ...], Any] = LRUCache(_MAX_MEMORY, getsizeof=_bytes_
 _cache_changed = threading.Condition()
 
 
-def _cache_key(store: Store, *content: Any) -> tuple[Any, ...]:
-    return (store.root, *content)
-
-
-@cached(_cache, key=_cache_key, condition=_cache_changed)
+@cached(_cache, condition=_cache_changed)
 def _relief(store: Store, key: str, method: str, spacing: float | None) -> Surface:
     import cv2
     import numpy as np
@@ -180,7 +176,7 @@ def _relief(store: Store, key: str, method: str, spacing: float | None) -> Surfa
     return dataclasses.replace(surface, height=height, spacing=spacing, unit="mm")
 
 
-@cached(_cache, key=_cache_key, condition=_cache_changed)
+@cached(_cache, condition=_cache_changed)
 def _read_surface(store: Store, key: str) -> Surface:
     from rumu.surface.folder import read_surface
 
@@ -195,7 +191,7 @@ def _read_capture(store: Store, key: str) -> Capture:
         return read_capture(folder)
 
 
-@cached(_cache, key=_cache_key, condition=_cache_changed)
+@cached(_cache, condition=_cache_changed)
 def read_picture(store: Store, key: str) -> Picture:
     """A picture of the store, see `decode_picture`; several parts of one are often requested in a row."""
     return decode_picture(store.read(key))

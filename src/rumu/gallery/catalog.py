@@ -5,7 +5,6 @@ All functions may be called from many threads, and from several processes on one
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from rumu.gallery.filters import Filters, check_script, conditions
 from rumu.gallery.gallery import Gallery, user_home
 from rumu.gallery.metadata import search_text
 from rumu.gallery.seed import add_starter_works
+from rumu.gallery.starter import suggest
 from rumu.gallery.store import Store
 from rumu.values import Bilingual
 
@@ -78,10 +78,7 @@ def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: str 
 def work(gallery: Gallery, work_id: str) -> Work:
     """The work with this id. Raises GalleryError that names the closest ids when there is none."""
     with gallery.database.reading() as session:
-        row = session.get(Work, work_id)
-        if row is None:
-            raise GalleryError(f"no work {work_id!r} in the gallery{_hint(session, work_id)}")
-        return row
+        return _find(session, work_id)
 
 
 def neighbours(gallery: Gallery, work_id: str) -> tuple[str | None, str | None]:
@@ -142,9 +139,7 @@ def change_work(gallery: Gallery, work_id: str, changes: Mapping[str, Any]) -> W
         raise GalleryError(f"expected facts among {', '.join(sorted(CHANGEABLE))}, got {', '.join(unknown)}")
     check_script(changes.get("script"))
     with gallery.database.writing() as session:
-        row = session.get(Work, work_id)
-        if row is None:
-            raise GalleryError(f"no work {work_id!r} in the gallery{_hint(session, work_id)}")
+        row = _find(session, work_id)
         for name, value in changes.items():
             setattr(row, name, value)
         _update_search_text(session, [row])
@@ -210,11 +205,13 @@ def _update_search_text(session: Session, rows: Sequence[Work]) -> None:
         row.search = search_text(columns, collection=title)
 
 
-def _hint(session: Session, asked: str) -> str:
-    known = list(session.scalars(select(Work.id)))
-    close = difflib.get_close_matches(asked, known, n=3, cutoff=0.5)
-    if not close:  # ids seldom hold the character itself, but people may type it
-        close = list(
-            session.scalars(select(Work.id).where(Work.character == asked).order_by(*_ORDER).limit(5))
-        )
-    return f"; did you mean {', '.join(close)}?" if close else f"; there are {', '.join(known[:5])}, ..."
+def _find(session: Session, work_id: str) -> Work:
+    row = session.get(Work, work_id)
+    if row is None:
+        known = session.scalars(select(Work.id)).all()
+        of_character = session.scalars(
+            select(Work.id).where(Work.character == work_id).order_by(*_ORDER).limit(5)
+        ).all()
+        hint = suggest(work_id, known, of_character)
+        raise GalleryError(f"no work {work_id!r} in the gallery{hint}")
+    return row

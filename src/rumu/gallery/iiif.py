@@ -90,21 +90,14 @@ def collection_manifest(gallery: Gallery, collection_id: str, *, base: str) -> d
             .order_by(Work.position, Work.id)
         ).all()
     items = [
-        {
-            "id": f"{base}/iiif/works/{row[0]}/manifest.json",
-            "type": "Manifest",
-            "label": _label(row[1], row[2]),
-        }
-        for row in rows
+        {"id": f"{base}/iiif/works/{name}/manifest.json", "type": "Manifest", "label": _label(zh, en)}
+        for name, zh, en in rows
     ]
     facts: dict[str, Any] = {
         "id": f"{base}/iiif/collections/{collection.id}.json",
         "label": _label(*collection.title),
         "metadata": _metadata(
-            [
-                ("來源", "Source", collection.source, collection.source),
-                _licence(collection.licence),
-            ]
+            [("來源", "Source", collection.source, collection.source), _licence(collection.licence)]
         ),
     }
     if any(collection.note):
@@ -198,9 +191,9 @@ def _licence(licence: str) -> Fact:
 
 def _metadata(facts: list[Fact]) -> list[dict[str, Any]]:
     return [
-        {"label": _label(fact[0], fact[1]), "value": _label(fact[2], fact[3])}
-        for fact in facts
-        if fact[2] or fact[3]
+        {"label": _label(zh, en), "value": _label(value_zh, value_en)}
+        for zh, en, value_zh, value_en in facts
+        if value_zh or value_en
     ]
 
 

@@ -78,6 +78,8 @@ def image_response(  # noqa: PLR0917  in the order of the address
     Raises BadImageRequest for other values, a region outside of the picture, a size above MAX_SIDE, or one
     above the region without ^; GalleryError when there is no such work.
     """
+    from PIL import Image
+
     row = work(gallery, work_id)
     if quality not in QUALITIES or format not in FORMATS:
         raise BadImageRequest(
@@ -89,8 +91,17 @@ def image_response(  # noqa: PLR0917  in the order of the address
     mirrored, quarters = _parse_rotation(rotation)
     picture = read_picture(gallery.store, row.picture)
     part = picture.crop((box.x, box.y, box.x + box.width, box.y + box.height))
-    image = _convert(_rotate(_resize(part, wanted), mirrored, quarters), quality)
-    return _encode(image, format), FORMATS[format]
+    if part.size != wanted:
+        part = part.resize(wanted, Image.Resampling.LANCZOS)
+    image = _convert(_rotate(part, mirrored, quarters), quality)
+    packed = io.BytesIO()
+    if format == "jpg":
+        image.save(packed, "JPEG", quality=90)
+    elif format == "png":
+        image.save(packed, "PNG")
+    else:
+        image.convert("RGB").save(packed, "WEBP", quality=90, method=3)
+    return packed.getvalue(), FORMATS[format]
 
 
 def region_box(region: str, *, width: int, height: int) -> Box:
@@ -167,12 +178,6 @@ def _parse_rotation(rotation: str) -> tuple[bool, int]:
     return bool(degrees[1]), round(float(degrees[2]) / 90) % 4
 
 
-def _resize(image: Picture, size: tuple[int, int]) -> Picture:
-    from PIL import Image
-
-    return image if image.size == size else image.resize(size, Image.Resampling.LANCZOS)
-
-
 def _rotate(image: Picture, mirrored: bool, quarters: int) -> Picture:
     from PIL import Image
 
@@ -189,14 +194,3 @@ def _convert(image: Picture, quality: str) -> Picture:
         return image.convert("RGB")
     gray = image.convert("L")
     return gray if quality == "gray" else gray.point(lambda value: 255 if value >= _THRESHOLD else 0)
-
-
-def _encode(image: Picture, format: str) -> bytes:
-    packed = io.BytesIO()
-    if format == "jpg":
-        image.save(packed, "JPEG", quality=90)
-    elif format == "png":
-        image.save(packed, "PNG")
-    else:
-        image.convert("RGB").save(packed, "WEBP", quality=90, method=3)
-    return packed.getvalue()

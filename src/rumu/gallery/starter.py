@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import functools
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -99,9 +100,9 @@ def find_work(work_id: str) -> StarterWork:
     for work in _works():
         if work.id == work_id:
             return work
-    raise GalleryError(
-        f"no work {work_id!r} in the starter gallery{_hint(work_id, [w.id for w in _works()])}"
-    )
+    of_character = [work.id for work in _works() if work.character in work_id]
+    hint = suggest(work_id, [work.id for work in _works()], of_character)
+    raise GalleryError(f"no work {work_id!r} in the starter gallery{hint}")
 
 
 def starter_samples(*, work: str | None = None) -> tuple[Sample, ...]:
@@ -114,45 +115,38 @@ def starter_samples(*, work: str | None = None) -> tuple[Sample, ...]:
     return tuple(sample for sample in _samples() if work in (None, sample.work))
 
 
-def _hint(asked: str, known: list[str]) -> str:
-    close = difflib.get_close_matches(asked, known, n=3, cutoff=0.5)
-    if not close:  # ids never hold the character itself, but people may type it
-        close = [w.id for w in _works() if w.character in asked][:5]
+def suggest(asked: str, known: Sequence[str], of_character: Sequence[str]) -> str:
+    """The end of an error about an unknown id: the ids that may be meant, or some of all.
+
+    known: all ids. of_character: those of the character that was typed; ids seldom hold it.
+    """
+    close = difflib.get_close_matches(asked, known, n=3, cutoff=0.5) or of_character[:5]
     return f"; did you mean {', '.join(close)}?" if close else f"; there are {', '.join(known[:5])}, ..."
 
 
 @functools.cache
 def _works() -> tuple[StarterWork, ...]:
-    plain = ("id", "character", "script", "source", "licence", "attribution", "sha256")
-    bilingual = ("title", "hand", "period", "material")
-    works = []
-    for entry in _entries("works.json"):
-        facts: dict[str, Any] = {name: entry[name] for name in plain}
-        facts |= {name: Bilingual(**entry[name]) for name in bilingual}
-        works.append(StarterWork(**facts, path=_file(entry)))
-    return tuple(works)
+    return tuple(StarterWork(**_fields(entry), path=_file(entry)) for entry in _entries("works.json"))
 
 
 @functools.cache
 def _samples() -> tuple[Sample, ...]:
-    plain = ("id", "work", "degree", "simulated", "licence", "attribution", "sha256")
-    return tuple(
-        Sample(
-            **{name: entry[name] for name in plain},
-            faults=tuple(_fault(fault) for fault in entry["faults"]),
-            note=Bilingual(**entry["note"]),
-            path=_file(entry),
+    samples = []
+    for entry in _entries("samples.json"):
+        faults = tuple(
+            SampleFault(**_fields(fault) | {"region": tuple(fault["region"])}) for fault in entry["faults"]
         )
-        for entry in _entries("samples.json")
-    )
+        samples.append(Sample(**_fields(entry) | {"faults": faults}, path=_file(entry)))
+    return tuple(samples)
 
 
-def _fault(entry: dict[str, Any]) -> SampleFault:
-    return SampleFault(
-        **{name: entry[name] for name in ("fault", "severity", "size", "unit")},
-        region=tuple(entry["region"]),
-        description=Bilingual(**entry["description"]),
-    )
+def _fields(entry: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a value from its JSON entry, without its file."""
+    return {
+        name: Bilingual(**value) if isinstance(value, dict) else value
+        for name, value in entry.items()
+        if name != "file"
+    }
 
 
 def _entries(name: str) -> list[dict[str, Any]]:

@@ -11,17 +11,12 @@ import re
 import unicodedata
 from importlib import resources
 
+from rumu.assessment.scripts import NAMES_ZH
 from rumu.values import Bilingual
 
 UNKNOWN = Bilingual(zh="未詳", en="not known")
 
-SCRIPT_NAMES = {
-    "seal": Bilingual(zh="篆書", en="seal"),
-    "clerical": Bilingual(zh="隸書", en="clerical"),
-    "regular": Bilingual(zh="楷書", en="regular"),
-    "running": Bilingual(zh="行書", en="running"),
-    "cursive": Bilingual(zh="草書", en="cursive"),
-}
+SCRIPT_NAMES: dict[str, Bilingual] = {name: Bilingual(zh=zh, en=name) for name, zh in NAMES_ZH.items()}
 
 DYNASTIES = {
     "Shang": "商",
