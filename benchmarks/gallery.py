@@ -21,9 +21,9 @@ from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import open_gallery, works
 from rumu.gallery.derived import derived_file
 from rumu.gallery.filters import Filters, count_facets
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.iiif_image import image_response
 from rumu.gallery.starter import starter_works
+from rumu.gallery.store import Gallery
 
 SETS = ("regular", "running-lantingxu", "cursive")
 ASKED: tuple[dict[str, object], ...] = (

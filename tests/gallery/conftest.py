@@ -14,9 +14,8 @@ from PIL import Image
 from rumu.database.engine import Database, open_database
 from rumu.gallery.assets import assets_of
 from rumu.gallery.catalog import work
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.seed import add_starter_works
-from rumu.gallery.store import Store
+from rumu.gallery.store import Gallery, Store
 from rumu.values import Surface
 
 

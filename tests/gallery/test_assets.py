@@ -93,4 +93,4 @@ def test_one_cache_holds_surfaces_and_pictures_up_to_a_size(gallery):
     picture = assets.read_picture(gallery.store, key)
     assert assets.read_picture(gallery.store, key) is picture
     assert 0 < assets._cache.currsize <= assets._cache.maxsize
-    assert assets._cache[gallery.store.root, key] is picture
+    assert assets._cache[gallery.store, key] is picture

@@ -18,8 +18,8 @@ from rumu.errors import GalleryError
 from rumu.gallery import bulk_import
 from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import collection, open_gallery, works
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.labels import SharedMetadata
+from rumu.gallery.store import Gallery
 
 
 def test_every_row_becomes_a_work(gallery, labelled):

@@ -231,7 +231,7 @@ def test_a_large_picture_is_brought_down(bare, tmp_path):
 
 
 def test_a_store_elsewhere_serves_as_well(bare):
-    from rumu.gallery.gallery import Gallery
+    from rumu.gallery.store import Gallery
 
     there = Gallery(bare.database, Store.open("memory://derived"))
     add_starter_works(there)

@@ -10,8 +10,8 @@ import pytest
 from PIL import Image, ImageDraw
 
 from rumu.gallery.catalog import open_gallery
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.starter import starter_samples
+from rumu.gallery.store import Gallery
 from rumu.studio.people import Identity, create_person, identity
 from rumu.studio.storage import Storage
 

@@ -22,7 +22,6 @@ from sqlalchemy import func, select
 from rumu.database.tables import Work
 from rumu.errors import GalleryError
 from rumu.gallery.assets import picture_key
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.metadata import (
     EMPTY,
     NO_LICENCE,
@@ -33,6 +32,7 @@ from rumu.gallery.metadata import (
     slug,
     work_row,
 )
+from rumu.gallery.store import Gallery
 from rumu.values import Bilingual
 
 if TYPE_CHECKING:

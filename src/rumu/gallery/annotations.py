@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from rumu.database.tables import Annotation
 from rumu.errors import GalleryError
 from rumu.gallery.catalog import work
-from rumu.gallery.gallery import Gallery
+from rumu.gallery.store import Gallery
 
 TEXTS = ("title_zh", "title_en", "text_zh", "text_en")
 _MAX_LENGTHS = {"title_zh": 200, "title_en": 200, "text_zh": 5000, "text_en": 5000}

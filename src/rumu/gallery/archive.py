@@ -26,9 +26,9 @@ from sqlalchemy.orm import Session
 from rumu.database.tables import Annotation, Base, Collection, Tour, UtcTime, Work
 from rumu.errors import GalleryError, OutputError
 from rumu.gallery.catalog import collection as find_collection
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.masters import LABELS
 from rumu.gallery.metadata import CollectionMetadata, insert_rows, search_text
+from rumu.gallery.store import Gallery
 from rumu.outputs import whole_folder
 from rumu.values import Bilingual
 

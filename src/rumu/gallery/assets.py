@@ -22,8 +22,7 @@ from sqlalchemy import or_, select
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError, RefusedImage
-from rumu.gallery.gallery import Gallery
-from rumu.gallery.store import PART_SUFFIX, Store
+from rumu.gallery.store import PART_SUFFIX, Gallery, Store
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture

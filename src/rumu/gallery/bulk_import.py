@@ -20,10 +20,10 @@ from rumu.errors import GalleryError, ImageError
 from rumu.gallery.add_work import store_suffix
 from rumu.gallery.archive import BATCH, MANIFEST, ImportResult, Progress, import_archive, split
 from rumu.gallery.assets import picture_key
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.labels import LabelledPicture, SharedMetadata, collection_of, read_description, read_labels
 from rumu.gallery.masters import LABELS
 from rumu.gallery.metadata import CollectionMetadata, StoredFiles, insert_works, work_row
+from rumu.gallery.store import Gallery
 
 _BATCH_BYTES = 64_000_000  # or fewer works, when their pictures are large
 _THREADS = 4  # read and decode; both release the interpreter's lock

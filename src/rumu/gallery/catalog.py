@@ -19,11 +19,10 @@ from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
 from rumu.gallery.assets import delete_files
 from rumu.gallery.filters import Filters, check_script, conditions
-from rumu.gallery.gallery import Gallery, user_home
 from rumu.gallery.metadata import search_text
 from rumu.gallery.seed import add_starter_works
 from rumu.gallery.starter import suggest
-from rumu.gallery.store import Store
+from rumu.gallery.store import Gallery, Store, user_home
 from rumu.values import Bilingual
 
 Item = TypeVar("Item")

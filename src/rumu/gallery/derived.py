@@ -21,8 +21,7 @@ from rumu.errors import GalleryError
 from rumu.gallery import renderers
 from rumu.gallery.assets import VERSION, Assets, assets_of, derived_folder
 from rumu.gallery.catalog import work
-from rumu.gallery.gallery import Gallery
-from rumu.gallery.store import Store
+from rumu.gallery.store import Gallery, Store
 
 MESHES = ("glb", "stl", "ply")
 

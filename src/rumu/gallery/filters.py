@@ -11,7 +11,7 @@ from sqlalchemy import ColumnElement, and_, func, literal, or_, select, union_al
 from rumu.assessment.scripts import SCRIPTS
 from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
-from rumu.gallery.gallery import Gallery
+from rumu.gallery.store import Gallery
 from rumu.gallery.vocabulary import UNKNOWN, dynasty_name, fold, script_name, variants
 
 FACETS = ("script", "dynasty", "hand", "character", "collection")

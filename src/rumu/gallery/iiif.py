@@ -13,8 +13,8 @@ from sqlalchemy import select
 from rumu.database.tables import Annotation, Collection, Work
 from rumu.gallery import catalog
 from rumu.gallery.annotations import annotations_of
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.iiif_image import MAX_SIDE
+from rumu.gallery.store import Gallery
 from rumu.gallery.vocabulary import HEIGHT_SOURCES, dynasty_name, script_name
 
 _CHINESE, _ENGLISH = "zh-Hant", "en"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rumu.errors import GalleryError
 from rumu.gallery.assets import read_picture
 from rumu.gallery.catalog import work
-from rumu.gallery.gallery import Gallery
+from rumu.gallery.store import Gallery
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture

@@ -20,8 +20,8 @@ import numpy as np
 
 from rumu.errors import GalleryError, OutputError, RumuError
 from rumu.executors import in_order
-from rumu.gallery.gallery import user_home
 from rumu.gallery.masters import Master, MasterPaths, read_masters
+from rumu.gallery.store import user_home
 from rumu.registration.descriptor import (
     VERSION,
     DescriptorSettings,

@@ -10,7 +10,6 @@ from sqlalchemy import select
 
 from rumu.database.tables import Annotation, Tour, Work
 from rumu.gallery.assets import picture_key
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.metadata import (
     CollectionMetadata,
     StoredFiles,
@@ -21,6 +20,7 @@ from rumu.gallery.metadata import (
     work_row,
 )
 from rumu.gallery.starter import StarterWork, starter_works
+from rumu.gallery.store import Gallery
 from rumu.values import Bilingual
 
 STARTER = CollectionMetadata(

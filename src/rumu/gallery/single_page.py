@@ -13,7 +13,7 @@ from rumu.errors import GalleryError
 from rumu.gallery.annotations import annotations_of
 from rumu.gallery.catalog import collection, work
 from rumu.gallery.derived import derived_file, viewer_facts
-from rumu.gallery.gallery import Gallery
+from rumu.gallery.store import Gallery
 
 SCRIPT, STYLE = "standalone.js", "standalone.css"
 LARGEST = 12_000_000  # bytes of a page that can be sent by e-mail

@@ -1,4 +1,4 @@
-"""The store of a gallery's files by key: a folder by default, or any file system that fsspec reaches.
+"""A gallery, and its store of files by key: a folder by default, or any file system that fsspec reaches.
 
 A key is a POSIX path such as `pictures/3f/3f0a...png`, built by rumu and never from what a user typed. A file
 is written completely or not at all.
@@ -10,6 +10,7 @@ import contextlib
 import os
 import re
 import shutil
+import sys
 import tempfile
 import time
 import uuid
@@ -17,9 +18,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path, PurePosixPath
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from rumu.errors import GalleryError
+
+if TYPE_CHECKING:
+    from rumu.database.engine import Database
 
 _KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9._=-]*(/[A-Za-z0-9][A-Za-z0-9._=-]*)*")
 _CHUNK = 2**20  # bytes of a stream that are in memory at a time
@@ -148,6 +152,29 @@ class Store:
         if not _KEY.fullmatch(key):
             raise GalleryError(f"expected a key of the store, such as works/a.png, got {key!r}")
         return f"{self.root}/{key}"
+
+
+@dataclass(frozen=True, slots=True)
+class Gallery:
+    """A gallery. database: what is known of its works. store: their files."""
+
+    database: Database
+    store: Store
+
+
+def user_home() -> Path:
+    """The folder for a person's data: RUMU_HOME, or the platform's folder for application data.
+
+    It need not exist yet.
+    """
+    chosen = os.environ.get("RUMU_HOME")
+    if chosen:
+        return Path(chosen)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "rumu"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "rumu"
+    return Path(os.environ.get("XDG_DATA_HOME", Path.home() / ".local" / "share")) / "rumu"
 
 
 def _protocols(filesystem: Any) -> set[str]:

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from rumu.database.tables import Tour, Work
 from rumu.errors import GalleryError
 from rumu.gallery.annotations import check_facts, check_texts
-from rumu.gallery.gallery import Gallery
+from rumu.gallery.store import Gallery
 
 MOST_STEPS = 100
 _STEP = ("work", "view", "title_zh", "title_en", "text_zh", "text_en")

@@ -13,8 +13,7 @@ from sqlalchemy.orm import Session
 from rumu import __version__
 from rumu.database.tables import Attempt, Membership, Person, Task, TeacherMark, Work, new_id, now
 from rumu.gallery.assets import derived_folder, picture_assets
-from rumu.gallery.gallery import Gallery
-from rumu.gallery.store import Store
+from rumu.gallery.store import Gallery, Store
 from rumu.studio.access import attempts_of, find_visible_attempt
 from rumu.studio.classes import find_row
 from rumu.studio.errors import NotAllowed, Unusable

@@ -14,8 +14,8 @@ from rumu.errors import RumuError
 from rumu.gallery import catalog
 from rumu.gallery.assets import assets_of
 from rumu.gallery.derived import derived_file
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.starter import Sample, starter_samples
+from rumu.gallery.store import Gallery
 from rumu.studio.attempts import add_attempt
 from rumu.studio.job_queue import CancelledError, Progress, failure_values, update_running
 from rumu.studio.marking import load_calibration_of, mark_copy

@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from rumu.gallery.gallery import user_home
+from rumu.gallery.store import user_home
 
 
 @dataclass(frozen=True, slots=True)

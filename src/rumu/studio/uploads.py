@@ -11,10 +11,10 @@ from rumu.gallery.add_work import add_capture, add_picture, named_collection
 from rumu.gallery.archive import MANIFEST
 from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import collections
-from rumu.gallery.gallery import Gallery
 from rumu.gallery.labels import SharedMetadata
 from rumu.gallery.masters import LABELS
 from rumu.gallery.metadata import NO_LICENCE, CollectionMetadata, WorkMetadata
+from rumu.gallery.store import Gallery
 from rumu.studio.errors import Unusable
 from rumu.studio.job_queue import Progress
 from rumu.studio.pictures import format_of

@@ -13,7 +13,7 @@ from rumu.studio.storage import Storage
 if TYPE_CHECKING:
     from rumu.assessment.measurement import PreparedMaster
     from rumu.gallery.derived import DerivedFile
-    from rumu.gallery.gallery import Gallery
+    from rumu.gallery.store import Gallery
 
 _MAX_MASTERS = 12  # prepared masters that stay in memory of each process
 
@@ -78,8 +78,7 @@ def run_job(storage: Storage, *, job_id: str) -> None:
 def _open_gallery(storage: Storage) -> Gallery:
     """Open the gallery as it is; unlike `rumu.gallery.catalog.open_gallery` this adds nothing to it."""
     from rumu.database.engine import open_database
-    from rumu.gallery.gallery import Gallery
-    from rumu.gallery.store import Store
+    from rumu.gallery.store import Gallery, Store
 
     return Gallery(open_database(storage.database), Store.open(storage.files))
 

@@ -13,7 +13,7 @@ from cachetools import LRUCache, cachedmethod
 from rumu.database.tables import Work
 from rumu.gallery.assets import Assets, assets_of, picture_assets
 from rumu.gallery.derived import etag, stored_file
-from rumu.gallery.gallery import Gallery
+from rumu.gallery.store import Gallery
 from rumu.studio import worker_tasks
 from rumu.studio.worker_pool import WorkerPool
 
