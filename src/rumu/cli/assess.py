@@ -191,9 +191,7 @@ def _describe(mark: Assessment, report: Path | None) -> str:
     low, high = mark.interval or (0.0, 100.0)
     level = LEVELS[mark.level] if mark.level else None
     lines = [
-        f"{mark.score:.0f} of 100 ({low:.0f} to {high:.0f}), {level.en} {level.zh}"
-        if level
-        else f"{mark.score:.0f} of 100 ({low:.0f} to {high:.0f})",
+        f"{mark.score:.0f} of 100 ({low:.0f} to {high:.0f})" + (f", {level.en} {level.zh}" if level else ""),
         "  " + ", ".join(f"{name} {value:.0f}" for name, value in mark.parts.items()),
         *(f"  {text.en} {text.zh}" for text in basis(mark)),
         *(f"  - {remark.en} {remark.zh}" for remark in sorted(mark.remarks, key=lambda r: -r.severity)),

@@ -174,7 +174,6 @@ def add_stored_work(
     gallery: Gallery, metadata: WorkMetadata, files: StoredFiles, *, collection: CollectionMetadata
 ) -> AddedWork:
     """Add the row of a work whose files are stored, at the end of its collection, unless it exists."""
-    work_id = f"{collection.id}-{files.digest[:12]}"
     with gallery.database.writing() as session:
         insert_works(session, collection, [])
         existing = session.scalar(select(Work.id).where(Work.digest == files.digest))
@@ -182,8 +181,8 @@ def add_stored_work(
             return AddedWork(existing, new=False)
         after_last = select(func.coalesce(func.max(Work.position) + 1, 0))
         position = session.execute(after_last.where(Work.collection_id == collection.id)).scalar_one()
-        row = work_row(metadata, files, work_id=work_id, collection=collection, position=position)
-        return AddedWork(work_id, new=bool(insert_works(session, collection, [row])))
+        row = work_row(metadata, files, collection=collection, position=position)
+        return AddedWork(row["id"], new=bool(insert_works(session, collection, [row])))
 
 
 def named_collection(name: str | None) -> CollectionMetadata:

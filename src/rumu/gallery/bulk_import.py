@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from sqlalchemy import select
 
@@ -116,14 +115,11 @@ def _import_batch(
     new = {digest: by_digest[digest] for digest in set(by_digest) - existing}
     with ThreadPoolExecutor(_THREADS) as threads:
         list(threads.map(lambda picture: gallery.store.write(picture.key, picture.data), new.values()))
-    rows = [_work_row(picture, digest, collection) for digest, picture in new.items()]
+    rows = []
+    for digest, picture in new.items():
+        label, (width, height) = picture.label, picture.size
+        files = StoredFiles(picture=picture.key, digest=digest, width=width, height=height)
+        rows.append(work_row(label.metadata, files, collection=collection, position=label.number))
     with gallery.database.writing() as session:
         added = len(insert_works(session, collection, rows))
     return ImportResult((collection.id,), added, len(batch) - len(left_out) - added, left_out)
-
-
-def _work_row(picture: _Picture, digest: str, collection: CollectionMetadata) -> dict[str, Any]:
-    label, (width, height) = picture.label, picture.size
-    files = StoredFiles(picture=picture.key, digest=digest, width=width, height=height)
-    work_id = f"{collection.id}-{digest[:12]}"
-    return work_row(label.metadata, files, work_id=work_id, collection=collection, position=label.number)

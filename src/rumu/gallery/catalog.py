@@ -120,14 +120,8 @@ def collection(gallery: Gallery, collection_id: str) -> Collection:
 # --- changing --------------------------------------------------------------------------------------
 
 CHANGEABLE = frozenset(
-    {
-        *(
-            f"{name}_{language}"
-            for name in ("title", "hand", "period", "material")
-            for language in ("zh", "en")
-        ),
-        *("character", "script", "dynasty", "source", "licence", "attribution", "position", "spacing"),
-    }
+    {"character", "script", "dynasty", "source", "licence", "attribution", "position", "spacing"}
+    | {f"{name}_{language}" for name in ("title", "hand", "period", "material") for language in ("zh", "en")}
 )
 
 

@@ -83,14 +83,18 @@ def work_row(
     metadata: WorkMetadata,
     files: StoredFiles,
     *,
-    work_id: str,
     collection: CollectionMetadata,
     position: int,
+    work_id: str | None = None,
 ) -> dict[str, Any]:
-    """The columns of tables.Work."""
+    """The columns of tables.Work. work_id: by default it is made of the collection and the digest."""
     plain = ("character", "script", "dynasty", "source", "licence", "attribution", "origin")
     row = (
-        {"id": work_id, "collection_id": collection.id, "position": position}
+        {
+            "id": work_id or f"{collection.id}-{files.digest[:12]}",
+            "collection_id": collection.id,
+            "position": position,
+        }
         | _columns("title", metadata.title)
         | _columns("hand", metadata.hand)
         | _columns("period", metadata.period)

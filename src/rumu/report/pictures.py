@@ -40,6 +40,9 @@ class PictureSettings:
     slant: float = 52.0
 
 
+_SIDE = PictureSettings().side
+
+
 def srgb(linear: FloatArray, *, bits: int = 8) -> Picture:
     """(H, W) or (H, W, 3) linear in [0, 1], clipped -> same shape, sRGB (IEC 61966-2-1), 8 or 16 bits."""
     light = np.clip(np.asarray(linear, dtype=np.float32), 0.0, 1.0)
@@ -106,37 +109,32 @@ def shaded_picture(surface: Surface, *, tilt: float, settings: PictureSettings |
     return srgb(shrink_to_fit(np.asarray(lit, dtype=np.float32), side=settings.side))
 
 
-def normals_picture(surface: Surface, *, settings: PictureSettings | None = None) -> Picture:
+def normals_picture(surface: Surface) -> Picture:
     """Normals as colours: red = x, green = y, blue = z, each from [-1, 1]; unmeasured pixels are paper."""
-    settings = settings or PictureSettings()
     colours = np.round((surface.normals + 1) * 127.5).astype(np.uint8)
     if surface.source == "photometric":
         colours[~surface.mask] = PAPER
-    return np.asarray(shrink_to_fit(colours, side=settings.side))
+    return np.asarray(shrink_to_fit(colours, side=_SIDE))
 
 
-def height_picture(
-    surface: Surface, *, settings: PictureSettings | None = None
-) -> tuple[Picture, tuple[float, float]]:
+def height_picture(surface: Surface) -> tuple[Picture, tuple[float, float]]:
     """Height as colours and the range (low, high) of the colour bar, in the surface's unit.
 
     The range leaves out half a percent at each end, so that one wild pixel does not choose the colours.
     """
-    settings = settings or PictureSettings()
     inside = surface.height[surface.mask] if surface.mask.any() else surface.height
     low, high = (float(v) for v in np.percentile(inside, (0.5, 99.5)))
     low = min(low, 0.0) if surface.source != "photometric" else low
-    share = shrink_to_fit((surface.height - low) / max(high - low, 1e-12), side=settings.side)
+    share = shrink_to_fit((surface.height - low) / max(high - low, 1e-12), side=_SIDE)
     picture = colour_scale(share, stops=HEIGHT_STOPS)
     if surface.source == "photometric":
-        picture[shrink_to_fit(surface.mask.astype(np.float32), side=settings.side) < 0.5] = PAPER
+        picture[shrink_to_fit(surface.mask.astype(np.float32), side=_SIDE) < 0.5] = PAPER
     return picture, (low, high)
 
 
-def share_picture(share: FloatArray, *, settings: PictureSettings | None = None) -> Picture:
+def share_picture(share: FloatArray) -> Picture:
     """A map of shares in [0, 1] as gray: 0 is dark, 1 is white."""
-    settings = settings or PictureSettings()
-    return np.asarray(np.round(np.clip(shrink_to_fit(share, side=settings.side), 0, 1) * 255), dtype=np.uint8)
+    return np.asarray(np.round(np.clip(shrink_to_fit(share, side=_SIDE), 0, 1) * 255), dtype=np.uint8)
 
 
 def colour_scale(share: FloatArray, *, stops: tuple[tuple[int, int, int], ...]) -> Picture:
