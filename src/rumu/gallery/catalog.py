@@ -23,7 +23,6 @@ from rumu.gallery.metadata import search_text
 from rumu.gallery.seed import add_starter_works
 from rumu.gallery.starter import suggest
 from rumu.gallery.store import Gallery, Store, user_home
-from rumu.values import Bilingual
 
 Item = TypeVar("Item")
 
@@ -135,27 +134,8 @@ def change_work(gallery: Gallery, work_id: str, changes: Mapping[str, Any]) -> W
         row = _find(session, work_id)
         for name, value in changes.items():
             setattr(row, name, value)
-        _update_search_text(session, [row])
-        return row
-
-
-def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str, str]) -> Collection:
-    """Change title_zh, title_en, note_zh, note_en, source or licence of a collection.
-
-    Raises GalleryError for other columns, or an unknown collection.
-    """
-    known = {"title_zh", "title_en", "note_zh", "note_en", "source", "licence"}
-    if not set(changes) <= known:
-        raise GalleryError(
-            f"expected facts among {', '.join(sorted(known))}, got {', '.join(sorted(changes))}"
-        )
-    collection(gallery, collection_id)
-    with gallery.database.writing() as session:
-        row = session.get_one(Collection, collection_id)
-        for name, value in changes.items():
-            setattr(row, name, value)
-        works_of_it = session.scalars(select(Work).where(Work.collection_id == collection_id)).all()
-        _update_search_text(session, works_of_it)
+        columns = {column.name: getattr(row, column.name) for column in Work.__table__.columns}
+        row.search = search_text(columns, collection=session.get_one(Collection, row.collection_id).title)
         return row
 
 
@@ -188,14 +168,6 @@ _ORDER: Sequence[ColumnElement[Any]] = (
     Work.position.expression,
     Work.id.expression,
 )
-
-
-def _update_search_text(session: Session, rows: Sequence[Work]) -> None:
-    for row in rows:
-        collection = session.get_one(Collection, row.collection_id)  # once a session: then it is in memory
-        columns = {column.name: getattr(row, column.name) for column in Work.__table__.columns}
-        title = Bilingual(collection.title_zh, collection.title_en)
-        row.search = search_text(columns, collection=title)
 
 
 def _find(session: Session, work_id: str) -> Work:
