@@ -66,10 +66,6 @@ class ImportResult:
             left_out=self.left_out + other.left_out,
         )
 
-    @property
-    def total(self) -> int:
-        return self.added + self.existing + len(self.left_out)
-
 
 def split(items: Sequence[Item], size: int) -> Iterator[Sequence[Item]]:
     """Consecutive parts of at most `size` items."""
@@ -212,12 +208,14 @@ def import_archive(
     result = ImportResult(tuple(titles))
     with gallery.database.writing() as session:
         insert_rows(session, Collection, [_from_json(Collection, one) for one in collections])
+    done = 0
     for batch in split(entries, BATCH):
         result = result.and_then(
             _import_batch(gallery, folder, batch, titles, update_same=collection is None)
         )
+        done += len(batch)
         if progress is not None:
-            progress(result.total, len(entries))
+            progress(done, len(entries))
     with gallery.database.writing() as session:
         insert_rows(session, Tour, [_from_json(Tour, tour) for tour in manifest["tours"]])
     return result

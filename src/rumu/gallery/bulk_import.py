@@ -56,11 +56,12 @@ def import_folder(
         )
     shared = (shared or SharedMetadata()).with_defaults(read_description(folder))
     labels, collection = read_labels(folder, shared), collection_of(folder, shared)
-    result = ImportResult((collection.id,))
+    result, done = ImportResult((collection.id,)), 0
     for batch in _read_batches(folder, labels):
         result = result.and_then(_import_batch(gallery, batch, collection))
+        done += len(batch)
         if progress is not None:
-            progress(result.total, len(labels))
+            progress(done, len(labels))
     if labels and len(result.left_out) == len(labels):
         first = result.left_out[0][1]
         raise GalleryError(f"{folder}: none of {len(labels)} pictures can be read; the first: {first}")

@@ -39,8 +39,8 @@ def add_tour(gallery: Gallery, facts: Mapping[str, Any], *, author: str | None =
     """
     _require_title(facts.get("title_zh", ""), facts.get("title_en", ""))
     with gallery.database.writing() as session:
-        last = session.scalar(select(func.max(Tour.position)))
-        defaults = {"position": 0 if last is None else last + 1, "title_zh": "", "title_en": ""}
+        after_last = session.scalar(select(func.coalesce(func.max(Tour.position) + 1, 0)))
+        defaults = {"position": after_last, "title_zh": "", "title_en": ""}
         new = Tour(author_id=author, **defaults | _check(session, facts))
         session.add(new)
         session.flush()
@@ -71,16 +71,11 @@ def _find(session: Session, tour_id: str) -> Tour:
 
 
 def _check(session: Session, facts: Mapping[str, Any]) -> dict[str, Any]:
+    """The facts with complete steps. Raises GalleryError for others, and for steps through unknown works."""
     check_facts(facts, {"title_zh", "title_en", "steps", "position"}, {"title_zh": 200, "title_en": 200})
-    return dict(facts) | ({"steps": _steps(session, facts["steps"])} if "steps" in facts else {})
-
-
-def _require_title(*titles: Any) -> None:
-    if not any(str(title).strip() for title in titles):
-        raise GalleryError("expected a tour to have a title, got none")
-
-
-def _steps(session: Session, steps: Any) -> list[dict[str, str]]:
+    if "steps" not in facts:
+        return dict(facts)
+    steps = facts["steps"]
     if not isinstance(steps, Sequence) or isinstance(steps, str) or len(steps) > MOST_STEPS:
         raise GalleryError(f"expected steps as a list of at most {MOST_STEPS}, got {type(steps).__name__}")
     complete = [_complete_step(step) for step in steps]
@@ -88,7 +83,12 @@ def _steps(session: Session, steps: Any) -> list[dict[str, str]]:
     missing = sorted(ids - set(session.scalars(select(Work.id).where(Work.id.in_(ids)))))
     if missing:
         raise GalleryError(f"expected steps through works of the gallery, there is no {', '.join(missing)}")
-    return complete
+    return dict(facts) | {"steps": complete}
+
+
+def _require_title(*titles: Any) -> None:
+    if not any(str(title).strip() for title in titles):
+        raise GalleryError("expected a tour to have a title, got none")
 
 
 def _complete_step(step: Any) -> dict[str, str]:
