@@ -201,11 +201,10 @@ def _image_files(folder: Path) -> list[Path]:
 def _photographs(folder: Path) -> list[Path]:
     """Image files in natural order (2 before 10), without masks, the ambient frame and normal maps."""
     aside = re.compile(r"(.*\.)?(mask|ambient)|normals?(_gt)?", re.IGNORECASE)
-    return sorted((p for p in _image_files(folder) if not aside.fullmatch(p.stem)), key=_natural_key)
-
-
-def _natural_key(path: Path) -> list[tuple[str, int]]:
-    return [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", path.name)]
+    return sorted(
+        (p for p in _image_files(folder) if not aside.fullmatch(p.stem)),
+        key=lambda p: [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", p.name)],
+    )
 
 
 def _image_by_stem(folder: Path, stem: str) -> Path | None:

@@ -148,7 +148,13 @@ def _read_pillow(path: Path, *, source: io.BytesIO | None = None) -> Stored:
 def _pillow_samples(path: Path, image: Any) -> Samples:
     mode: str = image.mode
     if mode.startswith("I"):
-        return _sixteen_bit(path, np.asarray(image))
+        samples = np.asarray(image)
+        low, high = int(samples.min()), int(samples.max())
+        if low < 0 or high > 65535:
+            raise ImageError(
+                f"{path}: expected 8-bit, 16-bit or float samples, got values from {low} to {high}"
+            )
+        return samples.astype(np.uint16)
     if mode == "F":
         return np.asarray(image, dtype=np.float32)
     if mode in ("1", "L", "LA", "La"):
@@ -156,13 +162,6 @@ def _pillow_samples(path: Path, image: Any) -> Samples:
     else:
         wanted = "RGBA" if image.has_transparency_data else "RGB"
     return np.asarray(image if mode == wanted else image.convert(wanted))
-
-
-def _sixteen_bit(path: Path, samples: Samples) -> Samples:
-    low, high = int(samples.min()), int(samples.max())
-    if low < 0 or high > 65535:
-        raise ImageError(f"{path}: expected 8-bit, 16-bit or float samples, got values from {low} to {high}")
-    return samples.astype(np.uint16)
 
 
 # --- PNG of 16 bits in colour or with alpha --------------------------------------------------------

@@ -34,7 +34,7 @@ def read_image(path: str | os.PathLike[str]) -> Image:
     MAX_PIXELS (refused from the header), float values that are NaN, infinite or outside [0, 1].
     """
     stored = decode(path)
-    values = _unit_range(_check_values(stored.values, name=path), name=path)
+    values = _unit_range(stored.values, name=path)
     return np.ascontiguousarray(_over_white(values, stored.alpha))
 
 
@@ -61,7 +61,7 @@ def read_mask(path: str | os.PathLike[str]) -> BoolArray:
     Returns (H, W) bool. Raises ImageError as `read_image` does.
     """
     stored = decode(path)
-    gray = luminance(_unit_range(_check_values(stored.values, name=path), name=path))
+    gray = luminance(_unit_range(stored.values, name=path))
     return np.asarray(gray > 0.5 if stored.alpha is None else gray * stored.alpha > 0.5)
 
 
@@ -76,7 +76,7 @@ def as_image(array: npt.NDArray[Any], *, name: object = "array") -> Image:
     if samples.ndim not in (2, 3) or (samples.ndim == 3 and not 1 <= samples.shape[2] <= 4):
         raise ImageError(f"{name}: expected an image of shape (H, W) or (H, W, 3), got {samples.shape}")
     check_size(name, width=samples.shape[1], height=samples.shape[0])
-    values = _unit_range(_check_values(samples, name=name), name=name)
+    values = _unit_range(samples, name=name)
     if values.ndim == 2 or values.shape[2] == 3:
         return np.ascontiguousarray(values)
     colours = values[:, :, 0] if values.shape[2] < 3 else values[:, :, :3]
@@ -107,6 +107,7 @@ def _check_values(samples: Samples, *, name: object) -> Samples:
 
 
 def _unit_range(samples: Samples, *, name: object) -> Image:
+    _check_values(samples, name=name)
     if samples.dtype.kind != "f":
         return _scale(samples)
     low, high = float(samples.min()), float(samples.max())

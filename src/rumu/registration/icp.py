@@ -286,7 +286,11 @@ def _fit_trimmed(
         Neighbours(probe, reference, direction_weight=weight, step=step, small_steps=step == steps[-1])
         for step in steps
     )
-    starts = [_turned_by(angle) for angle in settings.start_angles] if start is None else [start]
+    starts = [] if start is None else [start]
+    if start is None:
+        for half in np.deg2rad(settings.start_angles) / 2:
+            turn = unit_quaternion(np.array([np.cos(half), 0.0, 0.0, np.sin(half)]))
+            starts.append(Pose(turn, np.zeros(3), np.inf))
     run = partial(closest_points, coarse, overlap=settings.start_overlap, settings=settings)
     best = min(
         (run(start=pose, limit=settings.start_iterations) for pose in starts),
@@ -301,12 +305,6 @@ def _fit_trimmed(
         for side in loop.matched(pairs, chosen=pairs.closest(overlap))
     )
     return _TrimmedFit(result, overlap, psi, float(np.sqrt(X / P)), pairs if steps[-1] == 1 else None)
-
-
-def _turned_by(angle: float) -> Pose:
-    """A rotation about z by an angle in degrees."""
-    half = np.deg2rad(angle) / 2
-    return Pose(unit_quaternion(np.array([np.cos(half), 0.0, 0.0, np.sin(half)])), np.zeros(3), np.inf)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -57,12 +57,28 @@ def write_surface(
 
 
 def _write_files(surface: Surface, folder: Path, files: Mapping[str, str | bytes]) -> None:
+    import tifffile
+
     for name in _ARRAYS:
-        _write_tiff(folder / f"{name}.tif", getattr(surface, name))
+        array: FloatArray = getattr(surface, name)
+        kind = "rgb" if array.ndim == 3 else "minisblack"
+        tifffile.imwrite(folder / f"{name}.tif", array.astype(np.float32), photometric=kind)
     scale, offset = _write_pictures(surface, folder)
     for name, content in files.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
-    metadata = _metadata(surface) | {"height_png": {"scale": scale, "offset": offset}}
+    h, w = surface.height.shape
+    metadata = {
+        "kind": _KIND,
+        "version": version("rumu"),
+        "source": surface.source,
+        "unit": surface.unit,
+        "spacing": surface.spacing,
+        "width": w,
+        "height": h,
+        "quality": {name: float(value) for name, value in surface.quality.items()},
+        "frame": "x right, y up, z to the camera; rows run downward",
+        "height_png": {"scale": scale, "offset": offset},
+    }
     (folder / MARKER).write_text(json.dumps(metadata, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
@@ -100,21 +116,6 @@ def read_surface(folder: str | Path) -> Surface:
         raise SurfaceError(f"{folder / MARKER}: does not describe a surface: {error}") from error
 
 
-def _metadata(surface: Surface) -> dict[str, Any]:
-    h, w = surface.height.shape
-    return {
-        "kind": _KIND,
-        "version": version("rumu"),
-        "source": surface.source,
-        "unit": surface.unit,
-        "spacing": surface.spacing,
-        "width": w,
-        "height": h,
-        "quality": {name: float(value) for name, value in surface.quality.items()},
-        "frame": "x right, y up, z to the camera; rows run downward",
-    }
-
-
 def _write_pictures(surface: Surface, folder: Path) -> tuple[float, float]:
     """The files to look at; returns scale and offset of height.png."""
     import cv2
@@ -134,13 +135,6 @@ def _write_pictures(surface: Surface, folder: Path) -> tuple[float, float]:
     Image.fromarray(np.round(surface.confidence * 255).astype(np.uint8)).save(folder / "confidence.png")
     Image.fromarray(surface.mask.astype(np.uint8) * 255).save(folder / "mask.png")
     return scale, offset
-
-
-def _write_tiff(path: Path, array: FloatArray) -> None:
-    import tifffile
-
-    colour = array.ndim == 3
-    tifffile.imwrite(path, array.astype(np.float32), photometric="rgb" if colour else "minisblack")
 
 
 def _read_tiff(path: Path) -> FloatArray:

@@ -158,10 +158,6 @@ def _solve_masked(
 
 def _conjugate_gradients(target: FloatArray, right: FloatArray, down: FloatArray) -> FloatArray:
     """Solve (D' W D) z = target; D: differences between neighbours, W: their weights."""
-
-    def normal_equations(z: FloatArray) -> FloatArray:
-        return -_divergence(right * (z[:, 1:] - z[:, :-1]), down * (z[1:] - z[:-1]), target.shape)
-
     z = np.zeros_like(target)
     left = target.copy()
     guess = -_poisson(left.copy())
@@ -170,7 +166,8 @@ def _conjugate_gradients(target: FloatArray, right: FloatArray, down: FloatArray
     for _ in range(_ITERATIONS):
         if power <= _TOLERANCE**2 * start:
             break
-        ahead = normal_equations(direction)
+        across, along = np.diff(direction, axis=1), np.diff(direction, axis=0)
+        ahead = -_divergence(right * across, down * along, target.shape)
         step = power / max(float((direction * ahead).sum()), 1e-300)
         z += step * direction
         left -= step * ahead

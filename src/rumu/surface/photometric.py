@@ -6,14 +6,13 @@ A page of flat paper and ink comes out flat here, however black the ink: see `ru
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 
 from rumu.capture.lights import PaperLamps, paper_tilts
 from rumu.errors import SurfaceError
 from rumu.surface.integrate import INTEGRATORS, integrate
-from rumu.surface.robust import SOLVERS, Solution, Solver, solve
+from rumu.surface.robust import SOLVERS, Solution, solve
 from rumu.surface.stereo import (
     all_lit,
     channel_albedo,
@@ -95,10 +94,23 @@ def surface_normals(
         raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
     lamps = paper_tilts(capture.lights, tolerance=_PAPER_TOLERANCE)
     photometry = _photometry(capture, lamps, solver)
-    solution, check = _solve_capture(capture, lamps, photometry, solver)
+    check = None
+    if lamps is not None:
+        solution, check = _closed_form(capture, lamps, photometry.strengths)
+    else:
+        solution = solve(
+            capture.images,
+            capture.lights * photometry.strengths[:, None],
+            solver=solver,
+            mask=capture.mask,
+            black_level=photometry.black_level,
+        )
     measured = capture.mask & (solution.confidence > 0)
     albedo, brightness = _within_one(solution.albedo, measured)
-    p, q = _slopes(_with_equal_lamps(capture, lamps, photometry), solution, measured)
+    leaning = solution
+    if lamps is not None and photometry.sheet:  # lamps taken for equal show how the sheet leans
+        leaning, _ = _closed_form(capture, lamps, np.ones(len(capture.lights)))
+    p, q = _median_slopes(leaning.normals, measured)
     quality = {
         "residual": solution.residual,
         "shadow_share": solution.shadow_share,
@@ -180,21 +192,6 @@ def _photometry(capture: Capture, lamps: PaperLamps | None, solver: str) -> Phot
     return known if usual is None else Photometry(usual / usual.mean(), sheet=True)
 
 
-def _solve_capture(
-    capture: Capture, lamps: PaperLamps | None, photometry: Photometry, solver: str
-) -> tuple[Solution, float | None]:
-    if lamps is not None:
-        return _closed_form(capture, lamps, photometry.strengths)
-    solution = solve(
-        capture.images,
-        capture.lights * photometry.strengths[:, None],
-        solver=cast(Solver, solver),
-        mask=capture.mask,
-        black_level=photometry.black_level,
-    )
-    return solution, None
-
-
 def _closed_form(capture: Capture, lamps: PaperLamps, strengths: FloatArray) -> tuple[Solution, float | None]:
     """The paper's three lamps, and a fourth, band by band so that memory stays bounded."""
     h, w = capture.mask.shape
@@ -247,18 +244,11 @@ def _solve_band(capture: Capture, lamps: PaperLamps, strengths: FloatArray, rows
     return _Band(normals, albedo, confidence, mask, shadow_share, found.fourth_lamp or 0.0)
 
 
-def _with_equal_lamps(capture: Capture, lamps: PaperLamps | None, photometry: Photometry) -> Solution | None:
-    """The closed form with lamps taken for equal, to see how the sheet leans; None if nothing changed."""
-    if lamps is None or not photometry.sheet:
-        return None
-    return _closed_form(capture, lamps, np.ones(len(capture.lights)))[0]
-
-
-def _slopes(before: Solution | None, solution: Solution, measured: BoolArray) -> tuple[float, float]:
+def _median_slopes(normals: FloatArray, measured: BoolArray) -> tuple[float, float]:
     """Median slopes of the measured pixels, 0 when there are none."""
     if not measured.any():
         return 0.0, 0.0
-    p, q = gradients_from_normals((before or solution).normals[measured][None])
+    p, q = gradients_from_normals(normals[measured][None])
     return float(np.median(p)), float(np.median(q))
 
 

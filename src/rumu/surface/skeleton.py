@@ -258,7 +258,9 @@ def _good_continuations(skeleton: Skeleton, *, turn: float) -> dict[Side, Side]:
     away = {at: _leaving_direction(skeleton, *at) for sides in meeting.values() for at in sides}
     follows: dict[Side, Side] = {}
     for sides in meeting.values():
-        bends = sorted((_bend(away[a], away[b]), a, b) for i, a in enumerate(sides) for b in sides[i + 1 :])
+        pairs = [(a, b) for i, a in enumerate(sides) for b in sides[i + 1 :]]
+        # degrees by which a brush turns that comes along one and goes on along the other
+        bends = sorted((np.rad2deg(np.arccos(np.clip(-(away[a] @ away[b]), -1, 1))), a, b) for a, b in pairs)
         for bend, a, b in bends:
             if bend < turn and a not in follows and b not in follows:
                 follows[a], follows[b] = b, a
@@ -275,11 +277,6 @@ def _leaving_direction(skeleton: Skeleton, number: int, side: int) -> FloatArray
     reach = int(np.argmax(beyond)) if beyond.any() else len(points) - 1
     step = points[max(reach, 1)] - points[min(near, max(reach, 1) - 1)]
     return np.asarray(step / max(float(np.hypot(*step)), 1e-9))
-
-
-def _bend(a: FloatArray, b: FloatArray) -> float:
-    """Degrees by which a brush turns that comes along a and goes on along b."""
-    return float(np.rad2deg(np.arccos(np.clip(-(a @ b), -1.0, 1.0))))
 
 
 def _chain(start: int, follows: dict[Side, Side]) -> list[tuple[int, bool]]:
