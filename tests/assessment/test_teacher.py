@@ -194,7 +194,7 @@ def test_no_copy_is_scored_by_a_fit_that_has_seen_it_or_its_master(masters, monk
         seen.append({id(f) for f in known})
         return fit_line(known, values, **options)
 
-    monkeypatch.setattr(teacher, "line", watched)
+    monkeypatch.setattr(teacher, "fit_line", watched)
     fit_teacher(features, marks, names, base=BASE)
     *folds, whole = seen
     assert whole == {id(f) for f in features}

@@ -139,14 +139,14 @@ def test_strokes_heavy_all_along_have_no_heavy_ends(found, fault, mask):
 
 
 def test_blunt_tips_have_lost_the_taper_that_was_taken_and_a_perfect_copy_none(found, fault, mask):
-    blunted = found(fault("regular-shui", "blunt", 4).mask, mask("regular-shui")).blunted
-    assert blunted is not None and 0.3 < blunted.share < 1.0 and blunted.most > 0.7
-    perfect = found(mask("regular-shui"), mask("regular-shui")).blunted
-    assert perfect is not None and perfect.share == 0.0
+    tips = found(fault("regular-shui", "blunt", 4).mask, mask("regular-shui")).tips
+    assert tips is not None and 0.3 < tips.lost < 1.0 and tips.blunted > 0.7
+    perfect = found(mask("regular-shui"), mask("regular-shui")).tips
+    assert perfect is not None and perfect.lost == 0.0
 
 
 def test_even_strokes_have_no_taper_to_lose(found, mask):
-    assert found(mask("seal-tian"), mask("seal-tian")).blunted is None
+    assert found(mask("seal-tian"), mask("seal-tian")).tips is None
 
 
 def test_a_squeezed_character_is_squeezed_and_its_strokes_are_in_place(found, fault, mask):

@@ -53,7 +53,7 @@ class KnownFeatures:
 
     values: tuple[float, ...]
 
-    def evidence(self) -> tuple[float, ...]:
+    def vector(self) -> tuple[float, ...]:
         return self.values
 
 
