@@ -1,4 +1,4 @@
-"""Every equation of the paper has one home: one function of src/, in the file that carries its name."""
+"""Every equation of the paper has one place: one function of src/."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def functions(tree: ast.Module) -> list[tuple[str, int, int]]:
 def citations() -> tuple[dict[int, set[tuple[str, str]]], list[str]]:
     """equation -> {(file, function)}, and the citations that stand outside of every function."""
     homes: dict[int, set[tuple[str, str]]] = defaultdict(set)
-    stray = []
+    outside = []
     for path in sorted(SRC.rglob("*.py")):
         source = path.read_text(encoding="utf-8")
         inside = functions(ast.parse(source))
@@ -50,11 +50,11 @@ def citations() -> tuple[dict[int, set[tuple[str, str]]], list[str]]:
             holders = [name for name, first, last in inside if first <= line <= last]
             file = path.relative_to(SRC).as_posix()
             if not holders:
-                stray.append(f"{file}:{line}: {match.group()}")
+                outside.append(f"{file}:{line}: {match.group()}")
                 continue
             for number in numbers(match.group()):
                 homes[number].add((file, holders[-1]))  # the innermost: ast.walk goes outside in
-    return homes, stray
+    return homes, outside
 
 
 def test_citations_are_read():

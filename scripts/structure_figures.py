@@ -1,4 +1,4 @@
-"""Print the figures of the code's structure: `python scripts/house_figures.py`.
+"""Print the figures of the code's structure: `python scripts/structure_figures.py`.
 
 Lines and files, files that a copy passes on its way to a mark, circles of imports, classes whose name another
 class has, functions of one or two lines, and seconds to start. `--list` names what is counted.

@@ -1,4 +1,4 @@
-"""The house stays in order: public names, one direction of imports, light doors, files one can read."""
+"""The structure of the code: public names, direction of imports, cheap imports, files of readable length."""
 
 from __future__ import annotations
 
@@ -109,13 +109,13 @@ def test_modules_and_public_functions_say_what_they_are(path):
 
 
 def test_every_module_of_a_test_has_a_module_to_test():
-    """tests/<room>/test_<module>.py mirrors src/rumu/<room>/<module>.py, or a script's name."""
-    rooms = [room for room in (ROOT / "tests").iterdir() if (SRC / room.name).is_dir()]
-    strays = [
+    """tests/<package>/test_<module>.py mirrors src/rumu/<package>/<module>.py, or a script's name."""
+    packages = [package for package in (ROOT / "tests").iterdir() if (SRC / package.name).is_dir()]
+    without_module = [
         test.relative_to(ROOT).as_posix()
-        for room in rooms
-        for test in room.glob("test_*.py")
+        for package in packages
+        for test in package.glob("test_*.py")
         for name in [f"{test.stem.removeprefix('test_')}.py"]
-        if not (SRC / room.name / name).exists() and not (ROOT / "scripts" / name).exists()
+        if not (SRC / package.name / name).exists() and not (ROOT / "scripts" / name).exists()
     ]
-    assert not strays
+    assert not without_module
