@@ -300,5 +300,5 @@ def rectify_capture(capture: Capture, *, method: Method = "masked", n: int = 7, 
     if not paper.any():
         raise CaptureError("expected blank paper that every image shows, found none")
     even = equalise(images, paper_mask=paper, lights=capture.lights)
-    peak = max(1.0, float(even.images.max()))
-    return replace(capture, images=even.images / np.float32(peak), strengths=np.ones(len(images)))
+    peak = max(1.0, float(even.max()))
+    return replace(capture, images=even / np.float32(peak), strengths=np.ones(len(images)))

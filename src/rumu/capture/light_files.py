@@ -106,22 +106,18 @@ def read_directions(path: Path) -> FloatArray:
     if table.ndim != 2 or 3 not in table.shape or not np.isfinite(table).all():
         raise CaptureError(f"{path}: expected a table of 3 x N or N x 3 finite numbers, got {table.shape}")
     if table.shape == (3, 3):
-        table = _square_table(path, table)
+        by_row, by_column = (
+            bool(np.allclose(np.linalg.norm(table, axis=axis), 1, atol=_UNIT_TOLERANCE)) for axis in (1, 0)
+        )
+        if by_row == by_column:
+            raise CaptureError(
+                f"{path}: 3 x 3 numbers may be read by rows or by columns; write an .lp file, "
+                "which names each image beside its lamp"
+            )
+        table = table if by_row else table.T
     elif table.shape[1] != 3:
         table = table.T
     return np.array([_unit(row, f"{path} lamp {i}") for i, row in enumerate(table, start=1)])
-
-
-def _square_table(path: Path, table: FloatArray) -> FloatArray:
-    by_row, by_column = (
-        bool(np.allclose(np.linalg.norm(table, axis=axis), 1, atol=_UNIT_TOLERANCE)) for axis in (1, 0)
-    )
-    if by_row == by_column:
-        raise CaptureError(
-            f"{path}: 3 x 3 numbers may be read by rows or by columns; write an .lp file, "
-            "which names each image beside its lamp"
-        )
-    return table if by_row else table.T
 
 
 # --- capture.json ----------------------------------------------------------------------------------

@@ -32,17 +32,6 @@ class PaperLamps:
     order: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Equalised:
-    """Images brought to one lamp strength.
-
-    images: as given, float32. strengths: (N,) float64, what each lamp was found to give, mean 1.
-    """
-
-    images: FloatArray
-    strengths: FloatArray
-
-
 def direction(*, tilt: float, slant: float) -> FloatArray:
     """(3,) float64 unit vector toward a lamp at `tilt` and `slant` degrees. Raises CaptureError on NaN."""
     t, s = np.radians(tilt), np.radians(slant)
@@ -131,7 +120,7 @@ def paper_tilts(lights: FloatArray, *, tolerance: float = 2.0) -> PaperLamps | N
     return PaperLamps(slant, order) if len(set(order)) == count and far <= tolerance else None
 
 
-def equalise(images: FloatArray, *, paper_mask: BoolArray, lights: FloatArray | None = None) -> Equalised:
+def equalise(images: FloatArray, *, paper_mask: BoolArray, lights: FloatArray | None = None) -> FloatArray:
     """Scale each image so that flat blank paper is equally bright in all, removing lamp-to-lamp differences.
 
     Without it they would appear as one slope of the whole sheet. Brightness is divided by the cosine of each
@@ -153,5 +142,4 @@ def equalise(images: FloatArray, *, paper_mask: BoolArray, lights: FloatArray | 
     if not (given > 0).all():
         raise CaptureError(f"expected paper brighter than black in every image, got medians {levels}")
     factors = (given.min() / given).astype(np.float32)
-    scaled = images * factors.reshape(-1, *[1] * (images.ndim - 1))
-    return Equalised(scaled, given / given.mean())
+    return np.asarray(images * factors.reshape(-1, *[1] * (images.ndim - 1)))

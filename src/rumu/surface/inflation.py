@@ -228,7 +228,11 @@ def _solve(mask: BoolArray, settings: InflationSettings) -> FloatArray:
     """(H, W) float32 potential: conjugate gradients, preconditioned by one V-cycle."""
     grids = _grids(mask, settings)
     grid = grids[0]
-    u = _nested_iteration(grids, settings)
+    # a first guess, from the coarsest grid up: each starts from the coarser one and takes one V-cycle
+    u: FloatArray = np.zeros_like(grids[-1].ink)
+    for k in range(len(grids) - 1, 0, -1):
+        u += _v_cycle(grids[k:], _residual(grids[k], u, grids[k].right), settings)
+        u = _prolong(u, grids[k - 1])
     residual = _residual(grid, u, grid.right)
     goal = settings.tolerance**2 * _dot(grid.right, grid.right)
     direction, energy = np.zeros_like(u), 1.0
@@ -244,15 +248,6 @@ def _solve(mask: BoolArray, settings: InflationSettings) -> FloatArray:
         u += step * direction
         residual -= step * left
     return u[1 : mask.shape[0] + 1, 1 : mask.shape[1] + 1]
-
-
-def _nested_iteration(grids: list[InkGrid], settings: InflationSettings) -> FloatArray:
-    """A first guess, from the coarsest grid up: each starts from the coarser one and takes one V-cycle."""
-    u: FloatArray = np.zeros_like(grids[-1].ink)
-    for k in range(len(grids) - 1, 0, -1):
-        u += _v_cycle(grids[k:], _residual(grids[k], u, grids[k].right), settings)
-        u = _prolong(u, grids[k - 1])
-    return u
 
 
 def _dot(a: FloatArray, b: FloatArray) -> float:

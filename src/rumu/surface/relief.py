@@ -21,7 +21,7 @@ from rumu.capture.image import as_image, bounding_box, read_image, to_linear
 from rumu.errors import RefusedImage, SurfaceError
 from rumu.surface.inflation import inflate
 from rumu.surface.ink import Ink, find_ink
-from rumu.values import BoolArray, FloatArray, Source, Surface
+from rumu.values import BoolArray, FloatArray, Surface
 
 Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
@@ -82,7 +82,6 @@ def relief(
         height = ink.density * np.float32(typical)
     else:
         height = _inflate_ink(ink, typical=typical, mode=mode, kappa=kappa)
-    source: Source = "density" if method == "density" else "inflation"
     share = {"ink_share": np.count_nonzero(ink.mask) / ink.mask.size}
     return Surface(
         height=height,
@@ -92,7 +91,7 @@ def relief(
         confidence=ink.mask.astype(np.float32),
         spacing=1.0,
         unit="px",
-        source=source,
+        source=method,
         quality=share | {"contrast": ink.contrast, "half_width": typical} | dict(ink.figures),
     )
 

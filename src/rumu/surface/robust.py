@@ -36,6 +36,8 @@ Solver = Literal["least_squares", "trimmed", "l1", "robust"]
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
 _TILE = 200_000
 """Values of brightness that a thread works on at a time: some 20 MB with all that is derived from them."""
+_TILE_RESIDUALS = 5_000
+"""About how many residuals of a tile the median rests on, so that a large photograph needs little memory."""
 _TINY = 1e-12
 
 
@@ -163,7 +165,9 @@ def _solve_tile(
     reached = enough_lit((values if values.ndim == 2 else values.mean(axis=2))[:, None])[0]
     confidence = np.where(reached, _confidence(off, lit, lights), 0.0)
     count = int(np.count_nonzero(lit))
-    return _Tile(normals, np.maximum(albedo, 0.0), confidence, _every_kth(off[lit]), lit.size - count, count)
+    residuals = off[lit]
+    residuals = residuals[:: max(1, count // _TILE_RESIDUALS)]
+    return _Tile(normals, np.maximum(albedo, 0.0), confidence, residuals, lit.size - count, count)
 
 
 def brightness_rows(values: FloatArray, *, black_level: float = 0.0) -> FloatArray:
@@ -315,11 +319,6 @@ def _determinant(symmetric: FloatArray) -> FloatArray:
     """Of (6, P): the upper triangle of symmetric 3 x 3 matrices, row by row."""
     xx, xy, xz, yy, yz, zz = symmetric
     return np.asarray(xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz))
-
-
-def _every_kth(values: FloatArray, most: int = 5_000) -> FloatArray:
-    """Every k-th value, so that a median over a large photograph needs little memory."""
-    return np.asarray(values[:: max(1, len(values) // most)])
 
 
 _SOLVERS: dict[Solver, Callable[[FloatArray, FloatArray, RobustSettings], Fit]] = {

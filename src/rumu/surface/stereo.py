@@ -61,7 +61,9 @@ def three_lamps(
     """
     images = [_check_image(one, name) for one, name in zip((a, b, c), "abc", strict=True)]
     fourth = None if d is None else _check_image(d, "d")
-    tangent, cosine = _tangent_cosine(slant)
+    if not 0.0 < slant < 90.0:
+        raise SurfaceError(f"expected a slant strictly between 0 and 90 degrees, got {slant}")
+    tangent, cosine = float(np.tan(np.radians(slant))), float(np.cos(np.radians(slant)))
     shapes = {one.shape for one in images} | ({fourth.shape} if fourth is not None else set())
     if len(shapes) != 1:
         raise SurfaceError(f"expected images of one shape, got {sorted(shapes)}")
@@ -181,11 +183,3 @@ def _check_image(image: FloatArray, name: str) -> FloatArray:
     if not np.isfinite(array).all():
         raise SurfaceError(f"expected a finite image {name}, got NaN or infinite values")
     return array
-
-
-def _tangent_cosine(slant: float) -> tuple[float, float]:
-    """Tangent and cosine of a slant in degrees."""
-    if not 0.0 < slant < 90.0:
-        raise SurfaceError(f"expected a slant strictly between 0 and 90 degrees, got {slant}")
-    radians = np.radians(slant)
-    return float(np.tan(radians)), float(np.cos(radians))
