@@ -65,7 +65,7 @@ class PreparedMaster:
         return MasterInk(self.points)
 
     @cached_property
-    def strokes(self) -> MasterStrokes:
+    def stroke_model(self) -> MasterStrokes:
         """Its strokes at full resolution, for remarks."""
         return MasterStrokes(self.surface, self.points)
 

@@ -29,7 +29,7 @@ def write_remarks(
 ) -> tuple[Remark, ...]:
     """At most five remarks on a measured copy, the worst first."""
     limits = thresholds or RemarkThresholds()
-    copy, master, registration = measurement.copy, measurement.master.strokes, measurement.registration
+    copy, master, registration = measurement.copy, measurement.master.stroke_model, measurement.registration
     strokes = match_strokes(copy, registration, master)
     ink = measure_ink(strokes, copy, master)
     found = [
