@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import rumu
-from rumu.assessment.edges import COMPONENTS, KINDS, edge_patches
+from rumu.assessment.features import COMPONENTS, KINDS, edge_patches
 from rumu.registration.points import canvas_of, ink_mask
 
 ROOT = Path(__file__).parents[1]

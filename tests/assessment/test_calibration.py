@@ -27,8 +27,7 @@ from rumu.assessment.calibration import (
     read_calibration,
     write_calibration,
 )
-from rumu.assessment.edges import NUMBERS
-from rumu.assessment.features import RESIDUALS, SIGNED_FEATURES, Features, Residuals
+from rumu.assessment.features import NUMBERS, RESIDUALS, SIGNED_FEATURES, Features, Residuals
 from rumu.assessment.scripts import SCRIPTS
 from rumu.errors import CalibrationError, OutputError, RumuError
 from rumu.strokes.omissions import Region

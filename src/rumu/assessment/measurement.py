@@ -7,8 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rumu.assessment.edges import describe
-from rumu.assessment.features import Features, measure_features
+from rumu.assessment.features import Features, describe_edge, measure_features
 from rumu.assessment.refusal import (
     MasterOutline,
     Refusal,
@@ -51,8 +50,8 @@ class PreparedMaster:
 
     @cached_property
     def edges(self) -> FloatArray:
-        """(NUMBERS,) description of the edge of its ink, see `edges.describe`."""
-        return describe(self.canvas.ink)
+        """(NUMBERS,) description of the edge of its ink, see `describe_edge`."""
+        return describe_edge(self.canvas.ink)
 
     @cached_property
     def outline(self) -> MasterOutline:
@@ -102,7 +101,7 @@ def measure(copy: Surface, master: PreparedMaster, *, limits: RefusalLimits | No
     except SurfaceError as error:
         raise RefusedImage(f"{error}; mark the ink of one image instead", reason="flat") from error
     registration = register_points(probe, reference)
-    edges = describe(canvas.ink, lean=registration.angle) - edges
+    edges = describe_edge(canvas.ink, lean=registration.angle) - edges
     features = measure_features(registration, edges=edges, ink=master.ink)
     figures = RefusalFigures(copy, master.outline, registration)
     refusal, highest = check_copy(figures, limits=limits)
