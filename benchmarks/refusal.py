@@ -14,7 +14,7 @@ import os
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -23,12 +23,13 @@ from PIL import Image
 
 import rumu
 from rumu.assessment.calibration import panel
-from rumu.assessment.measurement import PreparedMaster, measure
+from rumu.assessment.measurement import measure
 from rumu.errors import RefusedImage, SurfaceError
 from rumu.executors import in_order
 from rumu.gallery.masters import Master, read_masters
 from rumu.gallery.starter import starter_works
 from rumu_lab.experiments.e3c import read_copies
+from rumu_lab.experiments.measuring import master_at
 from rumu_lab.simulation import faults
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor, picture_of
 
@@ -125,7 +126,7 @@ def picture(path: Path) -> Path:
 
 
 def ink(path: Path) -> np.ndarray:
-    return master(path).surface.mask
+    return master_at(path).surface.mask
 
 
 def fault(path: Path, name: str) -> np.ndarray:
@@ -180,18 +181,13 @@ def asked(case: Case) -> Answer | None:
     """What `assess` would say, and the score that a refusal withholds."""
     try:
         copy = rumu.relief(MAKERS[case.make](*case.arguments))
-        m = measure(copy, master(case.master))
+        m = measure(copy, master_at(case.master))
     except SurfaceError:
         return None  # a fault that this glyph has no stroke for
     except RefusedImage as refused:
         return Answer(case, refused.reason, None)
     code = m.refusal.code if m.refusal else None
     return Answer(case, code, panel().score(m.features), m.figures.strangeness)
-
-
-@lru_cache(maxsize=64)
-def master(path: Path) -> PreparedMaster:
-    return PreparedMaster(rumu.relief(path))
 
 
 def told(answers: list[Answer]) -> None:

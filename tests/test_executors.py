@@ -8,7 +8,7 @@ import os
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -100,3 +100,12 @@ def test_workers_end_with_a_parent_that_is_killed(tmp_path):
         time.sleep(0.05)
     assert len(workers) == 2
     assert not [worker for worker in workers if is_running(worker)]
+
+
+def test_work_that_cannot_be_read_by_a_worker_says_so():
+    class Unreadable:
+        def __reduce__(self):
+            return int, ("no number",)
+
+    with pytest.raises(BrokenExecutor, match="un-serialize"):
+        list(in_order(str, [Unreadable()], processes=2))

@@ -98,6 +98,8 @@ def in_order(
             yield waiting.popleft().result()
         finished = True
     except BrokenExecutor as error:
+        if error.__cause__ is not None:
+            raise  # work or a result that cannot be pickled
         raise RumuError("a process was ended from outside (out of memory?); try fewer --jobs") from error
     finally:
         if executor is None:
