@@ -40,7 +40,7 @@ def test_a_script_gets_one_object(rumu, not_run):
 
 
 def test_beyond_this_machine_only_with_an_owner(rumu, not_run, own_home, tmp_path):
-    rumu("serve", "--port", 0, "--host", "0.0.0.0").failed_with("expected an owner")
+    rumu("serve", "--port", 0, "--host", "0.0.0.0").failed_with("until the service has an owner")
     gallery = open_gallery()
     with gallery.database.writing() as session:
         create_person(session, name="館主", password="a long password", role="owner")

@@ -22,17 +22,17 @@ def marked(storage, gallery, copy_of):
 
 @pytest.fixture
 def add_copy(gallery, marked):
-    def add(who, **more):
+    def add(user, **more):
         return attempts.add_attempt(
-            gallery, marked, work_id="regular-tian", person_id=who and who.id, kind="photo", **more
+            gallery, marked, work_id="regular-tian", person_id=user and user.id, kind="photo", **more
         )
 
     return add
 
 
-def find_attempt(gallery, attempt, who):
+def find_attempt(gallery, attempt, user):
     with gallery.database.reading() as session:
-        return find_visible_attempt(session, attempt.id, who=who)
+        return find_visible_attempt(session, attempt.id, user=user)
 
 
 def test_an_attempt_is_stored_whole(gallery, add_copy, marked, person):
@@ -51,7 +51,7 @@ def test_a_deleted_attempt_leaves_no_file(gallery, add_copy, person, tmp_path):
     before = {p for p in (tmp_path / "files").rglob("*") if p.is_file()}
     attempt = add_copy(lin, strokes="[]")
     derived_of(gallery.store, picture_assets(gallery.store, attempt.picture), "thumb")
-    attempts.delete(gallery, attempt.id, who=lin)
+    attempts.delete(gallery, attempt.id, user=lin)
     assert {p for p in (tmp_path / "files").rglob("*") if p.is_file()} == before
     with pytest.raises(Missing):
         find_attempt(gallery, attempt, lin)
@@ -64,16 +64,16 @@ def test_who_may_see_and_delete_an_attempt(gallery, add_copy, person):
         school_class = create_class(session, teacher, name="a")
         session.add(Membership(class_id=school_class.id, person_id=lin.id))
     attempt = add_copy(lin)
-    for who in (lin, teacher, owner):
-        assert find_attempt(gallery, attempt, who).id == attempt.id
-    for who in (wu, other, None):
+    for user in (lin, teacher, owner):
+        assert find_attempt(gallery, attempt, user).id == attempt.id
+    for user in (wu, other, None):
         with pytest.raises(Missing):
-            find_attempt(gallery, attempt, who)
+            find_attempt(gallery, attempt, user)
     with pytest.raises(NotAllowed):
-        attempts.delete(gallery, attempt.id, who=teacher)
+        attempts.delete(gallery, attempt.id, user=teacher)
     with gallery.database.reading() as session:
         listed = {
-            who.name: attempts.list_attempts(session, who)[1] for who in (lin, wu, teacher, other, owner)
+            user.name: attempts.list_attempts(session, user)[1] for user in (lin, wu, teacher, other, owner)
         }
     assert listed == {"林": 1, "吳": 0, "師": 1, "師二": 0, "館主": 1}
 
@@ -83,10 +83,10 @@ def test_all_may_see_a_simulated_copy_and_nobody_may_delete_it(gallery, add_copy
     with gallery.database.writing() as session:
         session.get_one(Attempt, attempt.id).kind = "simulated"
     owner = person("館主", "owner")
-    for who in (None, person("林"), owner):
-        assert find_attempt(gallery, attempt, who).kind == "simulated"
+    for user in (None, person("林"), owner):
+        assert find_attempt(gallery, attempt, user).kind == "simulated"
     with pytest.raises(NotAllowed):
-        attempts.delete(gallery, attempt.id, who=owner)
+        attempts.delete(gallery, attempt.id, user=owner)
 
 
 def test_a_teacher_s_mark_replaces_their_own_and_stands_beside_another_s(gallery, add_copy, person):
@@ -95,12 +95,12 @@ def test_a_teacher_s_mark_replaces_their_own_and_stands_beside_another_s(gallery
         session.add(Membership(class_id=create_class(session, one, name="a").id, person_id=lin.id))
     attempt = add_copy(lin)
     with gallery.database.writing() as session:
-        for who, mark in ((one, 50), (one, 60), (two, 80)):
-            attempts.set_teacher_mark(session, attempt.id, who=who, mark=mark, note="")
+        for user, mark in ((one, 50), (one, 60), (two, 80)):
+            attempts.set_teacher_mark(session, attempt.id, user=user, mark=mark, note="")
         (shown,) = attempts.attempt_details(session, [attempt])
         assert sorted((p.name, m.mark) for p, m in shown.teacher_marks) == [("師", 60), ("館主", 80)]
         with pytest.raises(NotAllowed):
-            attempts.set_teacher_mark(session, attempt.id, who=lin, mark=100, note="")
+            attempts.set_teacher_mark(session, attempt.id, user=lin, mark=100, note="")
 
 
 def test_a_task_is_for_its_class_and_its_work(gallery, person):
@@ -109,16 +109,16 @@ def test_a_task_is_for_its_class_and_its_work(gallery, person):
         class_id = create_class(session, teacher, name="a").id
         session.add(Membership(class_id=class_id, person_id=lin.id))
         session.flush()
-        taught = find_row(session, SchoolClass, class_id, who=teacher)
+        taught = find_row(session, SchoolClass, class_id, user=teacher)
         task = add_task(session, taught, work_id="regular-tian", title="")
-        assert attempts.task_for(session, task.id, who=lin, work_id="regular-tian").id == task.id
-        for who, work, refusal in (
+        assert attempts.task_for(session, task.id, user=lin, work_id="regular-tian").id == task.id
+        for user, work, refusal in (
             (lin, "regular-shui", Unusable),
             (wu, "regular-tian", Missing),
             (teacher, "regular-tian", NotAllowed),
         ):
             with pytest.raises(refusal):
-                attempts.task_for(session, task.id, who=who, work_id=work)
+                attempts.task_for(session, task.id, user=user, work_id=work)
 
 
 @pytest.mark.parametrize(

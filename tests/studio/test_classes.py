@@ -41,19 +41,19 @@ def school(gallery):
     return teacher, other, owner, pupil, school_class.id, task.id
 
 
-def delete_class(gallery, class_id, *, who):
+def delete_class(gallery, class_id, *, user):
     with gallery.database.writing() as session:
-        session.delete(classes.find_row(session, SchoolClass, class_id, who=who, to_teach=True))
+        session.delete(classes.find_row(session, SchoolClass, class_id, user=user, require_teacher=True))
 
 
 def test_only_its_teacher_and_an_owner_may_rename_a_class(gallery, school):
     teacher, other, owner, pupil, class_id, _ = school
-    for who, refusal in ((other, Missing), (pupil, NotAllowed)):
+    for user, refusal in ((other, Missing), (pupil, NotAllowed)):
         with gallery.database.writing() as session, pytest.raises(refusal):
-            classes.find_row(session, SchoolClass, class_id, who=who, to_teach=True)
-    for who, name in ((teacher, "三年三班"), (owner, "四年三班")):
+            classes.find_row(session, SchoolClass, class_id, user=user, require_teacher=True)
+    for user, name in ((teacher, "三年三班"), (owner, "四年三班")):
         with gallery.database.writing() as session:
-            classes.find_row(session, SchoolClass, class_id, who=who, to_teach=True).name = name
+            classes.find_row(session, SchoolClass, class_id, user=user, require_teacher=True).name = name
         with gallery.database.reading() as session:
             assert session.get_one(SchoolClass, class_id).name == name
 
@@ -63,11 +63,11 @@ def test_the_copies_of_pupils_remain_when_their_class_is_deleted(gallery, school
     about = {"work_id": "regular-tian", "person_id": pupil.id, "kind": "photo"}
     attempt = attempts.add_attempt(gallery, marked, task_id=task_id, **about)
     with gallery.database.writing() as session:
-        attempts.set_teacher_mark(session, attempt.id, who=teacher, mark=71, note="好")
-    for who, refusal in ((other, Missing), (pupil, NotAllowed)):
+        attempts.set_teacher_mark(session, attempt.id, user=teacher, mark=71, note="好")
+    for user, refusal in ((other, Missing), (pupil, NotAllowed)):
         with pytest.raises(refusal):
-            delete_class(gallery, class_id, who=who)
-    delete_class(gallery, class_id, who=teacher)
+            delete_class(gallery, class_id, user=user)
+    delete_class(gallery, class_id, user=teacher)
     with gallery.database.reading() as session:
         for table in (SchoolClass, Task, Membership, Invitation):
             assert session.scalar(select(func.count()).select_from(table)) == 0
@@ -81,7 +81,7 @@ def test_the_copies_of_pupils_remain_when_their_class_is_deleted(gallery, school
 
 def test_a_copy_is_stored_when_its_task_is_deleted_while_it_is_marked(gallery, school, marked):
     teacher, _, _, pupil, class_id, task_id = school
-    delete_class(gallery, class_id, who=teacher)
+    delete_class(gallery, class_id, user=teacher)
     about = {"work_id": "regular-tian", "person_id": pupil.id, "kind": "photo"}
     attempt = attempts.add_attempt(gallery, marked, task_id=task_id, **about)
     with gallery.database.reading() as session:

@@ -85,7 +85,7 @@ def test_an_interrupted_job_runs_again_a_limited_number_of_times(gallery, storag
     for _ in range(job_queue.MAX_TRIES):
         assert job_queue.take(gallery.database) == job_id  # and the server dies
         job_queue.requeue_interrupted(gallery.database)
-    assert row(gallery, job_id).state == "failed" and "cut off" in row(gallery, job_id).error_en
+    assert row(gallery, job_id).state == "failed" and "interrupted too many" in row(gallery, job_id).error_en
     handler(lambda *_: {"whole": True})
     job_id = queued()
     job_queue.take(gallery.database)
@@ -102,7 +102,7 @@ def test_a_cancelled_job_stops_at_its_next_step(gallery, storage, handler, queue
             steps.append(k)
             if k == 3:
                 with gallery.database.writing() as session:
-                    job_queue.cancel(session, job_id, who=owner)
+                    job_queue.cancel(session, job_id, user=owner)
                 progress.reported = 0.0
             progress(k, 100)
         return {}
@@ -112,7 +112,7 @@ def test_a_cancelled_job_stops_at_its_next_step(gallery, storage, handler, queue
     job = run(gallery, storage, job_id)
     assert job.state == "cancelled" and len(steps) == 4
     with gallery.database.writing() as session, pytest.raises(NotAllowed):
-        job_queue.cancel(session, job_id, who=owner)
+        job_queue.cancel(session, job_id, user=owner)
 
 
 def test_only_the_person_who_queued_a_job_and_an_owner_see_it(gallery, queued, person):
@@ -120,18 +120,18 @@ def test_only_the_person_who_queued_a_job_and_an_owner_see_it(gallery, queued, p
     job_id = queued(person_id=lin.id)
     with gallery.database.reading() as session:
         assert (
-            job_queue.find_job(session, job_id, who=lin).id
-            == job_queue.find_job(session, job_id, who=owner).id
+            job_queue.find_job(session, job_id, user=lin).id
+            == job_queue.find_job(session, job_id, user=owner).id
         )
         with pytest.raises(Missing):
-            job_queue.find_job(session, job_id, who=wu)
+            job_queue.find_job(session, job_id, user=wu)
 
 
 def test_the_runner_works_through_the_queue_when_woken(gallery, storage: Storage, handler, queued):
     handler(lambda *_: {"thread": threading.current_thread().name})
     workers = WorkerPool(storage, processes=0)
     runner = JobRunner(
-        gallery.database, lambda job_id: workers.ask(worker_tasks.run_job, job_id=job_id, patience=math.inf)
+        gallery.database, lambda job_id: workers.call(worker_tasks.run_job, job_id=job_id, timeout=math.inf)
     )
     runner.start()
     try:

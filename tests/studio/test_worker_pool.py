@@ -42,7 +42,7 @@ def waits(storage, *, mark):
 
 @pytest.fixture
 def workers(storage, gallery):
-    pool = WorkerPool(storage, processes=1, settings=PoolSettings(waiting=2))
+    pool = WorkerPool(storage, processes=1, settings=PoolSettings(max_requests=2))
     yield pool
     pool.stop()
 
@@ -51,40 +51,42 @@ def test_a_mark_comes_from_another_process_that_stays(workers, gallery, copy_of)
     workers.start(worker_tasks.warm_up)
     row = work(gallery, "regular-tian")
     terms = {"data": copy_of(), "work_id": row.id, "digest": row.digest, "script": row.script}
-    first = workers.ask(worker_tasks.mark, **terms)
-    process = workers.ask(process_id)
-    second = workers.ask(worker_tasks.mark, **terms)
+    first = workers.call(worker_tasks.mark, **terms)
+    process = workers.call(process_id)
+    second = workers.call(worker_tasks.mark, **terms)
     assert first.facts["score"] == second.facts["score"]
-    assert process == workers.ask(process_id) != os.getpid()
+    assert process == workers.call(process_id) != os.getpid()
     with pytest.raises(Unusable):
-        workers.ask(worker_tasks.mark, **terms | {"data": b"no picture"})
+        workers.call(worker_tasks.mark, **terms | {"data": b"no picture"})
 
 
 def test_a_process_that_dies_is_replaced_and_its_work_done_again(workers, tmp_path):
-    assert workers.ask(dies_once, mark=tmp_path / "mark") == "lived"
+    assert workers.call(dies_once, mark=tmp_path / "mark") == "lived"
     with pytest.raises(RumuError, match="ended before"):
-        workers.ask(dies)
-    assert workers.ask(process_id) > 0
+        workers.call(dies)
+    assert workers.call(process_id) > 0
 
 
 def test_one_request_too_many_is_refused_at_once(storage, gallery):
-    pool = WorkerPool(storage, make_executor=lambda: ThreadPoolExecutor(2), settings=PoolSettings(waiting=2))
+    pool = WorkerPool(
+        storage, make_executor=lambda: ThreadPoolExecutor(2), settings=PoolSettings(max_requests=2)
+    )
     started, release = threading.Semaphore(0), threading.Event()
 
     def wait_for_release(storage):
         started.release()
         release.wait()
 
-    threads = [threading.Thread(target=pool.ask, args=(wait_for_release,)) for _ in range(2)]
+    threads = [threading.Thread(target=pool.call, args=(wait_for_release,)) for _ in range(2)]
     for thread in threads:
         thread.start()
         started.acquire()
     with pytest.raises(Busy):
-        pool.ask(process_id)
+        pool.call(process_id)
     release.set()
     for thread in threads:
         thread.join()
-    assert pool.ask(process_id) == os.getpid()
+    assert pool.call(process_id) == os.getpid()
     pool.stop()
 
 
@@ -94,7 +96,7 @@ def refuses(storage):
 
 def test_errors_are_raised_with_their_fields(workers):
     with pytest.raises(RefusedImage, match="got nothing") as refused:
-        workers.ask(refuses)
+        workers.call(refuses)
     assert refused.value.reason == "blank"
 
 
@@ -111,7 +113,7 @@ def test_work_interrupted_by_the_end_does_not_start_again(workers, tmp_path):
 
     def ask():
         try:
-            workers.ask(starts, patience=math.inf, mark=mark)
+            workers.call(starts, timeout=math.inf, mark=mark)
         except Busy as error:
             ended.append(error)
 
@@ -124,15 +126,15 @@ def test_work_interrupted_by_the_end_does_not_start_again(workers, tmp_path):
     assert len(ended) == 1 and mark.read_text() == "x"
     assert set(multiprocessing.active_children()) <= others
     with pytest.raises(Busy):
-        workers.ask(process_id)
+        workers.call(process_id)
 
 
 def test_a_worker_that_hangs_is_ended(workers, tmp_path):
     mark = tmp_path / "mark"
-    hung = workers.ask(process_id)
+    hung = workers.call(process_id)
     with pytest.raises(Busy):
-        workers.ask(waits, mark=mark, patience=0.5)
-    assert workers.ask(process_id) != hung
+        workers.call(waits, mark=mark, timeout=0.5)
+    assert workers.call(process_id) != hung
     with pytest.raises(ProcessLookupError):
         os.kill(hung, 0)
 
@@ -146,30 +148,30 @@ def works_until_released(storage, *, started, release):
 def test_a_request_that_waits_too_long_in_the_queue_ends_no_worker(workers, tmp_path):
     """The worker is busy with another request and does not hang."""
     started, release, answers = tmp_path / "started", tmp_path / "release", []
-    worker = workers.ask(process_id)
-    terms = {"started": started, "release": release, "patience": math.inf}
-    first = threading.Thread(target=lambda: answers.append(workers.ask(works_until_released, **terms)))
+    worker = workers.call(process_id)
+    terms = {"started": started, "release": release, "timeout": math.inf}
+    first = threading.Thread(target=lambda: answers.append(workers.call(works_until_released, **terms)))
     first.start()
     while not started.exists():
         time.sleep(0.01)
     with pytest.raises(Busy):
-        workers.ask(process_id, patience=0.1)
+        workers.call(process_id, timeout=0.1)
     release.touch()
     first.join()
-    assert answers == [worker] == [workers.ask(process_id)]
+    assert answers == [worker] == [workers.call(process_id)]
 
 
 def test_another_executor_can_be_given(storage, gallery):
     pool = WorkerPool(storage, make_executor=lambda: ThreadPoolExecutor(1))
-    assert pool.ask(process_id) == os.getpid()
+    assert pool.call(process_id) == os.getpid()
     pool.stop()
     with pytest.raises(Busy):
-        pool.ask(process_id)
+        pool.call(process_id)
 
 
 def test_threads_replace_processes_where_none_are_wanted(storage, gallery):
     pool = WorkerPool(storage, processes=0)
-    assert pool.ask(process_id) == os.getpid()
+    assert pool.call(process_id) == os.getpid()
     pool.stop()
 
 
@@ -186,7 +188,7 @@ def test_workers_end_with_a_server_that_is_killed(storage, gallery, tmp_path):
         "from rumu.studio import worker_tasks\n"
         "if __name__ == '__main__':\n"
         f"    pool = WorkerPool(Storage({storage.database!r}, {storage.files!r}), processes=1)\n"
-        "    print(pool.ask(worker_tasks.warm_up), flush=True)\n"
+        "    print(pool.call(worker_tasks.warm_up), flush=True)\n"
         "    time.sleep(60)\n"
     )
     file = tmp_path / "server.py"

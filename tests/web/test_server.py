@@ -207,7 +207,7 @@ def test_a_queued_job_waits_for_the_next_server(start):
 
 def test_others_reach_nothing_that_nobody_owns(tmp_path):
     settings = ServiceSettings(Storage(str(tmp_path / "a.sqlite"), str(tmp_path / "files")), processes=0)
-    with pytest.raises(RumuError, match="expected an owner"):
+    with pytest.raises(RumuError, match="until the service has an owner"):
         serve(settings, host="0.0.0.0", port=0, on_listen=lambda address: pytest.fail("it listens"))
 
 

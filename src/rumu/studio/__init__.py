@@ -1,1 +1,1 @@
-"""What people do: write, are marked, practise, teach, judge. Knows nothing of HTTP."""
+"""Attempts, classes, practice, comparisons and jobs. Knows nothing of HTTP."""

@@ -64,13 +64,13 @@ def _is_point(point: Any) -> bool:
     )
 
 
-def task_for(session: Session, task_id: str, *, who: Identity, work_id: str) -> Task:
+def task_for(session: Session, task_id: str, *, user: Identity, work_id: str) -> Task:
     """Return the task that an attempt is for.
 
     Raises Missing, NotAllowed for somebody outside of the class, Unusable for another work than the task's.
     """
-    task = find_row(session, Task, task_id, who=who)
-    if session.get(Membership, (task.class_id, who.id)) is None:
+    task = find_row(session, Task, task_id, user=user)
+    if session.get(Membership, (task.class_id, user.id)) is None:
         raise NotAllowed(zh="這項作業是給班上學生的。", en="This task is for the pupils of the class.")
     if task.work_id != work_id:
         raise Unusable("task", zh="這項作業臨的是另一件作品。", en="This task is about another work.")
@@ -133,7 +133,7 @@ def read_residual(store: Store, attempt: Attempt) -> dict[str, Any] | None:
 
 def list_attempts(
     session: Session,
-    who: Identity,
+    user: Identity,
     *,
     work_id: str | None = None,
     person_id: str | None = None,
@@ -142,7 +142,7 @@ def list_attempts(
     limit: int = 60,
 ) -> tuple[list[AttemptDetails], int]:
     """Return the attempts of people that this person may see, newest first, and how many there are."""
-    conditions = [attempts_of(who, simulated=False)]
+    conditions = [attempts_of(user, simulated=False)]
     for column, value in (
         (Attempt.work_id, work_id),
         (Attempt.person_id, person_id),
@@ -179,11 +179,11 @@ def attempt_details(session: Session, attempts: Sequence[Attempt]) -> list[Attem
     ]
 
 
-def delete(gallery: Gallery, attempt_id: str, *, who: Identity) -> None:
+def delete(gallery: Gallery, attempt_id: str, *, user: Identity) -> None:
     """Delete an attempt (by its writer or an owner). Raises Missing; NotAllowed for a simulated one."""
     with gallery.database.writing() as session:
-        attempt = find_visible_attempt(session, attempt_id, who=who)
-        if attempt.kind == "simulated" or not (who.owns or attempt.person_id == who.id):
+        attempt = find_visible_attempt(session, attempt_id, user=user)
+        if attempt.kind == "simulated" or not (user.owns or attempt.person_id == user.id):
             raise NotAllowed()
         session.delete(attempt)
     gallery.store.delete(f"attempts/{attempt_id}")
@@ -191,15 +191,15 @@ def delete(gallery: Gallery, attempt_id: str, *, who: Identity) -> None:
 
 
 def set_teacher_mark(
-    session: Session, attempt_id: str, *, who: Identity, mark: float, note: str
+    session: Session, attempt_id: str, *, user: Identity, mark: float, note: str
 ) -> TeacherMark:
     """Set the mark of a teacher. Raises Missing, or NotAllowed for a pupil or a simulated attempt."""
-    attempt = find_visible_attempt(session, attempt_id, who=who)
-    if not who.teaches or attempt.kind == "simulated":
+    attempt = find_visible_attempt(session, attempt_id, user=user)
+    if not user.teaches or attempt.kind == "simulated":
         raise NotAllowed()
-    row = session.get(TeacherMark, (attempt_id, who.id))
+    row = session.get(TeacherMark, (attempt_id, user.id))
     if row is None:
-        row = TeacherMark(attempt_id=attempt_id, teacher_id=who.id, mark=mark, note=note)
+        row = TeacherMark(attempt_id=attempt_id, teacher_id=user.id, mark=mark, note=note)
         session.add(row)
     else:
         row.mark, row.note = mark, note

@@ -47,37 +47,37 @@ class CommonRemark:
     count: int
 
 
-def create_class(session: Session, who: Identity, *, name: str) -> SchoolClass:
+def create_class(session: Session, user: Identity, *, name: str) -> SchoolClass:
     """Add a class of this teacher. Raises NotAllowed for a pupil."""
-    if not who.teaches:
+    if not user.teaches:
         raise NotAllowed()
-    school_class = SchoolClass(name=name, teacher_id=who.id)
+    school_class = SchoolClass(name=name, teacher_id=user.id)
     session.add(school_class)
     session.flush()
     return school_class
 
 
-def list_classes(session: Session, who: Identity) -> list[tuple[SchoolClass, int, int]]:
+def list_classes(session: Session, user: Identity) -> list[tuple[SchoolClass, int, int]]:
     """Return (class, number of pupils, number of tasks) where this person teaches or learns; an owner all."""
     pupils_in = select(func.count()).where(Membership.class_id == SchoolClass.id).scalar_subquery()
     tasks_in = select(func.count()).where(Task.class_id == SchoolClass.id).scalar_subquery()
-    wanted = select(SchoolClass, pupils_in, tasks_in).where(classes_of(who)).order_by(SchoolClass.created)
+    wanted = select(SchoolClass, pupils_in, tasks_in).where(classes_of(user)).order_by(SchoolClass.created)
     return [(row, pupils, tasks) for row, pupils, tasks in session.execute(wanted)]
 
 
 def find_row(
-    session: Session, table: type[ClassOrTask], row_id: str, *, who: Identity, to_teach: bool = False
+    session: Session, table: type[ClassOrTask], row_id: str, *, user: Identity, require_teacher: bool = False
 ) -> ClassOrTask:
     """Return a class or a task.
 
-    Raises Missing where there is none that this person may see, NotAllowed for a pupil where `to_teach`.
+    Raises Missing where there is none that this person may see, NotAllowed for a pupil if `require_teacher`.
     """
     class_id, zh, en = _NAMES[table]
-    visible = select(SchoolClass.id).where(classes_of(who))
+    visible = select(SchoolClass.id).where(classes_of(user))
     row = session.scalar(select(table).where(table.id == row_id, class_id.in_(visible)))
     if row is None:
         raise Missing(zh=f"沒有這{zh}。", en=f"There is no such {en}.")
-    if to_teach and not who.teaches:
+    if require_teacher and not user.teaches:
         raise NotAllowed()
     return row
 
@@ -114,15 +114,15 @@ def add_task(
 
 
 def summarise_task(
-    session: Session, task: Task, *, who: Identity
+    session: Session, task: Task, *, user: Identity
 ) -> tuple[list[PupilRow], list[CommonRemark]]:
     """Return a row for each pupil of a task, and remarks by how many pupils' latest attempts have them.
 
     A pupil gets only their own row, and the remarks on their own attempt.
     """
-    wanted = select(Attempt).where(Attempt.task_id == task.id, attempts_of(who, simulated=False))
+    wanted = select(Attempt).where(Attempt.task_id == task.id, attempts_of(user, simulated=False))
     attempts = session.scalars(wanted.order_by(Attempt.created)).all()
-    people = [p for p in pupils(session, task.class_id) if who.teaches or p.id == who.id]
+    people = [p for p in pupils(session, task.class_id) if user.teaches or p.id == user.id]
     former = {a.person_id for a in attempts} - {person.id for person in people}
     people += session.scalars(select(Person).where(Person.id.in_(former)))
     given = select(TeacherMark).where(TeacherMark.attempt_id.in_([attempt.id for attempt in attempts]))

@@ -34,10 +34,10 @@ class AttemptPair:
     left_over: int
 
 
-def next_pair(session: Session, who: Identity, *, work_id: str | None = None) -> AttemptPair | None:
+def next_pair(session: Session, user: Identity, *, work_id: str | None = None) -> AttemptPair | None:
     """Return a pair that this judge has not judged yet, of one work if given; None when none is left."""
-    attempts = _candidates(session, who, work_id)
-    verdicts_given = select(Comparison.first_id, Comparison.second_id).where(Comparison.judge_id == who.id)
+    attempts = _candidates(session, user, work_id)
+    verdicts_given = select(Comparison.first_id, Comparison.second_id).where(Comparison.judge_id == user.id)
     judged = {frozenset((first, second)) for first, second in session.execute(verdicts_given)}
     by_work: dict[str, list[Attempt]] = {}
     for attempt in attempts:
@@ -58,8 +58,8 @@ def next_pair(session: Session, who: Identity, *, work_id: str | None = None) ->
     return AttemptPair(left, right, done, sum(open_pairs.values()))
 
 
-def _candidates(session: Session, who: Identity, work_id: str | None) -> Sequence[Attempt]:
-    wanted = select(Attempt).where(attempts_of(who), Attempt.score.is_not(None))
+def _candidates(session: Session, user: Identity, work_id: str | None) -> Sequence[Attempt]:
+    wanted = select(Attempt).where(attempts_of(user), Attempt.score.is_not(None))
     if work_id is not None:
         wanted = wanted.where(Attempt.work_id == work_id)
     return session.scalars(wanted).all()
@@ -91,19 +91,19 @@ def _least_judged(
 
 
 def judge(
-    session: Session, who: Identity, *, left: str, right: str, winner: str, seconds: float | None
+    session: Session, user: Identity, *, left: str, right: str, winner: str, seconds: float | None
 ) -> Comparison:
     """Store a judgement: winner 'left', 'right' or 'same'.
 
     Raises Missing for attempts that this judge may not see, Unusable for two that cannot be compared, Clash
     for a pair that they judged before.
     """
-    a, b = (find_visible_attempt(session, one, who=who) for one in (left, right))
+    a, b = (find_visible_attempt(session, one, user=user) for one in (left, right))
     if a.id == b.id or a.work_id != b.work_id:
         raise Unusable(zh="要比的是同一範字的兩張臨作。", en="Expected two different copies of one master.")
     first, second = sorted((a.id, b.id))
     row = Comparison(
-        judge_id=who.id,
+        judge_id=user.id,
         work_id=a.work_id,
         first_id=first,
         second_id=second,
@@ -119,14 +119,16 @@ def judge(
     return row
 
 
-def verdicts(session: Session, who: Identity) -> list[tuple[str, str, str, str, str, float | None]]:
+def verdicts(session: Session, user: Identity) -> list[tuple[str, str, str, str, str, float | None]]:
     """Return (judge, work, left, right, winner, seconds) with ids.
 
     All judgements to an owner; to a teacher those by themselves and by their pupils.
     """
     wanted = select(Comparison).join(Person, Person.id == Comparison.judge_id).order_by(Comparison.created)
-    if not who.owns:
-        wanted = wanted.where(or_(Comparison.judge_id == who.id, Comparison.judge_id.in_(pupils_of(who.id))))
+    if not user.owns:
+        wanted = wanted.where(
+            or_(Comparison.judge_id == user.id, Comparison.judge_id.in_(pupils_of(user.id)))
+        )
     rows = []
     for one in session.scalars(wanted):
         right = one.second_id if one.left_id == one.first_id else one.first_id

@@ -26,21 +26,21 @@ def invite_first_owner(session: Session) -> str | None:
 
 
 def invite(
-    session: Session, who: Identity, *, role: Role, class_id: str | None = None
+    session: Session, user: Identity, *, role: Role, class_id: str | None = None
 ) -> tuple[str, Invitation]:
     """Add an invitation and return (token, row). Owners invite anybody, teachers pupils into their classes.
 
     Raises NotAllowed, or Missing for a class that is not theirs.
     """
-    if not (who.owns or (who.role == "teacher" and role == "pupil" and class_id is not None)):
+    if not (user.owns or (user.role == "teacher" and role == "pupil" and class_id is not None)):
         raise NotAllowed(
             zh="老師只能邀請學生進自己的班。", en="A teacher may invite pupils into their own classes only."
         )
     if class_id is not None:
-        find_row(session, SchoolClass, class_id, who=who, to_teach=True)
+        find_row(session, SchoolClass, class_id, user=user, require_teacher=True)
         if role != "pupil":
             raise NotAllowed(zh="班級只收學生。", en="Only pupils are invited into a class.")
-    return _add_invitation(session, role=role, class_id=class_id, author_id=who.id)
+    return _add_invitation(session, role=role, class_id=class_id, author_id=user.id)
 
 
 def _add_invitation(

@@ -55,17 +55,17 @@ def add(
     return job
 
 
-def find_job(session: Session, job_id: str, *, who: Identity) -> Job:
+def find_job(session: Session, job_id: str, *, user: Identity) -> Job:
     """Return a job to the person who queued it or to an owner. Raises Missing."""
     job = session.get(Job, job_id)
-    if job is None or not (who.owns or job.person_id == who.id):
+    if job is None or not (user.owns or job.person_id == user.id):
         raise Missing(zh="沒有這項工作。", en="There is no such job.")
     return job
 
 
-def cancel(session: Session, job_id: str, *, who: Identity) -> Job:
+def cancel(session: Session, job_id: str, *, user: Identity) -> Job:
     """Cancel an unfinished job; a running one stops at its next step. Raises Missing, NotAllowed."""
-    job = find_job(session, job_id, who=who)
+    job = find_job(session, job_id, user=user)
     if job.state in FINISHED:
         raise NotAllowed(zh="這項工作已經結束了。", en="This job has ended.")
     job.state, job.changed = "cancelled", now()
@@ -80,7 +80,7 @@ def requeue_interrupted(database: Database) -> int:
     """
     with database.writing() as session:
         interrupted = Job.state == "running"
-        failed = _failure("被打斷太多次。", "It was cut off too often.") | {"changed": now()}
+        failed = _failure("被打斷太多次。", "The job was interrupted too many times.") | {"changed": now()}
         session.execute(update(Job).where(interrupted, Job.tries >= MAX_TRIES).values(failed))
         session.execute(update(Job).where(interrupted, Job.tries < MAX_TRIES).values(state="queued"))
         return len(session.scalars(select(Job.id).where(Job.state == "queued")).all())
@@ -100,7 +100,7 @@ def failure_values(error: Exception) -> dict[str, Any]:
     """Return the values of the row of a job that raised this error."""
     if isinstance(error, StudioError):
         return _failure(error.zh, error.en)
-    if isinstance(error, RumuError):  # the packages below speak English alone
+    if isinstance(error, RumuError):  # errors of lower packages are in English only
         text = " ".join(str(error).split())
         return _failure(f"無法完成：{text}", text)
     name = type(error).__name__

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from rumu import pipeline
-from rumu.assessment.calibration import LEVELS as CUTS
+from rumu.assessment.calibration import LEVELS as CUTS  # the scores at which levels begin, not their names
 from rumu.assessment.calibration import Calibration, load_calibration
 from rumu.assessment.measurement import PreparedMaster
 from rumu.registration.points import RADIUS

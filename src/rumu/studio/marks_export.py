@@ -33,13 +33,13 @@ class GivenMark:
     reference: str
 
 
-def given_marks(session: Session, who: Identity, *, task_id: str | None = None) -> list[GivenMark]:
+def given_marks(session: Session, user: Identity, *, task_id: str | None = None) -> list[GivenMark]:
     """Return the marks that this teacher gave, in order of their attempts; of one task if given."""
     wanted = (
         select(Attempt, Work, TeacherMark.mark)
         .join(TeacherMark, TeacherMark.attempt_id == Attempt.id)
         .join(Work, Work.id == Attempt.work_id)
-        .where(TeacherMark.teacher_id == who.id)
+        .where(TeacherMark.teacher_id == user.id)
         .order_by(Attempt.created, Attempt.id)
     )
     if task_id is not None:

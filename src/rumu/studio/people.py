@@ -81,7 +81,7 @@ def normalise_name(name: str) -> tuple[str, str]:
 
 
 def authenticate(session: Session, *, name: str, password: str) -> Person | None:
-    """Return the person of this name and password, None when there is none; both take equally long."""
+    """Return the person of this name and password, None when there is none; in constant time."""
     try:
         person = session.scalar(select(Person).where(Person.name_key == normalise_name(name)[1]))
     except Unusable:

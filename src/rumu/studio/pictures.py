@@ -47,7 +47,8 @@ def check_picture(data: bytes, *, max_bytes: int = MAX_BYTES, max_pixels: int = 
         raise Unusable(
             "too_many_pixels",
             zh=f"圖片有 {width} × {height} 像素，最多 {max_pixels // 10**6} 百萬像素。",
-            en=f"The picture has {width} x {height} pixels, at most {max_pixels // 10**6} million will do.",
+            en=f"The picture has {width} x {height} pixels, "
+            f"at most {max_pixels // 10**6} million are allowed.",
         )
     if min(width, height) < MIN_SIDE:
         raise Unusable(

@@ -1,4 +1,4 @@
-"""Where a gallery is stored, as an address that another process can open too."""
+"""The location of a gallery, which can be pickled so that a worker process opens it too."""
 
 from __future__ import annotations
 

@@ -24,13 +24,13 @@ _THREADS = 2  # that work where there are no processes
 class PoolSettings:
     """How a pool works.
 
-    waiting: requests that may wait or run at a time. patience: seconds that one may wait for a free worker,
+    max_requests: those that may wait or run at a time. timeout: seconds that one may wait for a free worker,
     and that it may run. niceness: by how much the priority of the workers is lowered, so that readers are
     answered before copies are marked.
     """
 
-    waiting: int = 64
-    patience: float = 120.0
+    max_requests: int = 64
+    timeout: float = 120.0
     niceness: int = 15
 
 
@@ -53,7 +53,7 @@ class WorkerPool:
         self._settings = settings or PoolSettings()
         self._processes = min(cores(), 4) if processes is None else processes
         self._make_executor = make_executor or self._default_executor
-        self._slots = threading.BoundedSemaphore(self._settings.waiting)
+        self._slots = threading.BoundedSemaphore(self._settings.max_requests)
         self._free_workers = threading.BoundedSemaphore(self._processes or _THREADS)
         self._lock = threading.Lock()
         self._executor: Executor | None = None
@@ -76,23 +76,23 @@ class WorkerPool:
         if executor is not None:
             end_executor(executor, kill=True)
 
-    def ask(self, work: Callable[..., Answer], *, patience: float | None = None, **arguments: Any) -> Answer:
+    def call(self, work: Callable[..., Answer], *, timeout: float | None = None, **arguments: Any) -> Answer:
         """Return `work(storage, **arguments)` of a worker; work whose worker died is tried once more.
 
-        patience: seconds to wait for a free worker and then for its answer, `math.inf` for ever, the
+        timeout: seconds to wait for a free worker and then for its answer, `math.inf` for ever, the
         settings' by default; a worker that takes longer is ended. Raises Busy for both, when too many wait
         and after `stop`; RumuError when the worker died twice; and what `work` raises.
         """
-        seconds = self._settings.patience if patience is None else patience
-        timeout = None if seconds == math.inf else seconds
+        seconds = self._settings.timeout if timeout is None else timeout
+        limit = None if seconds == math.inf else seconds
         if not self._slots.acquire(blocking=False):
             raise Busy
         try:
-            # Work is submitted when a worker is free: what then takes too long hangs, and did not just queue.
-            if not self._free_workers.acquire(timeout=timeout):
+            # Work is submitted when a worker is free, so the timeout of its answer counts running time only.
+            if not self._free_workers.acquire(timeout=limit):
                 raise Busy
             try:
-                return self._run(work, arguments, timeout=timeout)
+                return self._run(work, arguments, timeout=limit)
             finally:
                 self._free_workers.release()
         finally:
@@ -121,7 +121,7 @@ class WorkerPool:
         with self._lock:  # to submit may start a process, and `stop` must know of it
             if self._executor is not executor:
                 raise BrokenExecutor("shut down meanwhile")
-            return submit(executor, _call, work, self.storage, arguments)
+            return submit(executor, _call_in_worker, work, self.storage, arguments)
 
     def _running_executor(self) -> Executor:
         with self._lock:
@@ -145,7 +145,7 @@ class WorkerPool:
         return process_executor(self._processes, niceness=self._settings.niceness)
 
 
-def _call(work: Callable[..., Any], storage: Storage, arguments: dict[str, Any]) -> Any:
+def _call_in_worker(work: Callable[..., Any], storage: Storage, arguments: dict[str, Any]) -> Any:
     """Call the work, in the worker; an error that cannot be pickled becomes a RumuError with its text."""
     try:
         return work(storage, **arguments)

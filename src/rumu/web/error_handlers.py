@@ -24,8 +24,8 @@ _TEXTS = {
     "wrong_login": ("名字或密碼不對。", "The name or the password is wrong."),
     "not_allowed": ("您沒有這個權限。", "You may not do this."),
     "not_found": ("沒有這個頁面或項目。", "There is no such page or thing."),
-    "method": ("這裡不接受這種請求。", "This cannot be asked here."),
-    "too_large": ("送來的資料太大。", "More was sent than is taken here."),
+    "method": ("這裡不接受這種請求。", "This method is not allowed here."),
+    "too_large": ("送來的資料太大。", "The request is too large."),
     "error": ("無法完成。", "It cannot be done."),
 }
 """What an HTTPException says, by its code: its detail if that is one of these, else its status's."""

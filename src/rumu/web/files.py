@@ -95,7 +95,7 @@ class DerivedFiles:
         """A content from the store or a worker process; once, however many requests wait for it."""
         file = stored_file(self._gallery.store, assets, kind, exaggeration=exaggeration)
         if file is None:
-            file = self._workers.ask(
+            file = self._workers.call(
                 worker_tasks.derived_file, kind=kind, exaggeration=exaggeration, **source
             )
         return FileContent(file.data, _compress(file.data, file.media_type), file.media_type, tag)

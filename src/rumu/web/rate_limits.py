@@ -20,7 +20,7 @@ class TooManyRequests(StudioError):  # noqa: N818
         super().__init__(
             "too_often",
             zh=f"請求太頻繁，請在 {seconds} 秒後再試。",
-            en=f"Asked too often; try again in {seconds} s.",
+            en=f"Too many requests; try again in {seconds} s.",
         )
         self.seconds = seconds
 

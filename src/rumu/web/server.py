@@ -50,7 +50,7 @@ def serve(
         service = app.state.service
         if not is_loopback(host) and not service.has_owner():
             raise RumuError(
-                f"expected an owner before others can reach this ({host}): "
+                f"cannot listen on {host} until the service has an owner: "
                 "run rumu serve without --host once, open the link that it prints and choose a name"
             )
         name = f"[{host}]" if ":" in host else host
@@ -80,7 +80,7 @@ def listen(host: str, port: int) -> socket.socket:
     except (OSError, OverflowError) as error:
         listener.close()
         why = getattr(error, "strerror", None) or error
-        raise RumuError(f"{host}:{port}: cannot be listened on ({why}); try another --port") from error
+        raise RumuError(f"cannot listen on {host}:{port} ({why}); try another --port") from error
     return listener
 
 

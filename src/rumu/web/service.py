@@ -54,7 +54,7 @@ class Service:
         self.gallery.database.close()
 
     def _run_job(self, job_id: str) -> None:
-        self.job_workers.ask(worker_tasks.run_job, job_id=job_id, patience=math.inf)
+        self.job_workers.call(worker_tasks.run_job, job_id=job_id, timeout=math.inf)
 
     def prepare(self) -> str | None:
         """Queue the job that makes thumbnails and samples, once for a gallery.

@@ -50,7 +50,7 @@ def list_attempts(
 def get_attempt(service: ServiceDep, user: CurrentUser, attempt_id: PathId) -> Extended:
     """One attempt, with its residual points."""
     with service.gallery.database.reading() as session:
-        row = find_visible_attempt(session, attempt_id, who=user)
+        row = find_visible_attempt(session, attempt_id, user=user)
         (shown,) = attempts.attempt_details(session, [row])
     return Extended(shown, residual=attempts.read_residual(service.gallery.store, row))
 
@@ -58,7 +58,7 @@ def get_attempt(service: ServiceDep, user: CurrentUser, attempt_id: PathId) -> E
 @router.delete("/api/attempts/{attempt_id}", status_code=204)
 def delete_attempt(service: ServiceDep, user: CurrentUser, attempt_id: PathId) -> None:
     """Delete an attempt; its writer may, and an owner."""
-    attempts.delete(service.gallery, attempt_id, who=user)
+    attempts.delete(service.gallery, attempt_id, user=user)
 
 
 @router.get("/api/attempts/{attempt_id}/picture", response_class=Response)
@@ -104,13 +104,13 @@ def set_teacher_mark(
 ) -> Extended:
     """The teacher's own mark."""
     with service.gallery.database.writing() as session:
-        row = attempts.set_teacher_mark(session, attempt_id, who=user, mark=mark.mark, note=mark.note)
+        row = attempts.set_teacher_mark(session, attempt_id, user=user, mark=mark.mark, note=mark.note)
     return Extended(row, teacher=user.name)
 
 
 def _find_attempt(service: Service, user: Identity, attempt_id: str) -> Attempt:
     with service.gallery.database.reading() as session:
-        return find_visible_attempt(session, attempt_id, who=user)
+        return find_visible_attempt(session, attempt_id, user=user)
 
 
 def _stored_file(request: Request, service: Service, key: str) -> Response:

@@ -43,7 +43,7 @@ def add_class(service: ServiceDep, user: TeacherUser, school_class: ClassCreate)
 def get_class(service: ServiceDep, user: CurrentUser, class_id: PathId) -> Extended:
     """A class: its pupils for its teacher, its tasks for all in it."""
     with service.gallery.database.reading() as session:
-        row = classes.find_row(session, SchoolClass, class_id, who=user)
+        row = classes.find_row(session, SchoolClass, class_id, user=user)
         unused = Invitation.class_id == class_id, Invitation.used.is_(None), Invitation.expires > now()
         tasks = select(Task).where(Task.class_id == class_id).order_by(Task.created.desc())
         links = session.scalars(select(Invitation).where(*unused).order_by(Invitation.created)).all()
@@ -60,7 +60,7 @@ def get_class(service: ServiceDep, user: CurrentUser, class_id: PathId) -> Exten
 def rename_class(service: ServiceDep, user: TeacherUser, class_id: PathId, changes: ClassCreate) -> Extended:
     """Give a class another name."""
     with service.gallery.database.writing() as session:
-        classes.find_row(session, SchoolClass, class_id, who=user, to_teach=True).name = changes.name
+        classes.find_row(session, SchoolClass, class_id, user=user, require_teacher=True).name = changes.name
     return get_class(service, user, class_id)
 
 
@@ -68,7 +68,7 @@ def rename_class(service: ServiceDep, user: TeacherUser, class_id: PathId, chang
 def delete_class(service: ServiceDep, user: TeacherUser, class_id: PathId) -> None:
     """Delete a class with its tasks, its list of pupils and its links; attempts and their marks stay."""
     with service.gallery.database.writing() as session:
-        row = classes.find_row(session, SchoolClass, class_id, who=user, to_teach=True)
+        row = classes.find_row(session, SchoolClass, class_id, user=user, require_teacher=True)
         session.delete(row)  # foreign keys delete the rest
 
 
@@ -76,7 +76,7 @@ def delete_class(service: ServiceDep, user: TeacherUser, class_id: PathId) -> No
 def remove_pupil(service: ServiceDep, user: TeacherUser, class_id: PathId, person_id: PathId) -> None:
     """Take a pupil out of a class."""
     with service.gallery.database.writing() as session:
-        classes.find_row(session, SchoolClass, class_id, who=user, to_teach=True)
+        classes.find_row(session, SchoolClass, class_id, user=user, require_teacher=True)
         classes.remove_pupil(session, class_id, person_id)
 
 
@@ -86,7 +86,7 @@ def add_task(service: ServiceDep, user: TeacherUser, class_id: PathId, task: Tas
     if task.due is not None and task.due.tzinfo is None:
         raise Unusable("due", zh="期限要帶時區。", en="Expected the day with its time zone.")
     with service.gallery.database.writing() as session:
-        school_class = classes.find_row(session, SchoolClass, class_id, who=user, to_teach=True)
+        school_class = classes.find_row(session, SchoolClass, class_id, user=user, require_teacher=True)
         row = classes.add_task(
             session, school_class, work_id=task.work, title=task.title, note=task.note, due=task.due
         )
@@ -97,15 +97,15 @@ def add_task(service: ServiceDep, user: TeacherUser, class_id: PathId, task: Tas
 def delete_task(service: ServiceDep, user: TeacherUser, task_id: PathId) -> None:
     """Delete a task; the attempts at it stay."""
     with service.gallery.database.writing() as session:
-        session.delete(classes.find_row(session, Task, task_id, who=user, to_teach=True))
+        session.delete(classes.find_row(session, Task, task_id, user=user, require_teacher=True))
 
 
 @router.get("/api/tasks/{task_id}", response_model=TaskTable)
 def get_task(service: ServiceDep, user: CurrentUser, task_id: PathId) -> dict[str, Any]:
     """The results of a task: a row for each pupil, and common remarks; for a pupil their own row."""
     with service.gallery.database.reading() as session:
-        task = classes.find_row(session, Task, task_id, who=user)
-        rows, remarks = classes.summarise_task(session, task, who=user)
+        task = classes.find_row(session, Task, task_id, user=user)
+        rows, remarks = classes.summarise_task(session, task, user=user)
         return {
             "task": _with_work(session, task),
             "rows": rows,
@@ -117,7 +117,7 @@ def get_task(service: ServiceDep, user: CurrentUser, task_id: PathId) -> dict[st
 def get_task_marks_csv(service: ServiceDep, user: TeacherUser, task_id: PathId) -> Response:
     """The teacher's own marks of a task: image, reference, mark. The paths are those of marks.zip."""
     with service.gallery.database.reading() as session:
-        classes.find_row(session, Task, task_id, who=user, to_teach=True)
+        classes.find_row(session, Task, task_id, user=user, require_teacher=True)
         text = marks_csv(given_marks(session, user, task_id=task_id))
     return csv_response(text, "marks.csv")
 
@@ -126,7 +126,7 @@ def get_task_marks_csv(service: ServiceDep, user: TeacherUser, task_id: PathId) 
 def get_task_marks_zip(service: ServiceDep, user: TeacherUser, task_id: PathId) -> Response:
     """marks.csv with the pictures that it names, as `rumu calibrate` reads it."""
     with service.gallery.database.reading() as session:
-        classes.find_row(session, Task, task_id, who=user, to_teach=True)
+        classes.find_row(session, Task, task_id, user=user, require_teacher=True)
     return _marks_zip(service, user, task_id)
 
 

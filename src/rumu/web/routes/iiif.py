@@ -73,7 +73,7 @@ def get_image_part(
     data, kind = b"", ""
     if etag not in requested_etags(request.headers):
         try:
-            data, kind = service.workers.ask(
+            data, kind = service.workers.call(
                 worker_tasks.image_part,
                 work_id=work_id,
                 words=(region, size, rotation, quality, ending),

@@ -64,7 +64,7 @@ def add_work(
     service.rate_limiter.hit(service.settings.rate_limits.uploads, "uploads", user.id)
     data = picture.file.read()
     format_of(data)
-    work_id = service.workers.ask(worker_tasks.add_work, data=data, facts=facts, spacing=spacing)
+    work_id = service.workers.call(worker_tasks.add_work, data=data, facts=facts, spacing=spacing)
     return get_work(service, work_id)
 
 

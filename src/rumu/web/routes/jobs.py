@@ -28,14 +28,14 @@ _HEARTBEAT = 15.0  # seconds of silence after which a comment is sent, so that n
 def get_job(service: ServiceDep, user: CurrentUser, job_id: PathId) -> Job:
     """The job and its progress."""
     with service.gallery.database.reading() as session:
-        return job_queue.find_job(session, job_id, who=user)
+        return job_queue.find_job(session, job_id, user=user)
 
 
 @router.post("/api/jobs/{job_id}/cancel", response_model=JobRead)
 def cancel_job(service: ServiceDep, user: CurrentUser, job_id: PathId) -> Job:
     """Stop a job; what it has done stays."""
     with service.gallery.database.writing() as session:
-        return job_queue.cancel(session, job_id, who=user)
+        return job_queue.cancel(session, job_id, user=user)
 
 
 @router.get("/api/jobs/{job_id}/events", response_class=StreamingResponse)

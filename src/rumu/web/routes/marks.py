@@ -66,14 +66,14 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
     master = find_work(service, copy.work)
     if copy.task is not None and user is not None:
         with service.gallery.database.reading() as session:
-            attempts.task_for(session, copy.task, who=user, work_id=master.id)
+            attempts.task_for(session, copy.task, user=user, work_id=master.id)
     strokes = attempts.check_strokes(copy.strokes) if copy.strokes and copy.kind == "pen" else None
     data = copy.picture.read(MAX_BYTES + 1)
-    check_picture(data)
-    marked = service.workers.ask(
+    check_picture(data)  # the worker checks too; this refuses before one is occupied
+    marked = service.workers.call(
         worker_tasks.mark, data=data, work_id=master.id, digest=master.digest, script=master.script
     )
-    if not copy.keep or user is None:
+    if not copy.keep or user is None:  # shown only: this attempt has no id and is never stored
         attempt = Attempt(kind=copy.kind, grid=copy.grid, created=now(), mark=marked.facts)
         person = None if user is None else Person(id=user.id, name=user.name)
         return Extended(attempts.AttemptDetails(attempt, master, person, ()), residual=marked.residual)

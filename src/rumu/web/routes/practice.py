@@ -23,7 +23,7 @@ WorkId = Annotated[str, Query(pattern=ID_PATTERN, examples=["regular-shui"])]
 def get_practice(service: ServiceDep, user: CurrentUser, person: QueryId = None) -> dict[str, Any]:
     """A person's curves, one for each work. person: by default the current user."""
     with service.gallery.database.reading() as session:
-        learner = find_visible_person(session, person or user.id, who=user)
+        learner = find_visible_person(session, person or user.id, user=user)
         curves = practice.curves(session, learner.id)
     return {"person": learner, "works": [_with_scores(curve) for curve in curves]}
 
@@ -43,7 +43,7 @@ def _with_scores(curve: practice.Curve) -> Extended:
 def get_practice_csv(service: ServiceDep, user: CurrentUser, person: QueryId = None) -> Response:
     """All attempts of a person, one in each row."""
     with service.gallery.database.reading() as session:
-        learner = find_visible_person(session, person or user.id, who=user)
+        learner = find_visible_person(session, person or user.id, user=user)
         text = practice.attempts_csv(session, learner.id)
     return csv_response(text, "practice.csv")
 
@@ -58,7 +58,7 @@ def get_practice_pdf(
 ) -> Response:
     """The practice of one work as a sheet to print."""
     with service.gallery.database.reading() as session:
-        learner = find_visible_person(session, person or user.id, who=user)
+        learner = find_visible_person(session, person or user.id, user=user)
         curve = practice.curve(session, learner.id, work_id=work)
     store = service.gallery.store
     pictures = {one.id: store.read(one.picture) for one in printed_attempts(curve)}
