@@ -19,7 +19,6 @@ from rumu.assessment.calibration import (
     check_terms,
     check_weights,
     interval_note,
-    interval_widening,
     level_of,
     load_calibration,
     mark_fields,
@@ -109,7 +108,9 @@ def test_full_writing_is_marked_up_within_reason():
 
 def test_strange_edges_count_only_so_far():
     """Beyond three standard deviations no mark has been seen."""
-    far, farther = (panel().scale.weigh(replace(PERFECT, edges=(e,) * NUMBERS)) for e in (50.0, 500.0))
+    far, farther = (
+        panel().scale.weighted_sum(replace(PERFECT, edges=(e,) * NUMBERS).vector()) for e in (50.0, 500.0)
+    )
     assert far == pytest.approx(farther)
 
 
@@ -208,7 +209,7 @@ def test_own_weights_stand_under_the_same_charges_and_ceiling():
     ],
 )
 def test_other_weights_are_refused_by_name(weights):
-    with pytest.raises(CalibrationError, match=r"^mine: expected weights of brushwork, structure, ink, none"):
+    with pytest.raises(CalibrationError, match=r"^mine: expected weights of brushwork, structure, ink, each"):
         check_weights(weights, name="mine")
 
 
@@ -335,7 +336,7 @@ def test_a_scale_that_cannot_be_read_off_is_refused(change, words):
     read_calibration(plain() | {"scale": scale})
     with pytest.raises(CalibrationError, match=words):
         read_calibration(plain() | {"scale": scale | change})
-    with pytest.raises(CalibrationError, match="interval from below to above"):
+    with pytest.raises(CalibrationError, match="expected low <= 0 <= high"):
         read_calibration(plain() | {"interval": [5, 9]})
 
 
@@ -398,11 +399,13 @@ def test_wrong_terms_are_refused(terms):
 
 
 def test_only_regular_script_is_covered():
-    assert {script: interval_widening(script) for script in (*SCRIPTS, None)} == {
-        **dict.fromkeys(SCRIPTS, WIDENING),
-        "regular": 1.0,
-        None: 1.0,
-    }
+    width = {}
+    for script in (*SCRIPTS, None):
+        fields = mark_fields(PERFECT, terms=Terms(script=script, calibration=None))
+        low, _ = fields["interval"]
+        width[script] = (fields["score"] - low) / -panel().interval[0]
+    expected = {**dict.fromkeys(SCRIPTS, WIDENING), "regular": 1.0, None: 1.0}
+    assert width == pytest.approx(expected)
     assert interval_note("regular") is None
     assert "too narrow" in interval_note(None).en
 

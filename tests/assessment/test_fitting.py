@@ -73,7 +73,7 @@ def test_a_scale_is_anchored_where_the_marks_reach():
         (_, zero), *middle, (perfect, full) = anchor_scale(scale, reach=reach).anchors
         assert (zero, full) == (0.0, 100.0)
         assert middle == [(mark, mark) for mark in reach]
-        assert perfect == scale.weigh(PERFECT)
+        assert perfect == scale.weighted_sum(PERFECT.vector())
 
 
 def test_another_character_lies_at_ten():

@@ -28,8 +28,8 @@ Weights = Mapping[str, float]
 PART_NAMES = ("brushwork", "structure", "ink")
 """The parts that a mark is given for, and that a teacher may weigh."""
 
-FARTHEST = 3.0
-"""Standard deviations at which a feature that is no residual stops counting: marks say nothing beyond."""
+MAX_Z = 3.0
+"""Standard deviations at which features other than residuals are clipped."""
 WIDENING = 1.5
 """The interval of a script that no human marks cover, over that of regular script: a declared convention,
 since there is nothing to measure it on."""
@@ -45,13 +45,13 @@ LEVELS: Mapping[str, Cuts] = {
 
 @dataclass(frozen=True, slots=True)
 class Charges:
-    """What the residuals forgive and a teacher would not. Declared conventions, not fitted.
+    """Points deducted for lean, offset, size, and missing or surplus strokes: conventions, not fitted.
 
-    Registration repairs lean, place and size: points are taken per unit beyond the free part, which is
-    what the copies with human marks show, each up to `cap`. A stroke left out or put in hardly moves the
-    quartiles of an otherwise perfect copy, and is wrong writing: `ceilings` are the highest score by how many
-    usual strokes of the master are at fault, (strokes, score), straight between; ink that is too much counts
-    by `surplus`. So that a bad copy pays too, `stroke_rate` points are taken for a stroke, once.
+    Registration removes lean, offset and size, so points are deducted for each unit beyond a free part,
+    which is what the copies with human marks show, up to `cap` each. A missing or surplus stroke hardly
+    changes the quartiles of an otherwise perfect copy: `ceilings` give the highest score by the number of
+    usual strokes at fault, (strokes, score), linear between; surplus ink counts by `surplus`. `stroke_rate`
+    points are deducted besides for the first stroke, so that a bad copy loses points too.
     """
 
     lean_free: float = 10.0  # degrees
@@ -68,7 +68,7 @@ class Charges:
     stroke_rate: float = 15.0  # points per stroke
 
     def pose_points(self, features: Features) -> dict[str, float]:
-        """Points taken for 'lean', 'offset' and 'size'."""
+        """Points deducted for 'lean', 'offset' and 'size'."""
         over = {
             "lean": self.lean_rate * (abs(features.lean) - self.lean_free),
             "offset": self.offset_rate * (features.offset - self.offset_free),
@@ -76,33 +76,26 @@ class Charges:
         }
         return {name: float(min(max(value, 0.0), self.cap)) for name, value in over.items()}
 
-    def strokes_at_fault(self, features: Features) -> float:
-        """How many usual strokes are left out, or put in."""
+    def stroke_points(self, features: Features) -> tuple[float, float]:
+        """(points deducted, highest score) for missing and surplus strokes."""
         worth = {"missing": 1.0, "extra": self.surplus}
-        return sum(worth[region.kind] * region.strokes for region in features.regions)
-
-    def highest_score(self, features: Features) -> float:
-        """The highest score that a copy may have for what is missing and what is too much."""
+        at_fault = sum(worth[region.kind] * region.strokes for region in features.regions)
         strokes, scores = zip(*self.ceilings, strict=True)
-        return float(np.interp(self.strokes_at_fault(features), strokes, scores))
-
-    def stroke_points(self, features: Features) -> float:
-        """Points taken for what is missing and too much, where that leaves less than `highest_score`."""
-        return self.stroke_rate * min(self.strokes_at_fault(features), 1.0)
+        return self.stroke_rate * min(at_fault, 1.0), float(np.interp(at_fault, strokes, scores))
 
     def all_points(self, features: Features) -> float:
-        """All points taken, those for pose and those for strokes."""
-        return sum(self.pose_points(features).values()) + self.stroke_points(features)
+        """All points deducted, those for pose and those for strokes."""
+        return sum(self.pose_points(features).values()) + self.stroke_points(features)[0]
 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
     """A weighted sum of features that reads as marks: mean + sum weight_i * (x_i - centre_i) / spread_i.
 
-    names: the features that are weighed; centre, spread, weights: one a name. Weights are not positive but
-    for what may speak for a copy (`features.SIGNED_FEATURES`), so no residual can raise a mark. Features
-    other than residuals count up to FARTHEST. anchors: ((sum, mark), ...), rising: where another character,
-    the human range and a perfect copy lie; straight between, so the order of copies is untouched.
+    names: the features that are weighed; centre, spread, weights: one for each name. Weights are zero or
+    negative, except for `features.SIGNED_FEATURES`, so no residual can raise a mark. Features other than
+    residuals are clipped at MAX_Z. anchors: ((sum, mark), ...), rising: where another character, the human
+    range and a perfect copy lie; linear between, so the order of copies does not change.
     """
 
     names: tuple[str, ...]
@@ -112,21 +105,17 @@ class Scale:
     mean: float
     anchors: tuple[tuple[float, float], ...] = ((0.0, 0.0), (100.0, 100.0))
 
-    def weigh(self, features: Features) -> float:
-        """The sum before it is anchored; without bounds."""
-        return self.weigh_vector(features.vector())
-
-    def weigh_vector(self, vector: FloatArray) -> float:
-        """The same of a feature vector, (len(FEATURE_NAMES),)."""
+    def weighted_sum(self, vector: FloatArray) -> float:
+        """The sum of a feature vector, (len(FEATURE_NAMES),), before it is anchored; without bounds."""
         chosen = [_INDEX[name] for name in self.names]
         z = (vector[chosen] - np.array(self.centre)) / np.array(self.spread)
-        far = np.where([name in RESIDUALS for name in self.names], np.inf, FARTHEST)
+        far = np.where([name in RESIDUALS for name in self.names], np.inf, MAX_Z)
         return float(self.mean + np.clip(z, -far, far) @ np.array(self.weights))
 
     def read(self, features: Features) -> float:
         """The mark, 0-100."""
         sums, marks = zip(*self.anchors, strict=True)
-        return float(np.interp(self.weigh(features), sums, marks))
+        return float(np.interp(self.weighted_sum(features.vector()), sums, marks))
 
 
 _INDEX = {name: k for k, name in enumerate(FEATURE_NAMES)}
@@ -150,16 +139,16 @@ class Calibration:
     def score(self, features: Features, *, weights: Weights | None = None) -> float:
         """0-100; 100 for a perfect copy in its place.
 
-        weights: a teacher's own, of the parts; without them those count that were fitted to the marks.
-            Charges and ceiling are the same.
+        weights: a teacher's own, of the parts; None for the fitted ones. Charges and ceilings are the same.
         """
         charges = Charges()
-        whole = (
-            self.scale.read(features)
-            if weights is None
-            else weighted_mean(self.part_scores(features), weights)
-        )
-        whole = min(whole - charges.stroke_points(features), charges.highest_score(features))
+        if weights is None:
+            whole = self.scale.read(features)
+        else:
+            parts = self.part_scores(features)
+            whole = sum(parts[name] * weight for name, weight in weights.items()) / sum(weights.values())
+        points, highest = charges.stroke_points(features)
+        whole = min(whole - points, highest)
         return float(np.clip(whole - sum(charges.pose_points(features).values()), 0.0, 100.0))
 
     def part_scores(self, features: Features) -> dict[str, float]:
@@ -172,15 +161,10 @@ class Calibration:
         return read | {"ink": float(100.0 * 0.5 ** (abs(features.weight) / np.log(1.25)))}
 
     def interval_of(self, score: float, *, widened: float = 1.0) -> tuple[float, float]:
-        """The 80 % interval of the panel's mark around a score, within 0-100; `widened` so many times."""
+        """The 80 % interval of the panel's mark around a score, within 0-100; `widened`: a factor."""
         offsets = np.array(self.interval) * widened
         low, high = np.clip(score + offsets, 0.0, 100.0)
         return float(low), float(high)
-
-
-def weighted_mean(parts: Mapping[str, float], weights: Weights) -> float:
-    """The weighted mean of parts, 0-100."""
-    return sum(parts[name] * weight for name, weight in weights.items()) / sum(weights.values())
 
 
 def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
@@ -213,7 +197,7 @@ def check_weights(weights: Mapping[str, Any], *, name: str) -> Weights:
         values = []
     if len(weights) != len(PART_NAMES) or not values or not min(values) >= 0 or not 0 < sum(values) < np.inf:
         raise CalibrationError(
-            f"{name}: expected weights of {', '.join(PART_NAMES)}, none below 0 and one above, "
+            f"{name}: expected weights of {', '.join(PART_NAMES)}, each at least 0 and not all 0, "
             f"got {dict(weights)}"
         )
     return dict(zip(PART_NAMES, values, strict=True))
@@ -249,9 +233,11 @@ def read_calibration(plain: Mapping[str, Any]) -> Calibration:
             provenance=str(plain["provenance"]),
         )
         if not -np.inf < low <= 0 <= high < np.inf:
-            raise ValueError(f"an interval from below to above the score, got {low}, {high}")
+            raise ValueError(f"interval: expected low <= 0 <= high, got {low}, {high}")
     except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
-        raise CalibrationError(f"expected a calibration with scale, parts, interval; {error!r}") from error
+        raise CalibrationError(
+            f"expected a calibration with scale, parts and interval ({type(error).__name__}: {error})"
+        ) from error
     return calibration
 
 
@@ -289,8 +275,8 @@ def _read_scale(plain: Mapping[str, Any]) -> Scale:
 class Terms:
     """How a copy is to be marked.
 
-    None: the calibration that ships with rumu, the weights that were fitted with it, the panel's levels, a
-    script that is not known.
+    calibration: None for the one that ships with rumu. weights: of the parts; None for the fitted ones.
+    cuts: of the levels; None for the panel's. script: None when it is not known.
     """
 
     calibration: Calibration | None = None
@@ -322,7 +308,7 @@ def mark_fields(features: Features, *, terms: Terms, highest: float = 100.0) -> 
     """
     calibration = terms.calibration or panel()
     score = min(calibration.score(features, weights=terms.weights), highest)
-    widened = 1.0 if terms.calibration else interval_widening(terms.script)
+    widened = 1.0 if terms.calibration or terms.script in (None, "regular") else WIDENING
     note = _OWN_CALIBRATION if terms.calibration else interval_note(terms.script)
     notes = [note for note in (note, _OWN_WEIGHTS if terms.weights else None) if note]
     return {
@@ -346,11 +332,6 @@ _OWN_WEIGHTS = Bilingual(
     "區間按擬合的權重測得；換成自定的權重後僅供參考。",
     "The interval was measured for the fitted weights; with your own it is only a guide.",
 )
-
-
-def interval_widening(script: Script | None) -> float:
-    """By how much the panel's interval is widened for a script."""
-    return 1.0 if script in (None, "regular") else WIDENING
 
 
 def interval_note(script: Script | None) -> Bilingual | None:

@@ -112,9 +112,9 @@ def anchor_scale(
     low, high = reach
     nothing = 0.0
     if others:
-        wrong = float(np.median([scale.weigh(features) for features in others]))
+        wrong = float(np.median([scale.weighted_sum(features.vector()) for features in others]))
         nothing = wrong - OTHER_CHARACTER * (low - wrong) / (low - OTHER_CHARACTER)
-    perfect = scale.weigh(Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0))
+    perfect = scale.weighted_sum(Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0).vector())
     if not nothing < low < high < perfect:
         raise CalibrationError(f"expected anchors that rise, got {nothing}, {low}, {high}, {perfect}")
     return replace(scale, anchors=((nothing, 0.0), (low, low), (high, high), (perfect, 100.0)))

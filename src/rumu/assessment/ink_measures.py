@@ -72,12 +72,14 @@ def measure_ink(strokes: StrokeMatch, copy: Surface, master: MasterStrokes) -> I
     tube = _draw_strokes(strokes.moved, strokes.radius * SCALE + beside)
     tube |= _unexplained_in_master(master, beside)
     tremor = edge_tremor(framed)
+    # median darkness of the ink against its paper, 0 to 1; 1 where it is not known
+    darkness, darkness_master = (float(s.quality.get("contrast", 1.0)) for s in (copy, master.surface))
     return InkMeasures(
         patches=_find_patches(framed, tube, strokes.copy.width * SCALE),
         bare=_bare(strokes, framed.ink, strokes.covered) - _bare(itself, master.framed.ink, strokes.covered),
         tremor=(tremor - master.tremor) / SCALE,
         rough=tremor / max(master.tremor, SETTINGS.least_tremor),
-        darkness=_darkness(copy) / max(_darkness(master.surface), 1e-6),
+        darkness=darkness / max(darkness_master, 1e-6),
     )
 
 
@@ -136,8 +138,3 @@ def _bare(strokes: StrokeMatch, ink: BoolArray, seen: BoolArray) -> float:
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     closed = cv2.morphologyEx(ink.view(np.uint8), cv2.MORPH_CLOSE, disc) > 0
     return float((inner & closed & ~ink).sum() / max(inner.sum(), 1))
-
-
-def _darkness(surface: Surface) -> float:
-    """Median darkness of the ink against its paper, 0 to 1; 1 where it is not known."""
-    return float(surface.quality.get("contrast", 1.0))

@@ -9,10 +9,10 @@ import numpy as np
 
 from rumu.assessment.features import Features, describe_edge, measure_features
 from rumu.assessment.refusal import (
-    MasterOutline,
     Refusal,
     RefusalFigures,
     RefusalLimits,
+    RefusalReference,
     check_copy,
 )
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
@@ -54,9 +54,9 @@ class PreparedMaster:
         return describe_edge(self.canvas.ink)
 
     @cached_property
-    def outline(self) -> MasterOutline:
+    def outline(self) -> RefusalReference:
         """Its outlines as they are, mirrored and turned, for the refusal of copies."""
-        return MasterOutline(self.points, self.surface.quality.get("noise", np.inf))
+        return RefusalReference(self.points, self.surface.quality.get("noise", np.inf))
 
     @cached_property
     def ink(self) -> MasterInk:

@@ -1,11 +1,11 @@
-"""Whether a copy can be marked: whole, one character, written solid, and the master's at all.
+"""Reasons to refuse a copy: cut off, several characters, outline only, mirrored, another character.
 
-Nothing here knows a character. Everything is asked of the pair: how the copy lies on the master after
-registration, and whether the master mirrored, or turned, or a part of the picture alone, is more alike.
+No character is recognised. Copy and master are compared: how they fit after registration, and whether the
+master mirrored or turned, or a part of the picture alone, fits better.
 
-The limits were found on half of the characters and held on the other half; `python benchmarks/refusal.py`
-prints both. A right copy must not be refused, so each limit stands clear of the worst right copy at hand;
-what is wrong and slips through is left to the mark, which is then low.
+The limits were chosen on half of the characters and validated on the other half; `python
+benchmarks/refusal.py` prints both. A right copy must not be refused, so each limit keeps a distance from
+the worst right copy known; a wrong copy that is not refused gets a low mark.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ class RefusalLimits:
         the edges of strokes are covered than their middle, above which only an outline was drawn; or else
         new_ink_share: share of the ink that is new when closed lines are filled, and likeness_cost: likeness
         that this may cost.
-    accept_residual, accept_likeness: residual in the plane up to which, and likeness from which, nothing more
-        is asked. accept_in_place: share of the ink in its place from which it is the master's, whatever is
-        missing or too much.
+    accept_residual, accept_likeness: residual in the plane up to which, and likeness from which, no further
+        tests are made. accept_in_place: share of the ink in its place from which it is the master's, whatever
+        is missing or too much.
     cut_off_share: share of the master that falls outside the picture, over ink on the border.
     part_likeness, part_gain: likeness of a part of the picture alone, and how much more than of the whole.
     reversed_likeness, reversed_gain: likeness to the master mirrored or turned, and how much more than as it
@@ -80,7 +80,7 @@ class RefusalLimits:
 
 @dataclass(frozen=True, slots=True)
 class FigureSettings:
-    """How the figures are taken.
+    """Parameters of the measurements.
 
     near: distance, in rms radii, within which ink lies on ink: about a stroke's half-width.
     residual_weight, residual_offset: of the logarithm of the residual in strangeness; chosen with the limits.
@@ -116,7 +116,7 @@ class Refusal:
 
 
 @dataclass(frozen=True, eq=False)
-class MasterOutline:
+class RefusalReference:
     """What copies are compared with: a master's ink points, and the clearness of its ink."""
 
     points: PointSet
@@ -134,7 +134,7 @@ class RefusalFigures:
     """Figures of a copy laid on its master, each computed when it is first needed; most copies need few."""
 
     copy: Surface
-    master: MasterOutline
+    master: RefusalReference
     registration: Registration
 
     @cached_property
@@ -166,12 +166,12 @@ class RefusalFigures:
 
     @cached_property
     def likeness_beyond_others(self) -> float:
-        """Likeness beyond what other characters reach with either: below 0 for most pairs of two."""
+        """Likeness beyond what other characters reach with either: below 0 for most different characters."""
         return beyond_others(self.vector, self.master.vectors[0])
 
     @cached_property
     def strangeness(self) -> float:
-        """Grows with what registration leaves and falls with likeness."""
+        """Grows with the residual of the registration and falls with likeness."""
         residual = np.log(self.plane_residual + SETTINGS.residual_offset)
         return SETTINGS.residual_weight * float(residual) - self.likeness_beyond_others
 

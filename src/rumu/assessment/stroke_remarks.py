@@ -86,8 +86,10 @@ def remarks_on_strokes(
     ]
     for k, stroke in enumerate(every):
         if not stroke.stroke.present:
-            if not _may_be_a_corner(stroke):
-                yield _missing_remark(stroke, k)
+            joined = not all(stroke.stroke.line.free)
+            is_short = stroke.slenderness < limits.corner
+            if not (joined and is_short and stroke.stroke.inked >= limits.inked):
+                yield _missing_remark(stroke, k)  # else a corner of which thinning drew no line
             continue
         yield from _partly_missing_remark(stroke, k)
         yield from _place_remarks(stroke)
@@ -111,12 +113,6 @@ def _missing_remark(named: NamedStroke, k: int) -> Remark:
         f"漏寫了{named.name.zh}，約佔全字墨跡的 {share:.0%}。對照範本，補上這一筆。",
         f"{named.en} is missing, about {share:.0%} of the ink. Write this stroke too.",
     )  # fmt: skip
-
-
-def _may_be_a_corner(named: NamedStroke) -> bool:
-    """Whether a short line that joins another is there as ink of which thinning drew no line."""
-    joined, limits = not all(named.stroke.line.free), named.limits
-    return joined and named.slenderness < limits.corner and named.stroke.inked >= limits.inked
 
 
 def _partly_missing_remark(named: NamedStroke, k: int) -> Iterator[Remark]:

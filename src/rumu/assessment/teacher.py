@@ -1,8 +1,7 @@
-"""A teacher's own marks -> a calibration that follows them, or the default where they do not carry one.
+"""A teacher's own marks -> a calibration that follows them, or the default if there are too few marks.
 
-Three are held against each other on marks that took no part in their making: the default as it is; the
-default with its scale moved, mark = a + b score; and weights fitted anew. The simplest is kept that none of
-the others beats clearly.
+Three candidates are compared on held-out marks: the default as it is; the default with its scale moved,
+mark = a + b score; and newly fitted weights. The simplest that no other clearly beats is chosen.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ HeldOut = Literal["masters", "copies", "none"]
 
 @dataclass(frozen=True, slots=True)
 class TeacherSettings:
-    """When marks carry what. Declared conventions, but for what follows from counting.
+    """How many marks each kind of fit needs. Conventions.
 
     fewest: marks below which the default is kept. spread: standard deviation of marks, in points, below which
     they say nothing. weigh_from, weigh_masters: marks and masters from which weights are fitted at all.
-    doubt: the scale is drawn to the default's as if so many copies had been marked just as that does.
+    prior_copies: weight of the default in the moved scale, in copies.
     masters: from so many on, whole masters are held out; below, `folds` shares of the copies.
-    sure: confidence, one-sided, of a clear margin and of marks that follow the copies at all.
+    confidence: one-sided, of a clear margin and of marks that follow the copies at all.
     gap: points by which the marks of anchors rise at least. reach: percentiles of the marks between which
     fitted weights are trusted.
     """
@@ -40,10 +39,10 @@ class TeacherSettings:
     spread: float = 1.0
     weigh_from: int = 200
     weigh_masters: int = 8
-    doubt: float = 20.0
+    prior_copies: float = 20.0
     masters: int = 3
     folds: int = 5
-    sure: float = 0.95
+    confidence: float = 0.95
     gap: float = 1.0
     reach: tuple[float, float] = (5.0, 95.0)
 
@@ -204,15 +203,15 @@ def fit_line(
     base: Calibration,
     settings: TeacherSettings | None = None,
 ) -> tuple[float, float]:
-    """(a, b) of mark = a + b score, drawn to (0, 1) by `doubt` copies that were marked as the default does.
+    """(a, b) of mark = a + b score, drawn to (0, 1) by `prior_copies` copies marked as the default does.
 
     It is the reading of the scale that is moved, before charges; copies under a ceiling say nothing of it.
     Raises CalibrationError when the marks do not rise with the score.
     """
-    doubt, charges = (settings or TeacherSettings()).doubt, Charges()
+    prior, charges = (settings or TeacherSettings()).prior_copies, Charges()
     read = np.array([base.scale.read(f) for f in features])
     wanted = np.asarray(marks, float) + [charges.all_points(f) for f in features]
-    highest = np.array([charges.highest_score(f) for f in features])
+    highest = np.array([charges.stroke_points(f)[1] for f in features])
     bound = (highest < 100.0) & (highest < np.maximum(read, wanted))
     x, y = read[~bound], wanted[~bound]
     if len(x) < 2 or np.var(x) < 1e-9:
@@ -221,8 +220,8 @@ def fit_line(
     if slope <= 0:
         raise CalibrationError("expected marks that rise with the score, got marks that fall")
     n = len(x)
-    b = (n * slope + doubt) / (n + doubt)
-    return float((n * y.mean() + doubt * x.mean()) / (n + doubt) - b * x.mean()), b
+    b = (n * slope + prior) / (n + prior)
+    return float((n * y.mean() + prior * x.mean()) / (n + prior) - b * x.mean()), b
 
 
 def move_scale(base: Calibration, a: float, b: float, *, gap: float = TeacherSettings().gap) -> Calibration:
@@ -267,7 +266,7 @@ def _fit_weights(known: MarkedCopies, settings: TeacherSettings) -> Calibration:
 
     def fitted(names: tuple[str, ...]) -> Scale:
         scale = fit_scale(vectors, charged, known.masters, names=names)
-        reach = (float(low), min(float(high), scale.weigh(_PERFECT) - settings.gap))
+        reach = (float(low), min(float(high), scale.weighted_sum(_PERFECT.vector()) - settings.gap))
         return anchor_scale(scale, reach=reach)
 
     parts = {part: fitted(names) for part, names in PARTS.items()}
@@ -328,7 +327,7 @@ def _follows_marks(scores: FloatArray, marks: FloatArray, settings: TeacherSetti
     """Whether the order of the scores is that of the marks beyond chance."""
     from scipy.stats import norm
 
-    chance = float(norm.ppf(settings.sure)) / float(np.sqrt(len(marks) - 1))
+    chance = float(norm.ppf(settings.confidence)) / float(np.sqrt(len(marks) - 1))
     return agreement(scores, marks).spearman > chance
 
 
@@ -340,7 +339,7 @@ def _is_clear_gain(gain: FloatArray, clusters: IntArray, settings: TeacherSettin
     mean = float(gain.mean())
     sums = np.array([(gain[clusters == name] - mean).sum() for name in names])
     error = float(np.sqrt(np.sum(sums**2) * len(names) / (len(names) - 1))) / len(gain)
-    return bool(mean > max(float(t.ppf(settings.sure, len(names) - 1)) * error, 0.0))
+    return bool(mean > max(float(t.ppf(settings.confidence, len(names) - 1)) * error, 0.0))
 
 
 def _explain(chosen: FitKind, agreements: Mapping[FitKind, Agreement], n: int) -> tuple[str, str]:

@@ -168,7 +168,7 @@ def pixels_at(points: FloatArray) -> tuple[IntArray, IntArray]:
 
 
 def find_strokes(framed: FramedInk) -> CentreLines:
-    """The strokes of a master, longest first, cut at corners; the whiskers of corners are left out."""
+    """The strokes of a master, longest first, cut at corners; spurs at corners are dropped."""
     skeleton = skeletonise(framed.ink)
     pieces = [piece for stroke in strokes(skeleton) for piece in _cut_at_corners(stroke, skeleton)]
     least = SETTINGS.shortest * skeleton.width

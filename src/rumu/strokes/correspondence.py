@@ -1,7 +1,8 @@
 """Which stroke of the copy is which of the master's, and how it differs.
 
-The master's strokes are laid on the copy's ink (see `matching`); what the whole character does - lean, size,
-place, a squeezed part - is taken out first (see `pose`), so that a stroke is blamed for its own fault alone.
+The master's strokes are laid on the copy's ink (see `matching`). Lean, size and position of the whole
+character and a squeezed part are removed first (see `pose`), so that only a stroke's own faults are
+attributed to it.
 """
 
 from __future__ import annotations
@@ -39,14 +40,14 @@ _ENDS = ("entry", "exit")
 
 @dataclass(frozen=True, slots=True)
 class StrokeMatchSettings:
-    """How strokes are told from the master's, and what is no fault.
+    """How strokes are matched, and which differences are ignored.
 
     perturbations: (scale, resolution) of the pictures of a master that are measured against itself, to see
         how much differs where nothing is at fault; resolution in pixels for each of its own. nudge: pixels
         (x, y) by which they are moved.
-    turn_share: share of a stroke's uncertainty of turn that is taken out.
+    turn_share: share of a stroke's uncertainty of turn that is subtracted.
     taper: share of a stroke's width by which a tip must be finer than its stroke to be called tapering.
-    in_place: share of the strokes in their place from which no other squeeze is looked for.
+    in_place: share of the strokes in their place above which no second squeeze is tried.
     pixel_share: of a pixel of the coarser picture, by which a width may be wrong.
     """
 
@@ -152,7 +153,7 @@ class MasterStrokes:
 
 @dataclass(frozen=True, slots=True)
 class StrokeUncertainty:
-    """How much a stroke of a master differs from itself where nothing was changed.
+    """Measurement error of a stroke, from small perturbations of the master.
 
     shift: rms radii; turn: degrees; ratios: logarithm by name of the field, NaN where it was not always
     seen; ends: by name of the field.
@@ -167,8 +168,8 @@ class StrokeUncertainty:
 def match_strokes(copy: Surface, registration: Registration, master: MasterStrokes) -> StrokeMatch:
     """Find the master's strokes in the copy; `registration` is that of the two surfaces.
 
-    What the same measurement makes of the master itself is taken out, so that of a perfect copy nothing is
-    left: a fork that thinning draws aside is drawn aside in both.
+    The master measured against itself in the same way is subtracted, so that a perfect copy has no
+    differences: a fork that thinning displaces is displaced in both.
     """
     itself = master.itself
     found = _match_framed(frame_copy(copy, registration), master, places=itself.moved)
@@ -181,7 +182,7 @@ def match_strokes(copy: Surface, registration: Registration, master: MasterStrok
 
 
 def _blunt_tips(found: tuple[MatchedStroke, ...], itself: tuple[MatchedStroke, ...]) -> BluntTips | None:
-    """Uncertainty is not taken out: over many tips it cancels, and what all lost is seen the sooner."""
+    """What the tips have lost; uncertainty is not subtracted, since it averages out over many tips."""
     tips = [
         (k, end, getattr(a, name) - getattr(b, name), -getattr(b, name))
         for k, (a, b) in enumerate(zip(found, itself, strict=True))
@@ -198,7 +199,7 @@ def _blunt_tips(found: tuple[MatchedStroke, ...], itself: tuple[MatchedStroke, .
 
 
 def _uncertainty(changed: list[MatchedStroke]) -> StrokeUncertainty:
-    """Of a stroke, from what small changes made of it: the worst two together."""
+    """Uncertainty of a stroke from its perturbed measurements: the sum of the worst two."""
 
     def worst(values: list[float]) -> float:
         return float(np.sort(np.abs(values))[-2:].sum())  # NaN where any is
@@ -218,7 +219,7 @@ def _log(ratio: float) -> float:
 def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> StrokeMatch:
     """A master's strokes in the master itself, moved by half a pixel and made a little smaller or larger.
 
-    What differs then is no fault: thinning takes another way through rough ink.
+    The differences are measurement error: thinning takes another way through rough ink.
     """
     import cv2
 
@@ -234,7 +235,7 @@ def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> 
 
 
 def _shrink(found: MatchedStroke, doubt: StrokeUncertainty) -> MatchedStroke:
-    """What was found, drawn toward no fault by as much as the master differs from itself."""
+    """Soft-threshold each difference by its uncertainty."""
 
     def shrink(value: float, by: float) -> float:
         return float(np.sign(value) * np.maximum(abs(value) - by, 0.0))  # NaN stays NaN
@@ -250,7 +251,7 @@ def _shrink(found: MatchedStroke, doubt: StrokeUncertainty) -> MatchedStroke:
 
 
 def _relative_to(itself: MatchedStroke, found: MatchedStroke) -> MatchedStroke:
-    """Ratios to what was found, in the same way, in the master itself, and differences from it."""
+    """Differences from the master measured against itself: ratios of lengths and widths, else differences."""
     ratios = {
         name: getattr(found, name) / getattr(itself, name) for name in _RATIOS if getattr(itself, name) > 1e-6
     }

@@ -1,9 +1,9 @@
 """Lines of the master laid on lines of the copy: first by one smooth warp, then each stroke by itself.
 
 Expectation-maximisation after coherent point drift (Myronenko and Song 2010): each point of the copy is
-shared out among the points of the master that may explain it, or none; then the master moves to what it was
-given. Because ink that one stroke explains is taken, a stroke that the copy lacks finds nothing and stays
-where its neighbours suggest. Positions in rms radii, see `centre_lines`.
+softly assigned to the points of the master that may explain it, or to none; then the master's points move
+to what was assigned to them. Ink that one stroke explains is not available to another, so a stroke that the
+copy lacks finds nothing and stays where its neighbours suggest. Positions in rms radii, see `centre_lines`.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ class MatchSettings:
     grid: knots of the warp along each axis; knot_reach: standard deviation of the bump at a knot.
     partings: shares of the ink's points, along each axis, at which the warp may bend sharply: a part that is
         too wide bends it there and nowhere else.
-    shift_cost, affine_cost, bend_cost: resistance of the warp to shifts, to affine moves and to bending, in
-        points; even the first two are held a little, since the registration has settled the place already.
-    follow: resistance of a stroke, in points, to taking on the warp when it first moves by itself: to turning
-        or stretching, and to shifting.
+    shift_cost, affine_cost, bend_cost: ridge penalties of the warp on shifts, affine moves and bending, in
+        points; shifts and affine moves are small, since the strokes are registered already.
+    follow: ridge penalties, in points, of a stroke that takes on the warp: on turning or stretching, and on
+        shifting.
     travel: how far a stroke is expected to leave the warp; warp: how far it is expected to turn or stretch.
     hold: how much that expectation is trusted, in points.
-    crossing: what a perpendicular direction costs, in the exponent. beyond: standard deviations from which
+    crossing: penalty of a perpendicular direction, in the exponent. beyond: standard deviations from which
         a point counts as explained by nothing. line_width: standard deviations over which a line gathers
-        points; it gives a point beside it more than one of its own points does.
+        points: several of its points contribute to a point beside it.
     fork: weight of a point near a fork when lines settle on their ink, since thinning pulls lines together
         there; settle, settle_turn: points' worth of ink that hold a line where it was, and as it was turned.
         outlier: distance from its line beyond which ink hardly counts then.

@@ -140,7 +140,7 @@ class MatchedLines:
         widths = widths * self.scale
         if q is None:
             return np.asarray(widths)
-        # a part made wide makes its standing strokes wide, and leaves the lying ones
+        # a part that is too wide widens its vertical strokes, not its horizontal ones
         k, sign = (0, -1.0) if q.axis == "across" else (1, 1.0)
         stretch = np.where(points.xy[:, k] < q.border, q.first, q.second)
         across = (1.0 + sign * points.double[:, 0]) / 2
@@ -168,7 +168,7 @@ class MatchedLines:
         return np.where(np.isfinite(self.line_widths), self.line_widths, usual)
 
     def stroke(self, k: int) -> MatchedStroke:
-        """What became of the stroke of number k."""
+        """How the copy differs in the stroke of number k."""
         points, line = self.master.points, self.master.lines[k]
         own = np.flatnonzero(points.owner == k)
         want, have = self.expected[own], self.upright[own]
@@ -193,17 +193,17 @@ class MatchedLines:
         )
 
     def _length(self, k: int, own: IntArray) -> float:
-        """Of the copy's stroke, in the master's size: what is covered, and what runs on beyond."""
+        """Length of the copy's stroke in the master's size: the covered part and what extends beyond it."""
         at = np.flatnonzero(self.covered[own])
         if len(at) < 2:
             return 0.0
         line = self.found.moved[own][at[0] : at[-1] + 1]
-        beyond = self._run_on(k, line[0], line[0] - line[min(3, len(line) - 1)])
-        beyond += self._run_on(k, line[-1], line[-1] - line[max(len(line) - 4, 0)])
+        beyond = self._extension(k, line[0], line[0] - line[min(3, len(line) - 1)])
+        beyond += self._extension(k, line[-1], line[-1] - line[max(len(line) - 4, 0)])
         return (_length(line) + beyond) * self.scale
 
-    def _run_on(self, k: int, end: FloatArray, way: FloatArray) -> float:
-        """How far the stroke's own ink runs on from an end."""
+    def _extension(self, k: int, end: FloatArray, way: FloatArray) -> float:
+        """How far the stroke's ink extends beyond an end."""
         length = float(np.hypot(*way))
         if length < 1e-9:
             return 0.0
@@ -236,7 +236,7 @@ def _end_widening(ink: FloatArray, radius: FloatArray, line: CentreLine, width: 
 
 
 def _median(values: FloatArray) -> float:
-    """Of what is finite; NaN where nothing is."""
+    """Median of the finite values; NaN where there is none."""
     seen = values[np.isfinite(values)]
     return float(np.median(seen)) if len(seen) else float("nan")
 
@@ -250,14 +250,14 @@ def _turn(want: FloatArray, have: FloatArray) -> float:
 
 
 def _length(points: FloatArray) -> float:
-    """Of the line through (n, 2) points."""
+    """Length of the line through (n, 2) points."""
     return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
 
 def edge_tremor(framed: FramedInk) -> float:
-    """Pixels by which the edge swings about its own smoothed line, at a place like most places.
+    """Median deviation of the edge from its smoothed curve, in pixels.
 
-    The median, so that tips and corners, which leave any smoothed line, do not count.
+    The median, so that tips and corners, which any smoothing moves, do not count.
     """
     import cv2
     from scipy.ndimage import gaussian_filter1d

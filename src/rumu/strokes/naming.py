@@ -90,7 +90,7 @@ def _kind_by_direction(right: float, down: float) -> Bilingual:
 
 
 def name_strokes(lines: Sequence[CentreLine], *, width: float) -> tuple[Bilingual, ...]:
-    """A name for each stroke that no other of the character has.
+    """A unique name for each stroke of a character.
 
     Several horizontals are counted from the top, several verticals from the left; others go by their place.
     """
@@ -110,27 +110,25 @@ def _name_of_kind(kind: Bilingual, middles: FloatArray, low: FloatArray, high: F
     """Names for all strokes of one kind, by their middles, (n, 2); low, high: of the whole character."""
     if len(middles) > 1 and kind in (HORIZONTAL, VERTICAL):
         rank = np.argsort(np.argsort(middles[:, 1 if kind == HORIZONTAL else 0])) + 1
+        numbers = [_number_words(int(n)) for n in rank]
         if kind == HORIZONTAL:
-            return [
-                Bilingual(f"第{_number(n)}橫", f"the {_ordinal(n)} horizontal from the top") for n in rank
-            ]
-        return [Bilingual(f"左起第{_number(n)}豎", f"the {_ordinal(n)} vertical from the left") for n in rank]
+            return [Bilingual(f"第{zh}橫", f"the {en} horizontal from the top") for zh, en in numbers]
+        return [Bilingual(f"左起第{zh}豎", f"the {en} vertical from the left") for zh, en in numbers]
     places = [place_of((middle - low) / np.maximum(high - low, 1e-9)) for middle in middles]
     if len(set(places)) == len(places):
         return [Bilingual(f"{zh}的{kind.zh}", f"the {kind.en} at the {en}") for zh, en in places]
     rank = np.argsort(np.argsort(middles @ np.array(SETTINGS.order))) + 1
     return [
-        Bilingual(f"第{_number(n)}{kind.zh}（{zh}）", f"the {_ordinal(n)} {kind.en} ({en})")
-        for n, (zh, en) in zip(rank, places, strict=True)
+        Bilingual(f"第{number.zh}{kind.zh}（{zh}）", f"the {number.en} {kind.en} ({en})")
+        for number, (zh, en) in zip((_number_words(int(n)) for n in rank), places, strict=True)
     ]
 
 
-def _number(n: int) -> str:
-    return _NUMBERS[n - 1] if n <= 10 else f"十{_NUMBERS[n - 11]}" if n < 20 else str(n)
-
-
-def _ordinal(n: int) -> str:
-    return _ORDINALS[n - 1] if n <= 10 else f"{n}th"
+def _number_words(n: int) -> Bilingual:
+    """The number n in Chinese and the ordinal in English."""
+    if n <= 10:
+        return Bilingual(_NUMBERS[n - 1], _ORDINALS[n - 1])
+    return Bilingual(f"十{_NUMBERS[n - 11]}" if n < 20 else str(n), f"{n}th")
 
 
 def place_of(at: FloatArray) -> Bilingual:

@@ -1,9 +1,9 @@
-"""Strokes that a copy lacks, and ink that it has too much: what is left when strokes are laid on strokes.
+"""Missing strokes and surplus ink: what remains unmatched when the master's strokes are laid on the copy's.
 
-Copies that people wrote stand a little aside everywhere, so that distances alone take every displaced stroke
-for a missing one. The master's strokes are therefore matched with the copy's (see `matching`): ink that one
-stroke explains is taken, and where a stroke was left out nothing is left for it. First quickly, with the
-ridges of the copy's ink; what seems to lack then is asked again, with its centre lines.
+Strokes that people write are a little displaced everywhere, so distances alone would take every displaced
+stroke for a missing one. The master's strokes are therefore matched with the copy's ink (see `matching`):
+ink that one stroke explains is not available to another, and a missing stroke finds no ink. A coarse pass
+with the ridges of the copy's ink finds candidates; a fine pass with its centre lines confirms them.
 """
 
 from __future__ import annotations
@@ -123,10 +123,9 @@ class Region:
 
 
 def find_regions(registration: Registration, master: MasterInk) -> tuple[Region, ...]:
-    """What the copy lacks and has too much, as far as it is believed.
+    """Missing strokes and surplus ink, less what displacement may explain.
 
-    Nothing for a copy that plainly lacks nothing and has no more, and for one whose strokes are hairs without
-    a ridge.
+    Nothing for a copy that is plainly complete, and for one whose strokes are too thin to have a ridge.
     """
     if _is_plainly_whole(registration):
         return ()
@@ -135,7 +134,10 @@ def find_regions(registration: Registration, master: MasterInk) -> tuple[Region,
     if not len(ridges.xy):
         return ()
     quick = _lay(copy, ridges, master, points=master.few, settings=SETTINGS.quick_match)
-    extra, extra_at = quick.extra - _doubt(quick, SETTINGS.extra), quick.copy.xy[quick.unexplained]
+    extra, extra_at = (
+        quick.extra - _displacement_discount(quick, SETTINGS.extra),
+        quick.copy.xy[quick.unexplained],
+    )
     missing, missing_at = _confirm_missing(copy, master, quick)
     up = np.array([1.0, -1.0])
     found = (
@@ -146,18 +148,18 @@ def find_regions(registration: Registration, master: MasterInk) -> tuple[Region,
 
 
 def _confirm_missing(copy: InkPoints, master: MasterInk, quick: LaidLines) -> tuple[float, FloatArray]:
-    """The share of the master's ink that is missing at both looks, and where, (n, 2), y down."""
+    """The share of the master's ink that is missing in both passes, and where, (n, 2), y down."""
     first, _ = quick.missing(SETTINGS.quick, master.lines.lines)
-    if first - _doubt(quick, SETTINGS.doubtful) <= SETTINGS.second:
+    if first - _displacement_discount(quick, SETTINGS.doubtful) <= SETTINGS.second:
         return 0.0, np.zeros((0, 2))
     segments = find_segments(copy.framed).points
     full = _lay(copy, segments, master, points=master.lines.points, settings=None)
     second, gone = full.missing(SETTINGS.full, master.lines.lines)
-    return min(first, second) - _doubt(full, SETTINGS.missing), full.master.xy[gone]
+    return min(first, second) - _displacement_discount(full, SETTINGS.missing), full.master.xy[gone]
 
 
-def _doubt(laid: LaidLines, common_and_rate: tuple[float, float]) -> float:
-    """Share of the ink that is not believed, since strokes moved far."""
+def _displacement_discount(laid: LaidLines, common_and_rate: tuple[float, float]) -> float:
+    """Share of the ink that may only seem missing or surplus, because strokes are displaced."""
     common, rate = common_and_rate
     return rate * max(laid.displacement - common, 0.0)
 

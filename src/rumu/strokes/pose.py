@@ -175,7 +175,7 @@ _PARTS = ((False, False), (True, False), (False, True), (True, True))
 
 
 def _fit_robust(master: FloatArray, copy: FloatArray, turn: bool, size: bool) -> CharacterPose:
-    """A pose fitted with Geman and McClure's weights, which forget what lies far off; their reach shrinks."""
+    """A pose fitted with Geman and McClure's weights, which downweight outliers; their reach shrinks."""
     pose = _fit_weighted(master, copy, np.ones(len(master)), turn, size)
     for share in POSE.schedule:
         reach, left = share * POSE.reach, copy - master @ pose.linear.T - pose.shift
@@ -241,7 +241,7 @@ def share_in_place(left: FloatArray, owner: IntArray) -> float:
 
 
 def _count_explained(q: Squeeze, master: FloatArray, copy: FloatArray, owner: IntArray) -> int:
-    """How many strokes it puts in their place: one alone is rather out of place itself."""
+    """How many strokes it explains; with one stroke only, that stroke is displaced instead."""
     k = 0 if q.axis == "across" else 1
     count = np.maximum(np.bincount(owner), 1)
     before, after = (np.bincount(owner, np.abs(copy - to)[:, k]) / count for to in (master, q.apply(master)))

@@ -44,7 +44,7 @@ def find_gaps(strokes: StrokeMatch) -> tuple[StrokeGap, ...]:
     gaps = []
     lines = strokes.master.lines
     steepest = np.tan(np.radians(SETTINGS.slant))
-    for axis in (0, 1):  # lying strokes above each other, standing ones beside each other
+    for axis in (0, 1):  # horizontals one above another, verticals side by side
         along = [bool(abs(line.chord[1 - axis]) < steepest * abs(line.chord[axis])) for line in lines]
         group = [k for k, stroke in enumerate(strokes.strokes) if along[k] and stroke.present]
         group.sort(key=lambda k: float(lines[k].points[:, 1 - axis].mean()))

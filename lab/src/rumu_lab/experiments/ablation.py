@@ -172,7 +172,7 @@ def group_marks(
         for character in np.unique(characters):
             own = characters == character
             scale = fit_scale(evidence[~own], marks[~own], characters[~own].tolist(), names=weighed)
-            given[own] = [scale.weigh_vector(row) for row in evidence[own]]
+            given[own] = [scale.weighted_sum(row) for row in evidence[own]]
         found[name] = np.clip(given, 0.0, 100.0)
     return found
 
