@@ -10,7 +10,7 @@ from PIL import Image
 
 from rumu import pipeline
 from rumu.gallery.starter import find_work, starter_samples
-from rumu.report.overlay import _planar
+from rumu.report.overlay import plane_points
 from rumu.studio.marking import POINTS, alignment, in_cell, mark_facts, residual_facts
 
 
@@ -64,7 +64,7 @@ def test_a_master_lies_on_itself(master):
 def test_the_matrix_agrees_with_the_registration(master):
     sample = starter_samples(work="regular-tian")[2]
     registration = pipeline.assess(sample.path, array(master)).registration
-    copy, _ = _planar(registration)
+    copy, _ = plane_points(registration)
     reference = registration.reference
     there = copy * reference.radius + reference.centre  # from the middle, y up, in fractions of a square cell
     expected = np.column_stack([there[:, 0] + 0.5, 0.5 - there[:, 1]])

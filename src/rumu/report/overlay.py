@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rumu.registration.icp import pose_probe
 from rumu.report.pictures import PAPER, RESIDUAL_STOPS, Picture, colour_scale
 from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
 
@@ -38,7 +39,7 @@ def overlay_picture(
     points that the copy does not cover are blue rings.
     """
     settings = settings or OverlaySettings()
-    copy, model = _planar(registration)
+    copy, model = plane_points(registration)
     reach = max(np.abs(copy).max(), np.abs(model).max()) * (1 + settings.margin)
     scale = settings.side / float(reach)  # the canvas is twice the picture and spans twice the reach
     canvas = _master_ink(master.mask, registration.reference, settings, scale)
@@ -57,18 +58,16 @@ def overlay_picture(
 def uncovered_share(registration: Registration, *, settings: OverlaySettings | None = None) -> float:
     """Share of the master's points, in [0, 1], that no point of the copy comes near."""
     settings = settings or OverlaySettings()
-    copy, model = _planar(registration)
+    copy, model = plane_points(registration)
     return float(np.mean(_distances(model, copy) > settings.missing))
 
 
-def _planar(registration: Registration) -> tuple[FloatArray, FloatArray]:
+def plane_points(registration: Registration) -> tuple[FloatArray, FloatArray]:
     """(N, 2) points of the copy, posed, and (M, 2) points of the master: what an eye sees.
 
     The registration's own residuals also hold height and stroke direction, which a flat picture cannot show.
     """
-    pose = registration.T_reference_probe
-    copy = np.asarray(registration.probe.xyz @ pose[:3, :3].T + pose[:3, 3])
-    return copy[:, :2], registration.reference.xyz[:, :2]
+    return pose_probe(registration)[:, :2], registration.reference.xyz[:, :2]
 
 
 def _distances(a: FloatArray, b: FloatArray) -> FloatArray:

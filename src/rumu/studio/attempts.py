@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
@@ -17,8 +17,10 @@ from rumu.gallery.store import Gallery, Store
 from rumu.studio.access import attempts_of, find_visible_attempt
 from rumu.studio.classes import find_row
 from rumu.studio.errors import NotAllowed, Unusable
-from rumu.studio.marking import MarkedCopy
 from rumu.studio.people import Identity
+
+if TYPE_CHECKING:
+    from rumu.studio.marking import MarkedCopy
 
 KINDS = ("pen", "photo")
 GRIDS = ("", "mi", "jiu", "tian")

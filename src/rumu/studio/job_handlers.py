@@ -8,7 +8,6 @@ from typing import Any
 
 from sqlalchemy import select
 
-from rumu import pipeline
 from rumu.database.tables import Attempt, Job, Work, now
 from rumu.errors import RumuError
 from rumu.gallery import catalog
@@ -18,7 +17,6 @@ from rumu.gallery.starter import Sample, starter_samples
 from rumu.gallery.store import Gallery
 from rumu.studio.attempts import add_attempt
 from rumu.studio.job_queue import CancelledError, Progress, failure_values, update_running
-from rumu.studio.marking import load_calibration_of, mark_copy
 from rumu.studio.storage import Storage
 from rumu.studio.uploads import import_zip
 
@@ -109,6 +107,9 @@ def add_samples(gallery: Gallery, *, storage: Storage) -> int:
 
     Returns how many were missing; a second call changes nothing.
     """
+    from rumu import pipeline
+    from rumu.studio.marking import load_calibration_of, mark_copy
+
     missing = missing_samples(gallery)
     calibration = load_calibration_of(storage)
     for sample, work in missing:

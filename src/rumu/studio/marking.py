@@ -16,7 +16,7 @@ from rumu.assessment.calibration import LEVELS as CUTS  # the scores at which le
 from rumu.assessment.calibration import Calibration, load_calibration
 from rumu.assessment.measurement import PreparedMaster
 from rumu.registration.points import RADIUS
-from rumu.report.overlay import OverlaySettings
+from rumu.report.overlay import OverlaySettings, plane_points
 from rumu.report.wording import LEVELS, PARTS, SOURCES, kind_name
 from rumu.studio.pictures import UprightPicture, normalise_picture
 from rumu.studio.storage import Storage
@@ -86,7 +86,7 @@ def residual_facts(registration: Registration) -> dict[str, list[list[float]]]:
     x, y: fractions of the cell of this writing, origin top left. r: distance in the plane to the nearest
     point of the other writing once the copy is laid on the master, from 0 to 1 at 0.3 rms radii or more.
     """
-    copy, master = _plane_points(registration)
+    copy, master = plane_points(registration)
     sides = (
         ("copy", registration.probe, copy, master),
         ("master", registration.reference, master, copy),
@@ -127,13 +127,6 @@ def _linear(points: PointSet) -> FloatArray:
     """Return (2, 2): from fractions of the cell, y down, to fractions of its longer side, y up."""
     width, height = points.cell
     return np.array([[width, 0.0], [0.0, -height]])
-
-
-def _plane_points(registration: Registration) -> tuple[FloatArray, FloatArray]:
-    """Return (x, y) of the points of the copy, laid on the master, and of the master."""
-    pose = registration.T_reference_probe
-    copy = registration.probe.xyz @ pose[:3, :3].T + pose[:3, 3]
-    return np.asarray(copy[:, :2]), registration.reference.xyz[:, :2]
 
 
 def _thin_out(points: FloatArray) -> IntArray:

@@ -7,13 +7,13 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rumu.studio import job_handlers, uploads
-from rumu.studio.marking import MarkedCopy, load_calibration_of, mark_copy
 from rumu.studio.storage import Storage
 
 if TYPE_CHECKING:
     from rumu.assessment.measurement import PreparedMaster
     from rumu.gallery.derived import DerivedFile
     from rumu.gallery.store import Gallery
+    from rumu.studio.marking import MarkedCopy
 
 _MAX_MASTERS = 12  # prepared masters that stay in memory of each process
 
@@ -22,6 +22,7 @@ def warm_up(storage: Storage) -> int:
     """Load everything that a mark needs by marking a starter work against itself; return the process id."""
     from rumu import pipeline
     from rumu.gallery.starter import starter_works
+    from rumu.studio.marking import load_calibration_of
 
     work = starter_works(script="regular")[0]
     pipeline.assess(work.path, work.path, calibration=load_calibration_of(storage))
@@ -34,6 +35,8 @@ def mark(storage: Storage, *, data: bytes, work_id: str, digest: str, script: st
 
     Raises Unusable when it is no picture.
     """
+    from rumu.studio.marking import load_calibration_of, mark_copy
+
     master = _prepare_master(storage, work_id, digest)
     return mark_copy(data, master, script=script, calibration=load_calibration_of(storage))
 
