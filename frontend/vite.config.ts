@@ -4,6 +4,7 @@ import { defineConfig } from "vitest/config";
 // The pages of `rumu serve`. Built into the package; not committed.
 export default defineConfig({
   plugins: [preact()],
+  base: "./", // the pages work under any path of a host: all addresses are relative to the page
   build: {
     outDir: "../src/rumu/web/static",
     emptyOutDir: true,

@@ -119,3 +119,15 @@ def test_every_module_of_a_test_has_a_module_to_test():
         if not (SRC / package.name / name).exists() and not (ROOT / "scripts" / name).exists()
     ]
     assert not without_module
+
+
+def test_the_pages_address_the_service_relative_to_themselves():
+    """'/api/works' would leave the path under which a proxy shows the service; 'api/works' stays below it."""
+    sources = [*(ROOT / "frontend" / "src").rglob("*.ts*"), *(ROOT / "frontend" / "standalone").rglob("*.ts*")]
+    absolute = [
+        f"{source.relative_to(ROOT).as_posix()}:{number}"
+        for source in sources
+        for number, line in enumerate(source.read_text("utf-8").splitlines(), start=1)
+        if re.search(r"[\"'`]/(api|iiif|assets)/", line)
+    ]
+    assert sources and not absolute

@@ -17,7 +17,7 @@ export class ServiceError extends Error {
 }
 
 export async function refreshSession(): Promise<SessionFacts> {
-  const facts = await get<SessionFacts>("/api/session");
+  const facts = await get<SessionFacts>("api/session");
   session.value = facts;
   return facts;
 }

@@ -71,7 +71,7 @@ function Header({ path }: { path: string }) {
   return (
     <header class="top">
       <a class="brand" href="#/">
-        <img src="/seal.svg" alt="" width="28" height="28" />
+        <img src="seal.svg" alt="" width="28" height="28" />
         <span>入木</span> <small>rumu</small>
       </a>
       <nav aria-label={common("menu")}>
@@ -111,7 +111,7 @@ function Header({ path }: { path: string }) {
 const isWithin = (path: string, href: string): boolean => (href === "/" ? path.startsWith("/works/") : path.startsWith(`${href}/`));
 
 async function logout(): Promise<void> {
-  await post("/api/logout");
+  await post("api/logout");
   await refreshSession();
   navigate("/");
 }

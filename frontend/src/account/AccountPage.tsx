@@ -29,7 +29,7 @@ function ChangePassword() {
     setSubmitted(true);
     if (passwordProblem(...next, person.name)) return;
     try {
-      await post("/api/password", { old: current, new: next[0] });
+      await post("api/password", { old: current, new: next[0] });
       await refreshSession();
       setState("done");
       setCurrent("");

@@ -14,7 +14,7 @@ export function InvitationLink({ role, classId, onCreated }: { role: Role; class
   const [copied, setCopied] = useState(false);
   const [error, setError] = useState<unknown>(null);
   const make = () =>
-    post<NewInvitation>("/api/invitations", { role, ...(classId ? { class_id: classId } : {}) }).then((done) => {
+    post<NewInvitation>("api/invitations", { role, ...(classId ? { class_id: classId } : {}) }).then((done) => {
       setCreated({ ...done, link: new URL(done.link, location.origin).href });
       setCopied(false);
       setError(null);

@@ -13,7 +13,7 @@ import "./account.css";
 type Invitation = { role: Role; class: { id: string; name: string } | null };
 
 export default function JoinPage({ params }: PageProps) {
-  const url = `/api/invitations/${encodeURIComponent(params["token"] ?? "")}`;
+  const url = `api/invitations/${encodeURIComponent(params["token"] ?? "")}`;
   const loaded = useLoaded((signal) => get<Invitation>(url, signal), url);
   if (loaded.error)
     return (

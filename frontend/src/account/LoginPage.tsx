@@ -17,7 +17,7 @@ export default function LoginPage({ query }: PageProps) {
     event.preventDefault();
     setBusy(true);
     try {
-      await post("/api/login", { name, password });
+      await post("api/login", { name, password });
       await refreshSession();
       navigate(returnPath(back));
     } catch (reason) {

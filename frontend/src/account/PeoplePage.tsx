@@ -22,10 +22,10 @@ export default function PeoplePage(_: PageProps) {
 }
 
 function PeopleTable() {
-  const loaded = useLoaded((signal) => get<Account[]>("/api/people", signal), "people");
+  const loaded = useLoaded((signal) => get<Account[]>("api/people", signal), "people");
   const [error, setError] = useState<unknown>(null);
   const change = (id: string, part: Partial<Account>) =>
-    patch(`/api/people/${id}`, part).then(
+    patch(`api/people/${id}`, part).then(
       () => (setError(null), loaded.retry()),
       (reason: unknown) => (setError(reason), loaded.retry()),
     );

@@ -51,8 +51,8 @@ function SendForm({ source }: { source: Source }) {
     setError(null);
     clearLastList();
     try {
-      if (source === "addImage") navigate(`/works/${encodeURIComponent((await post<Work>("/api/works", form)).id)}`);
-      else setStarted((await post<{ job: Job }>("/api/imports", form)).job);
+      if (source === "addImage") navigate(`/works/${encodeURIComponent((await post<Work>("api/works", form)).id)}`);
+      else setStarted((await post<{ job: Job }>("api/imports", form)).job);
     } catch (problem) {
       setError(problem);
     } finally {
@@ -106,7 +106,7 @@ function Method() {
 }
 
 function CollectionField({ hint = "" }: { hint?: string }) {
-  const loaded = useLoaded((signal) => get<{ id: string; title: { zh: string; en: string } }[]>("/api/collections", signal), "all");
+  const loaded = useLoaded((signal) => get<{ id: string; title: { zh: string; en: string } }[]>("api/collections", signal), "all");
   return (
     <Field label={t("collectionId")} hint={hint}>
       <input name="collection" list="collections" maxLength={100} />

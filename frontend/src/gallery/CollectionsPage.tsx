@@ -15,7 +15,7 @@ const THUMB_COUNT = 4;
 type Collection = { id: string; title: Bilingual; note?: Bilingual; source?: string; licence?: string; works?: number };
 
 export default function CollectionsPage(_: PageProps) {
-  const loaded = useLoaded((signal) => get<Collection[] | { items: Collection[] }>("/api/collections", signal), "all");
+  const loaded = useLoaded((signal) => get<Collection[] | { items: Collection[] }>("api/collections", signal), "all");
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
   const items = Array.isArray(loaded.value) ? loaded.value : loaded.value.items;
@@ -36,7 +36,7 @@ export default function CollectionsPage(_: PageProps) {
 }
 
 function CollectionItem({ item }: { item: Collection }) {
-  const url = `/api/works?collection=${encodeURIComponent(item.id)}&limit=${THUMB_COUNT}`;
+  const url = `api/works?collection=${encodeURIComponent(item.id)}&limit=${THUMB_COUNT}`;
   const works = useLoaded((signal) => get<Page<WorkCard>>(url, signal), item.id);
   const count = item.works ?? works.value?.total;
   return (

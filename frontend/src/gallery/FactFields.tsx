@@ -61,7 +61,7 @@ function Spacing({ value }: { value: number | null }) {
 }
 
 function Dynasty({ value = "" }: { value?: string | undefined }) {
-  const facets = useLoaded((signal) => get<Facets>("/api/facets", signal), "all");
+  const facets = useLoaded((signal) => get<Facets>("api/facets", signal), "all");
   return (
     <Field label={t("dynasty")}>
       <input name="dynasty" list="dynasties" maxLength={40} defaultValue={value} />

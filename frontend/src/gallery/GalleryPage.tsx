@@ -19,7 +19,7 @@ export default function GalleryPage({ query }: PageProps) {
   const filters = readFilters(query);
   const key = writeFilters(filters).toString();
   const change = (next: Filters) => replaceQuery(writeFilters(next));
-  const facets = useLoaded((signal) => get<Facets>(`/api/facets${asQuery(filters)}`, signal), key);
+  const facets = useLoaded((signal) => get<Facets>(`api/facets${asQuery(filters)}`, signal), key);
   useEffect(() => {
     if (facets.value) dynasties.value = new Map([...dynasties.value, ...facets.value.dynasty.map((f) => [f.value, f] as const)]);
   }, [facets.value]);
@@ -120,7 +120,7 @@ function WorkList({ name, filters }: { name: string; filters: Filters }) {
     busy.current = true;
     setError(null);
     try {
-      const url = `/api/works${asQuery({ ...filters, offset: items.length, limit: PAGE })}`;
+      const url = `api/works${asQuery({ ...filters, offset: items.length, limit: PAGE })}`;
       const page = await get<Page<WorkCard>>(url, alive.current.signal);
       setItems((before) => [...before, ...page.items]);
       setTotal(page.total);

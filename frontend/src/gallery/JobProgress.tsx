@@ -14,7 +14,7 @@ export function useJob(initial: Job | null): Job | null {
   useEffect(() => {
     setJob(initial);
     if (!initial || FINISHED_STATES.has(initial.state)) return;
-    const events = new EventSource(`/api/jobs/${initial.id}/events`);
+    const events = new EventSource(`api/jobs/${initial.id}/events`);
     events.onmessage = (event: MessageEvent<string>) => {
       const now = JSON.parse(event.data) as Job;
       setJob(now);
@@ -35,7 +35,7 @@ export function JobProgress({ job }: { job: Job }) {
       {job.state === "queued" || (job.state === "running" && !job.total) ? <progress aria-label={t("runningJob")} /> : <progress aria-label={t("runningJob")} value={job.state === "done" ? 1 : job.done} max={job.state === "done" ? 1 : job.total || 1} />}
       {job.message && !ended && <p class="note">{messageInOneLanguage(job.message)}</p>}
       {job.error && <p class="trouble" role="alert">{localize(job.error)}</p>}
-      {!ended && <button type="button" class="quiet" onClick={() => void post(`/api/jobs/${job.id}/cancel`)}>{t("stop")}</button>}
+      {!ended && <button type="button" class="quiet" onClick={() => void post(`api/jobs/${job.id}/cancel`)}>{t("stop")}</button>}
       {job.state === "done" && <Outcome result={job.result} />}
     </section>
   );

@@ -13,7 +13,7 @@ export function NoteForm({ work, note, onClose, onSaved }: { work: string; note:
   const [error, setError] = useState<unknown>(null);
   const save = async (event: Event) => {
     event.preventDefault();
-    const url = `/api/works/${encodeURIComponent(work)}/annotations`;
+    const url = `api/works/${encodeURIComponent(work)}/annotations`;
     const body = { x: note.x, y: note.y, title, text };
     try {
       onSaved(await (note.id ? patch<Annotation>(`${url}/${note.id}`, body) : post<Annotation>(url, body)));

@@ -37,12 +37,12 @@ export function TourEditor({ tour, at, onMove, onChange, view }: Props) {
     await act().catch(setError);
   };
   const save = () => attempt(async () => {
-    await patch(`/api/tours/${encodeURIComponent(tour.id)}`, { title: tour.title, steps: tour.steps });
+    await patch(`api/tours/${encodeURIComponent(tour.id)}`, { title: tour.title, steps: tour.steps });
     setMessage(t("saved"));
   });
   const deleteTour = () => attempt(async () => {
     if (!confirm(t("sureRemove"))) return;
-    await remove(`/api/tours/${encodeURIComponent(tour.id)}`);
+    await remove(`api/tours/${encodeURIComponent(tour.id)}`);
     navigate("/tours");
   });
   return (

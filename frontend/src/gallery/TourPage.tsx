@@ -19,7 +19,7 @@ const ANIMATION_MS = 1600;
 
 export default function TourPage({ params, query }: PageProps) {
   const id = params.id ?? "";
-  const loaded = useLoaded((signal) => get<Tour>(`/api/tours/${encodeURIComponent(id)}`, signal), id);
+  const loaded = useLoaded((signal) => get<Tour>(`api/tours/${encodeURIComponent(id)}`, signal), id);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
   return <TourView key={id} initial={loaded.value} query={query} />;

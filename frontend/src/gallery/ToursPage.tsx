@@ -11,14 +11,14 @@ import "./gallery.css";
 import "./work.css";
 
 export default function ToursPage(_: PageProps) {
-  const loaded = useLoaded((signal) => get<Tour[] | { items: Tour[] }>("/api/tours", signal), "all");
+  const loaded = useLoaded((signal) => get<Tour[] | { items: Tour[] }>("api/tours", signal), "all");
   const [error, setError] = useState<unknown>(null);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
   const items = Array.isArray(loaded.value) ? loaded.value : loaded.value.items;
   const begin = async () => {
     try {
-      const tour = await post<Tour>("/api/tours", { title: { zh: "新導覽", en: "New tour" }, steps: [] });
+      const tour = await post<Tour>("api/tours", { title: { zh: "新導覽", en: "New tour" }, steps: [] });
       navigate(`/tours/${tour.id}?edit=1`);
     } catch (problem) {
       setError(problem);
@@ -38,7 +38,7 @@ export default function ToursPage(_: PageProps) {
           <li class="collection-card tour-card" key={tour.id}>
             <a class="collection-works" href={`#/tours/${tour.id}`} tabIndex={-1} aria-hidden="true">
               {[...new Set(tour.steps.map((step) => step.work))].slice(0, 4).map((work) => (
-                <span class="thumb" key={work}><img src={`/api/works/${encodeURIComponent(work)}/files/thumb`} alt="" loading="lazy" /></span>
+                <span class="thumb" key={work}><img src={`api/works/${encodeURIComponent(work)}/files/thumb`} alt="" loading="lazy" /></span>
               ))}
             </a>
             <div>

@@ -46,7 +46,7 @@ export function WorkForm({ work, onClose, onSaved }: { work: Work; onClose: () =
 async function saveChanges(work: Work, form: FormData): Promise<Edited> {
   const changes = changesOf(work, form);
   if (!Object.keys(changes).length) return { work, facts: null };
-  const url = `/api/works/${encodeURIComponent(work.id)}`;
+  const url = `api/works/${encodeURIComponent(work.id)}`;
   const changed = await patch<Work>(url, changes);
   clearLastList();
   // The size of a pixel changes the heights and their unit.

@@ -19,7 +19,7 @@ import "./work.css";
 
 const WRITE_DELAY_MS = 300;
 
-const workUrl = (id: string): string => `/api/works/${encodeURIComponent(id)}`;
+const workUrl = (id: string): string => `api/works/${encodeURIComponent(id)}`;
 
 /** A work and the viewer's data for it. */
 export async function loadWork(id: string, signal: AbortSignal): Promise<{ work: Work; facts: ViewerFacts }> {

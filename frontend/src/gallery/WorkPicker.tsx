@@ -13,7 +13,7 @@ type Props = { title: string; not?: string; onClose: () => void; onChoose: (work
 
 export function WorkPicker({ title, not, onClose, onChoose }: Props) {
   const [q, setQ] = useState("");
-  const loaded = useLoaded((signal) => get<Page<WorkCard>>(`/api/works${query({ q: q.trim(), limit: MAX_RESULTS })}`, signal), q.trim());
+  const loaded = useLoaded((signal) => get<Page<WorkCard>>(`api/works${query({ q: q.trim(), limit: MAX_RESULTS })}`, signal), q.trim());
   return (
     <Dialog title={title} onClose={onClose}>
       <input type="search" aria-label={t("search")} placeholder={t("searchHint")} value={q} onInput={(event) => setQ(event.currentTarget.value)} />

@@ -16,14 +16,14 @@ import "./studio.css";
 export default function AttemptPage({ params }: PageProps) {
   const id = params["id"] ?? "";
   const viewer = session.value?.person?.id ?? ""; // loaded again once it is known who is logged in
-  const loaded = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), `${id} ${viewer}`);
+  const loaded = useLoaded((signal) => get<Attempt>(`api/attempts/${id}`, signal), `${id} ${viewer}`);
   const [error, setError] = useState<unknown>(null);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
   const attempt = loaded.value;
   const person = session.value?.person ?? null;
   const isOwn = person !== null && attempt.person?.id === person.id;
-  const deleteAttempt = () => confirm(t("deleteSure")) && remove(`/api/attempts/${id}`).then(() => navigate("/practice"), setError);
+  const deleteAttempt = () => confirm(t("deleteSure")) && remove(`api/attempts/${id}`).then(() => navigate("/practice"), setError);
   return (
     <div class="attempt-page">
       <MasterHeader work={attempt.work}>
@@ -82,7 +82,7 @@ export function GiveMark({ attempt, existing, onChange }: { attempt: { id: strin
   const [state, setState] = useState<"" | "saved" | { error: unknown }>("");
   const save = (event: Event) => {
     event.preventDefault();
-    put(`/api/attempts/${attempt.id}/mark`, { mark: Number(mark), note }).then(
+    put(`api/attempts/${attempt.id}/mark`, { mark: Number(mark), note }).then(
       () => (setState("saved"), onChange()),
       (error: unknown) => setState({ error }),
     );

@@ -21,7 +21,7 @@ export default function ChooseMasterPage({ query: params }: PageProps) {
   const search = useDebounced(text, TYPING_DELAY_MS);
   const task = params.get("task");
   useEffect(() => replaceQuery(new URLSearchParams(query({ q: search, script, task }).slice(1))), [search, script]);
-  const url = `/api/works${query({ q: search, script, limit })}`;
+  const url = `api/works${query({ q: search, script, limit })}`;
   const loaded = useLoaded((signal) => get<Page<WorkCard>>(url, signal), url);
   const nothingAsked = !search && !script;
   return (
@@ -94,12 +94,12 @@ function Recent() {
 
 async function recentCards(person: string, signal: AbortSignal): Promise<WorkCard[]> {
   const practised = person
-    ? (await get<Page<Attempt>>(`/api/attempts${query({ person, limit: 60 })}`, signal)).items.map((attempt) => attempt.work)
+    ? (await get<Page<Attempt>>(`api/attempts${query({ person, limit: 60 })}`, signal)).items.map((attempt) => attempt.work)
     : [];
   const known = new Set(practised.map((work) => work.id));
   const viewed = recentWorks().filter((id) => !known.has(id));
   const rest = await Promise.all(
-    viewed.slice(0, 8).map((id) => get<WorkCard>(`/api/works/${encodeURIComponent(id)}`, signal).catch(() => null)),
+    viewed.slice(0, 8).map((id) => get<WorkCard>(`api/works/${encodeURIComponent(id)}`, signal).catch(() => null)),
   );
   const all = [...practised, ...rest.filter((work): work is WorkCard => work !== null)];
   return [...new Map(all.map((work) => [work.id, work])).values()].slice(0, 8);

@@ -32,7 +32,7 @@ function RenameDialog({ id, name, onClose, onSaved }: ClassInfo & { onClose: () 
   const [error, setError] = useState<unknown>(null);
   const save = (event: Event) => {
     event.preventDefault();
-    patch(`/api/classes/${id}`, { name: text.trim() }).then(onSaved, setError);
+    patch(`api/classes/${id}`, { name: text.trim() }).then(onSaved, setError);
   };
   return (
     <Dialog title={t("renameClass")} onClose={onClose}>
@@ -56,7 +56,7 @@ function DeleteDialog({ id, name, pupils, tasks, onClose }: ClassInfo & { onClos
   const [sending, setSending] = useState(false);
   const deleteClass = () => {
     setSending(true);
-    remove(`/api/classes/${id}`).then(
+    remove(`api/classes/${id}`).then(
       () => navigate("/classes"),
       (problem: unknown) => (setError(problem), setSending(false)),
     );

@@ -24,7 +24,7 @@ export default function ClassPage({ params }: PageProps) {
 }
 
 function ClassView({ id }: { id: string }) {
-  const loaded = useLoaded((signal) => get<SchoolClass>(`/api/classes/${id}`, signal), id);
+  const loaded = useLoaded((signal) => get<SchoolClass>(`api/classes/${id}`, signal), id);
   const teaches = session.value?.person?.role !== "pupil";
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
@@ -59,7 +59,7 @@ function ClassView({ id }: { id: string }) {
 function Pupils({ pupils, classId, onChange }: { pupils: Pupil[]; classId: string; onChange: () => void }) {
   const [error, setError] = useState<unknown>(null);
   const takeOut = (pupil: Pupil) =>
-    confirm(`${t("takeOutOne", { name: pupil.name })}?`) && remove(`/api/classes/${classId}/pupils/${pupil.id}`).then(onChange, setError);
+    confirm(`${t("takeOutOne", { name: pupil.name })}?`) && remove(`api/classes/${classId}/pupils/${pupil.id}`).then(onChange, setError);
   return (
     <>
       <ul class="pupils">
@@ -110,7 +110,7 @@ function NewTask({ classId }: { classId: string }) {
     event.preventDefault();
     if (!master) return;
     const until = due ? new Date(`${due}T23:59`).toISOString() : null;
-    post<{ id: string }>(`/api/classes/${classId}/tasks`, { work: master.id, title: title.trim() || localize(master.title), note, due: until }).then(
+    post<{ id: string }>(`api/classes/${classId}/tasks`, { work: master.id, title: title.trim() || localize(master.title), note, due: until }).then(
       (made) => navigate(`/tasks/${made.id}`),
       setError,
     );
@@ -140,7 +140,7 @@ function NewTask({ classId }: { classId: string }) {
 
 function PickMaster({ chosen, onChoose }: { chosen: WorkCard | null; onChoose: (work: WorkCard) => void }) {
   const [text, setText] = useState("");
-  const url = `/api/works${query({ q: text, limit: 24 })}`;
+  const url = `api/works${query({ q: text, limit: 24 })}`;
   const loaded = useLoaded((signal) => get<Page<WorkCard>>(url, signal), url);
   return (
     <fieldset class="pick-master">

@@ -18,7 +18,7 @@ export default function ClassesPage(_: PageProps) {
 }
 
 function ClassList() {
-  const loaded = useLoaded((signal) => get<ClassCard[]>("/api/classes", signal), "classes");
+  const loaded = useLoaded((signal) => get<ClassCard[]>("api/classes", signal), "classes");
   const teaches = session.value?.person?.role !== "pupil";
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
@@ -38,7 +38,7 @@ function ClassList() {
       </ul>
       {teaches && (
         <p>
-          <a class="button quiet" href="/api/marks.zip" download="marks.zip">
+          <a class="button quiet" href="api/marks.zip" download="marks.zip">
             {t("allMarksZip")}
           </a>
         </p>
@@ -53,7 +53,7 @@ function NewClass() {
   const [error, setError] = useState<unknown>(null);
   const make = (event: Event) => {
     event.preventDefault();
-    post<{ id: string }>("/api/classes", { name: name.trim() }).then((made) => navigate(`/classes/${made.id}`), setError);
+    post<{ id: string }>("api/classes", { name: name.trim() }).then((made) => navigate(`/classes/${made.id}`), setError);
   };
   return (
     <form class="panel new-class" onSubmit={make}>

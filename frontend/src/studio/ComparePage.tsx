@@ -30,7 +30,7 @@ function CompareView({ params }: { params: string | null }) {
   const [error, setError] = useState<unknown>(null);
   const [busy, setBusy] = useState(false);
   const [before, setBefore] = useState<Pair | null>(null);
-  const loaded = useLoaded((signal) => get<Pair | null>(`/api/comparisons/next${query({ work })}`, signal), `${work} ${turn}`);
+  const loaded = useLoaded((signal) => get<Pair | null>(`api/comparisons/next${query({ work })}`, signal), `${work} ${turn}`);
   const pair = loaded.fresh ? loaded.value : undefined;
   const began = useRef(0);
   useEffect(() => void (began.current = performance.now()), [pair]);
@@ -39,7 +39,7 @@ function CompareView({ params }: { params: string | null }) {
     setBusy(true);
     try {
       const seconds = Math.round(performance.now() - began.current) / 1000;
-      await post("/api/comparisons", { left: pair.left.id, right: pair.right.id, winner, seconds });
+      await post("api/comparisons", { left: pair.left.id, right: pair.right.id, winner, seconds });
       setBefore(pair);
       setError(null);
       setTurn((n) => n + 1);
@@ -57,7 +57,7 @@ function CompareView({ params }: { params: string | null }) {
         <p class="row">
           <PickWork chosen={work} also={pair?.work ?? before?.work ?? null} onChoose={(id) => (setWork(id), replaceQuery(new URLSearchParams(query({ work: id }).slice(1))))} />
           {session.value?.person?.role !== "pupil" && (
-            <a class="button quiet" href="/api/comparisons.csv" download="comparisons.csv">
+            <a class="button quiet" href="api/comparisons.csv" download="comparisons.csv">
               CSV
             </a>
           )}
@@ -122,7 +122,7 @@ function SimulatedNote({ pair }: { pair: Pair }) {
 
 /** A choice of the masters whose copies can be compared. */
 function PickWork({ chosen, also, onChoose }: { chosen: string | null; also: WorkCard | null; onChoose: (id: string | null) => void }) {
-  const loaded = useLoaded((signal) => get<Page<Attempt>>(`/api/attempts${query({ limit: MANY })}`, signal), "attempts");
+  const loaded = useLoaded((signal) => get<Page<Attempt>>(`api/attempts${query({ limit: MANY })}`, signal), "attempts");
   const works = worksToCompare(loaded.value?.items ?? []);
   if (also && !works.some((work) => work.id === also.id)) works.push(also);
   return (

@@ -26,7 +26,7 @@ type PracticeData = { person: { id: string; name: string }; works: Practised[] }
 /** person: the pupil whose practice a teacher looks at; null for one's own. */
 function PracticeView({ chosen, person }: { chosen: string | null; person: string | null }) {
   const [work, setWork] = useState(chosen);
-  const loaded = useLoaded((signal) => get<PracticeData>(`/api/practice${query({ person })}`, signal), `practice ${person}`);
+  const loaded = useLoaded((signal) => get<PracticeData>(`api/practice${query({ person })}`, signal), `practice ${person}`);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
   const { works, person: writer } = loaded.value;
@@ -52,10 +52,10 @@ function PracticeView({ chosen, person }: { chosen: string | null; person: strin
       <header class="page-head">
         <h1>{title}</h1>
         <p class="row">
-          <a class="button quiet" href={`/api/practice.csv${query({ person })}`} download="practice.csv">
+          <a class="button quiet" href={`api/practice.csv${query({ person })}`} download="practice.csv">
             CSV
           </a>
-          <a class="button quiet" href={`/api/practice.pdf${query({ work: selected.work.id, person, language: language.value })}`} target="_blank" rel="noreferrer">
+          <a class="button quiet" href={`api/practice.pdf${query({ work: selected.work.id, person, language: language.value })}`} target="_blank" rel="noreferrer">
             {t("pdf")}
           </a>
         </p>
@@ -104,7 +104,7 @@ function BestAndLast({ curve }: { curve: ScorePoint[] }) {
   const marked = curve.filter((point) => point.score !== null);
   const best = marked.reduce<ScorePoint | null>((top, point) => (top && top.score! >= point.score! ? top : point), null);
   const ids = [best?.id, curve.at(-1)?.id].filter((id): id is string => id !== undefined);
-  const loaded = useLoaded((signal) => Promise.all(ids.map((id) => get<Attempt>(`/api/attempts/${id}`, signal))), ids.join(" "));
+  const loaded = useLoaded((signal) => Promise.all(ids.map((id) => get<Attempt>(`api/attempts/${id}`, signal))), ids.join(" "));
   return (
     <section class="panel" aria-label={t("bestAndLast")}>
       <h2>{t("bestAndLast")}</h2>
@@ -124,11 +124,11 @@ function Attempts({ work, person, onChange }: { work: WorkCard; person: string; 
   const [limit, setLimit] = useState(PAGE_SIZE);
   const [asking, setAsking] = useState<string | null>(null);
   const [error, setError] = useState<unknown>(null);
-  const url = `/api/attempts${query({ work: work.id, person, limit })}`;
+  const url = `api/attempts${query({ work: work.id, person, limit })}`;
   const loaded = useLoaded((signal) => get<Page<Attempt>>(url, signal), url);
   const deleteAttempt = (id: string) => {
     setAsking(null);
-    remove(`/api/attempts/${id}`).then(() => (loaded.retry(), onChange()), setError);
+    remove(`api/attempts/${id}`).then(() => (loaded.retry(), onChange()), setError);
   };
   if (loaded.error) return <ErrorMessage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;

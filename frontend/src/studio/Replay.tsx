@@ -35,7 +35,7 @@ export function Replay({ attempt }: { attempt: Attempt }) {
   const [running, setRunning] = useState(false);
   const whole = strokes ? replayDuration(strokes) : 0;
   useEffect(() => {
-    get(`/api/attempts/${attempt.id}/strokes`).then((saved) => {
+    get(`api/attempts/${attempt.id}/strokes`).then((saved) => {
       const parsed = parseStrokes(saved);
       setStrokes(parsed);
       setAt(replayDuration(parsed));

@@ -24,7 +24,7 @@ export default function TaskPage({ params }: PageProps) {
 }
 
 function TaskView({ id }: { id: string }) {
-  const loaded = useLoaded((signal) => get<TaskData>(`/api/tasks/${id}`, signal), id);
+  const loaded = useLoaded((signal) => get<TaskData>(`api/tasks/${id}`, signal), id);
   const teaches = session.value?.person?.role !== "pupil";
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
@@ -57,7 +57,7 @@ const WriteLink = ({ task }: { task: TaskCard }) => (
 function WithdrawTask({ task }: { task: TaskCard & { class_id: string } }) {
   const [error, setError] = useState<unknown>(null);
   const takeBack = () =>
-    confirm(t("takeBackSure")) && remove(`/api/tasks/${task.id}`).then(() => navigate(`/classes/${task.class_id}`), setError);
+    confirm(t("takeBackSure")) && remove(`api/tasks/${task.id}`).then(() => navigate(`/classes/${task.class_id}`), setError);
   return (
     <>
       <button type="button" class="quiet small" onClick={takeBack}>
@@ -114,10 +114,10 @@ function MarksTable({ data, onChange }: { data: TaskData; onChange: () => void }
         </div>
         {!rows.length && <p class="note">{t("noRows")}</p>}
         <p class="row">
-          <a class="button quiet" href={`/api/tasks/${task.id}/marks.csv`} download="marks.csv">
+          <a class="button quiet" href={`api/tasks/${task.id}/marks.csv`} download="marks.csv">
             marks.csv
           </a>
-          <a class="button quiet" href={`/api/tasks/${task.id}/marks.zip`} download="marks.zip">
+          <a class="button quiet" href={`api/tasks/${task.id}/marks.zip`} download="marks.zip">
             {t("marksZip")}
           </a>
         </p>
@@ -154,7 +154,7 @@ function CommonRemarks({ data }: { data: TaskData }) {
 }
 
 function MarkCopy({ id, onChange }: { id: string; onChange: () => void }) {
-  const loaded = useLoaded((signal) => get<Attempt>(`/api/attempts/${id}`, signal), id);
+  const loaded = useLoaded((signal) => get<Attempt>(`api/attempts/${id}`, signal), id);
   if (loaded.error) return <ErrorMessage error={loaded.error} />;
   if (!loaded.value) return <Loading />;
   const attempt = loaded.value;
@@ -183,7 +183,7 @@ function MarkCopy({ id, onChange }: { id: string; onChange: () => void }) {
 }
 
 function OwnCopies({ task }: { task: TaskCard }) {
-  const url = `/api/attempts${query({ task: task.id, person: session.value?.person?.id, limit: 60 })}`;
+  const url = `api/attempts${query({ task: task.id, person: session.value?.person?.id, limit: 60 })}`;
   const loaded = useLoaded((signal) => get<Page<Attempt>>(url, signal), url);
   if (loaded.error) return <ErrorMessage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;

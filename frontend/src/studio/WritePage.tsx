@@ -25,7 +25,7 @@ type Medium = (typeof MEDIA)[number];
 
 export default function WritePage({ params, query }: PageProps) {
   const id = params["id"] ?? "";
-  const loaded = useLoaded((signal) => get<Work>(`/api/works/${encodeURIComponent(id)}`, signal), id);
+  const loaded = useLoaded((signal) => get<Work>(`api/works/${encodeURIComponent(id)}`, signal), id);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
   return <WriteView key={id} work={loaded.value} task={query.get("task")} />;

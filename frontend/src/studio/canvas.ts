@@ -83,4 +83,4 @@ function loaded(source: string | Blob): Promise<HTMLImageElement> {
 }
 
 export const masterInkLayer = (work: WorkCard, colour: string): Promise<HTMLCanvasElement> =>
-  inkLayer(`/api/works/${encodeURIComponent(work.id)}/files/mask`, { ink: "white", colour });
+  inkLayer(`api/works/${encodeURIComponent(work.id)}/files/mask`, { ink: "white", colour });

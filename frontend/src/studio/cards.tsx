@@ -21,7 +21,7 @@ export function MasterHeader({ work, children }: { work: WorkCard; children: Com
 
 /** The master as large as the page allows; its thumbnail until the picture is loaded. */
 export function MasterPicture({ work, alt }: { work: WorkCard; alt: string }) {
-  const loaded = useLoaded((signal) => get<Work>(`/api/works/${encodeURIComponent(work.id)}`, signal), work.id);
+  const loaded = useLoaded((signal) => get<Work>(`api/works/${encodeURIComponent(work.id)}`, signal), work.id);
   return <img class="sheet-picture" src={loaded.value?.files.picture ?? work.thumb} alt={alt} />;
 }
 

@@ -39,10 +39,10 @@ export function useMarking(work: string, task: string | null) {
 /** Sends the copy; if its task has been withdrawn meanwhile, sends it without, so that it is not lost. */
 async function sendCopy(copy: Copy, work: string, task: string | null, keep: boolean): Promise<Attempt> {
   try {
-    return await post<Attempt>("/api/marks", markForm(copy, work, task, keep));
+    return await post<Attempt>("api/marks", markForm(copy, work, task, keep));
   } catch (error) {
     if (!task || !(error instanceof ServiceError) || error.status !== 404) throw error;
-    return await post<Attempt>("/api/marks", markForm(copy, work, null, keep));
+    return await post<Attempt>("api/marks", markForm(copy, work, null, keep));
   }
 }
 

@@ -75,8 +75,8 @@ async function showSurfaces(
 ): Promise<Viewer[]> {
   const [{ createViewer }, master, copy] = await Promise.all([
     import("../../viewer/viewer"),
-    get<ViewerFacts>(`/api/works/${encodeURIComponent(attempt.work.id)}/viewer`),
-    get<ViewerFacts>(`/api/attempts/${attempt.id}/viewer`),
+    get<ViewerFacts>(`api/works/${encodeURIComponent(attempt.work.id)}/viewer`),
+    get<ViewerFacts>(`api/attempts/${attempt.id}/viewer`),
   ]);
   onFacts([master, copy]);
   const created = await Promise.all(
