@@ -23,11 +23,11 @@ from PIL import Image
 
 import rumu
 from rumu.assessment.calibration import panel
-from rumu.assessment.measurement import measure
 from rumu.errors import RefusedImage, SurfaceError
 from rumu.executors import in_order
 from rumu.gallery.masters import Master, read_masters
 from rumu.gallery.starter import starter_works
+from rumu.pipeline import measure
 from rumu_lab.experiments.e3c import read_copies
 from rumu_lab.experiments.measuring import master_at
 from rumu_lab.simulation import faults

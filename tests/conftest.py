@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rumu.assessment.measurement import PreparedMaster, measure
 from rumu.gallery.starter import find_work
+from rumu.pipeline import PreparedMaster, measure
 from rumu.registration.icp import register_points
 from rumu.registration.points import Sampling, sample_points
 from rumu.surface.inflation import inflate

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any, Literal, NamedTuple, Self
+from typing import Any, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -24,8 +24,12 @@ Source = Literal["photometric", "inflation", "density"]
 Unit = Literal["mm", "px"]
 Level = Literal["excellent", "good", "medium", "bad"]
 
+Script = Literal["seal", "clerical", "regular", "running", "cursive"]
 SOURCES: tuple[Source, ...] = ("photometric", "inflation", "density")
-UNITS: tuple[Unit, ...] = ("mm", "px")
+SCRIPTS: dict[Script, str] = dict(
+    zip(get_args(Script), ["篆書", "隸書", "楷書", "行書", "草書"], strict=True)
+)
+"""The five scripts and their names in Chinese."""
 
 
 class Bilingual(NamedTuple):
@@ -176,7 +180,7 @@ class Surface:
         for name in ("normals", "albedo"):
             if not callable(getattr(self, f"{name}_from")):
                 getattr(self, name)  # which checks it
-        require(self.unit in UNITS, f"a unit among {UNITS}", self.unit)
+        require(self.unit in get_args(Unit), f"a unit among {get_args(Unit)}", self.unit)
         require(self.source in SOURCES, f"a source among {SOURCES}", self.source)
         require(np.isfinite(self.spacing) and self.spacing > 0, "spacing > 0", self.spacing)
 
@@ -251,8 +255,7 @@ class PointSet:
         radius of the ink (rms distance from the centroid is 1), z the normalised height times its weight.
     direction: (N, 2) float64, (cos 2t, sin 2t) of the stroke direction t, of length 1 or 0.
     centre: (2,) float64, the centroid from the image's centre, as a fraction of its longer side, y up.
-    radius: the rms radius as a fraction of the image's longer side.
-    pixel: length of one pixel in units of the rms radius.
+    radius: the rms radius as a fraction of the image's longer side. pixel: length of one in rms radii.
     cell: (width, height) of the image as fractions of its longer side; one of them is 1.
     """
 
@@ -330,8 +333,7 @@ class Registration:
 class Remark:
     """One thing a teacher would say.
 
-    kind: name of the fault, e.g. 'lean', 'size', 'missing', 'extra', 'heavy'.
-    size: how large, in `unit`; severity: points of the mark it stands for, for ordering.
+    kind: of the fault: 'lean', 'missing', ... size: in `unit`. severity: points of the mark, for ordering.
     region: (x0, y0, x1, y1) in fractions of the copy's cell, origin top left; None for the whole.
     zh, en: what is wrong and what to do.
     outline: lines of (x, y) in the same fractions that trace the strokes it speaks of; where a missing stroke
@@ -375,7 +377,7 @@ class Assessment:
     calibration
         What another calibration was fitted on, in words; None for the panel that ships with rumu.
     script
-        'seal', 'clerical', 'regular', 'running' or 'cursive' where it is known.
+        One of SCRIPTS, where it is known.
     interval_note, interval_note_zh
         What must be said of the interval; None where people's marks cover it.
     """

@@ -16,6 +16,7 @@ from rumu.assessment.calibration import (
     Charges,
     Terms,
     check_cuts,
+    check_script,
     check_terms,
     check_weights,
     interval_note,
@@ -27,9 +28,9 @@ from rumu.assessment.calibration import (
     write_calibration,
 )
 from rumu.assessment.features import NUMBERS, RESIDUALS, SIGNED_FEATURES, Features, Residuals
-from rumu.assessment.scripts import SCRIPTS
 from rumu.errors import CalibrationError, OutputError, RumuError
 from rumu.strokes.omissions import Region
+from rumu.values import SCRIPTS
 
 PERFECT = Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0)
 COMMON = Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3)
@@ -408,6 +409,13 @@ def test_only_regular_script_is_covered():
     assert width == pytest.approx(expected)
     assert interval_note("regular") is None
     assert "too narrow" in interval_note(None).en
+
+
+@pytest.mark.parametrize("script", ["Regular", "kai", "", 3])
+def test_another_script_is_refused(script):
+    with pytest.raises(CalibrationError, match="mine: expected one of seal, clerical, regular, running, cur"):
+        check_script(script, name="mine")
+    assert [check_script(known) for known in (*SCRIPTS, None)] == [*SCRIPTS, None]
 
 
 @pytest.mark.parametrize("script", [script for script in SCRIPTS if script != "regular"])

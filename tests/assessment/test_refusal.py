@@ -12,9 +12,9 @@ import pytest
 from PIL import Image
 
 import rumu
-from rumu.assessment.measurement import Measurement, PreparedMaster, measure
 from rumu.assessment.refusal import RefusalLimits, check_copy, fill_outlines, parts_of, refusal_of
 from rumu.gallery.starter import find_work, starter_works
+from rumu.pipeline import Measurement, PreparedMaster, measure
 from rumu.values import Surface
 from rumu_lab.simulation import faults
 from rumu_lab.simulation.impostors import impostor, picture_of

@@ -19,7 +19,11 @@ WORK = "regular-shui"
 def said(measured):
     """The remarks on one ink mask as a copy of another."""
 
-    return lambda copy, master, **options: write_remarks(measured(copy, master), **options)
+    def write(copy, master, **options):
+        m = measured(copy, master)
+        return write_remarks(m.copy, m.registration, m.master.stroke_model, **options)
+
+    return write
 
 
 def the(kind, found):

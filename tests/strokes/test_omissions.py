@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from rumu import pipeline
-from rumu.assessment.measurement import measure
 from rumu.gallery.starter import find_work
+from rumu.pipeline import measure
 from rumu.strokes.omissions import find_regions
 from rumu_lab.simulation.copies import copy_at
 from rumu_lab.simulation.faults import apply

@@ -18,9 +18,8 @@ from typing import Any
 import numpy as np
 
 from rumu.assessment.features import FEATURE_NAMES, RESIDUALS, Features
-from rumu.assessment.scripts import NAMES_ZH, Script, check_script
 from rumu.errors import CalibrationError
-from rumu.values import Bilingual, FloatArray, Level
+from rumu.values import SCRIPTS, Bilingual, FloatArray, Level, Script
 
 Cuts = Mapping[Level, float]
 Weights = Mapping[str, float]
@@ -271,6 +270,16 @@ def _read_scale(plain: Mapping[str, Any]) -> Scale:
     return scale
 
 
+def check_script(script: str | None, *, name: str = "script") -> Script | None:
+    """The script, or None where it is not known. Raises CalibrationError that names the five."""
+    for known in SCRIPTS:
+        if script == known:
+            return known
+    if script is None:
+        return None
+    raise CalibrationError(f"{name}: expected one of {', '.join(SCRIPTS)}, got {script!r}")
+
+
 @dataclass(frozen=True, slots=True)
 class Terms:
     """How a copy is to be marked.
@@ -344,7 +353,7 @@ def interval_note(script: Script | None) -> Bilingual | None:
             "The interval was measured on regular script; for other scripts it is too narrow.",
         )
     return Bilingual(
-        f"{NAMES_ZH[script]}沒有真人評分：區間取自楷書，並按約定放寬為 {WIDENING:g} 倍。",
+        f"{SCRIPTS[script]}沒有真人評分：區間取自楷書，並按約定放寬為 {WIDENING:g} 倍。",
         f"No human marks cover {script} script: the interval is that of regular script, widened {WIDENING:g} "
         "times by convention.",
     )

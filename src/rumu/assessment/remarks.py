@@ -13,23 +13,25 @@ from dataclasses import replace
 import numpy as np
 
 from rumu.assessment.ink_measures import InkMeasures, measure_ink
-from rumu.assessment.measurement import Measurement
 from rumu.assessment.stroke_remarks import remarks_on_strokes
 from rumu.assessment.thresholds import RemarkThresholds, as_lines, box, ink_severity, severity
-from rumu.strokes.correspondence import StrokeMatch, match_strokes
+from rumu.strokes.correspondence import MasterStrokes, StrokeMatch, match_strokes
 from rumu.strokes.naming import direction_of, place_of
-from rumu.values import FloatArray, Registration, Remark
+from rumu.values import FloatArray, Registration, Remark, Surface
 
 COARSE_TREMOR = 1.5
 """Power of a picture's enlargement with which the threshold of tremor grows: enlarged edges are rough."""
 
 
 def write_remarks(
-    measurement: Measurement, *, thresholds: RemarkThresholds | None = None
+    copy: Surface,
+    registration: Registration,
+    master: MasterStrokes,
+    *,
+    thresholds: RemarkThresholds | None = None,
 ) -> tuple[Remark, ...]:
-    """At most five remarks on a measured copy, the worst first."""
+    """At most five remarks on a copy that is registered to its master, the worst first."""
     limits = thresholds or RemarkThresholds()
-    copy, master, registration = measurement.copy, measurement.master.stroke_model, measurement.registration
     strokes = match_strokes(copy, registration, master)
     ink = measure_ink(strokes, copy, master)
     found = [

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rumu.assessment.scripts import Script
-from rumu.cli.options import AsJson, find_master, level_cuts, not_an_input, part_weights
+from rumu.cli.options import AsJson, find_master, known_script_name, level_cuts, not_an_input, part_weights
 from rumu.cli.terminal import Outcome, bar, print_outcome, working
 
 if TYPE_CHECKING:
@@ -52,7 +51,12 @@ def assess(
         typer.Option(help="Your own weights of the parts: brushwork=50,structure=50,ink=0, or a JSON file."),
     ] = None,
     script: Annotated[
-        Script | None, typer.Option(help="The script of the master (a starter work knows its own).")
+        str | None,
+        typer.Option(
+            metavar="[seal|clerical|regular|running|cursive]",
+            callback=known_script_name,
+            help="The script of the master (a starter work knows its own).",
+        ),
     ] = None,
     as_json: AsJson = False,
 ) -> Outcome:

@@ -103,11 +103,10 @@ def _row(row: dict[str, Any], *, path: Path, line: int) -> MarkedRow:
 def measure_row(row: MarkedRow, *, root: Path) -> MeasuredRow:
     """One copy against its master, as for a mark; whatever goes wrong is said in `refused`."""
     from rumu import pipeline
-    from rumu.assessment.measurement import measure
 
     try:
         path, _ = find_master(row.reference, root=root)
-        measurement = measure(pipeline.surface_of(root / row.image), prepared_master(path))
+        measurement = pipeline.measure(pipeline.surface_of(root / row.image), prepared_master(path))
     except Exception as error:  # one row must never cost the others
         return MeasuredRow(None, refused=reason_in_one_line(error))
     if measurement.refusal is not None:

@@ -26,6 +26,15 @@ def finite(value: float) -> float:
     return value
 
 
+def known_script_name(value: str | None) -> str | None:
+    """One of the five scripts, or None."""
+    from rumu.values import SCRIPTS  # not at the top: the command line starts without numpy
+
+    if value is not None and value not in SCRIPTS:
+        raise typer.BadParameter(f"{value!r} is not one of {', '.join(map(repr, SCRIPTS))}.")
+    return value
+
+
 def not_an_input(output: Path | None, *inputs: Path | str | None) -> None:
     """Refuse to write over what is read: a slip of the hand would lose the original."""
     if output is None:

@@ -16,8 +16,8 @@ from rumu.executors import by_group, cores
 from rumu.outputs import whole_file
 
 if TYPE_CHECKING:
-    from rumu.assessment.measurement import PreparedMaster
     from rumu.cli.terminal import Advance
+    from rumu.pipeline import PreparedMaster
     from rumu.values import Assessment
 
 COLUMNS = (

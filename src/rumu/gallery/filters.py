@@ -8,11 +8,11 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, and_, func, literal, or_, select, union_all
 
-from rumu.assessment.scripts import SCRIPTS
 from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
 from rumu.gallery.store import Gallery
 from rumu.gallery.vocabulary import UNKNOWN, dynasty_name, fold, script_name, variants
+from rumu.values import SCRIPTS
 
 FACETS = ("script", "dynasty", "hand", "character", "collection")
 MOST_VALUES = 500  # of one facet: nobody reads a longer list

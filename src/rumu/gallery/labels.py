@@ -16,12 +16,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rumu.assessment.scripts import SCRIPTS
 from rumu.errors import GalleryError
 from rumu.gallery.masters import LABELS, label_rows
 from rumu.gallery.metadata import EMPTY, NO_LICENCE, CollectionMetadata, WorkMetadata, slug
 from rumu.gallery.vocabulary import dynasty_key, period_name, script_name
-from rumu.values import Bilingual
+from rumu.values import SCRIPTS, Bilingual
 
 DESCRIPTION = "collection.json"
 _TEXTS = ("id", "source", "licence", "attribution", "dynasty", "period", "script")

@@ -15,9 +15,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from rumu.assessment.scripts import SCRIPTS, Script
 from rumu.errors import GalleryError
-from rumu.values import Bilingual, Level
+from rumu.values import SCRIPTS, Bilingual, Level, Script
 
 _FOLDER = Path(str(resources.files("rumu.gallery").joinpath("starter")))
 

@@ -11,12 +11,11 @@ import re
 import unicodedata
 from importlib import resources
 
-from rumu.assessment.scripts import NAMES_ZH
-from rumu.values import Bilingual
+from rumu.values import SCRIPTS, Bilingual
 
 UNKNOWN = Bilingual(zh="未詳", en="not known")
 
-SCRIPT_NAMES: dict[str, Bilingual] = {name: Bilingual(zh=zh, en=name) for name, zh in NAMES_ZH.items()}
+SCRIPT_NAMES: dict[str, Bilingual] = {name: Bilingual(zh=zh, en=name) for name, zh in SCRIPTS.items()}
 
 DYNASTIES = {
     "Shang": "商",

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from rumu import pipeline
 from rumu.assessment.calibration import LEVELS as CUTS  # the scores at which levels begin, not their names
 from rumu.assessment.calibration import Calibration, load_calibration
-from rumu.assessment.measurement import PreparedMaster
+from rumu.pipeline import PreparedMaster
 from rumu.registration.points import RADIUS
 from rumu.report.overlay import OverlaySettings, plane_points
 from rumu.report.wording import LEVELS, PARTS, SOURCES, kind_name

@@ -10,9 +10,9 @@ from rumu.studio import job_handlers, uploads
 from rumu.studio.storage import Storage
 
 if TYPE_CHECKING:
-    from rumu.assessment.measurement import PreparedMaster
     from rumu.gallery.derived import DerivedFile
     from rumu.gallery.store import Gallery
+    from rumu.pipeline import PreparedMaster
     from rumu.studio.marking import MarkedCopy
 
 _MAX_MASTERS = 12  # prepared masters that stay in memory of each process

@@ -11,11 +11,12 @@ from pydantic import AliasPath, BaseModel, ConfigDict, Field, field_validator, m
 from rumu.database.tables import Work
 from rumu.gallery.assets import VERSION
 from rumu.studio.people import MAX_PASSWORD
+from rumu.values import Script
 from rumu.web.dependencies import Id, LongText, ShortText
 
 RoleName = Literal["owner", "teacher", "pupil"]
 LanguageName = Literal["zh", "en"]
-ScriptName = Literal["", "seal", "clerical", "regular", "running", "cursive"]
+ScriptName = Literal["", Script]
 Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 Spacing = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
 

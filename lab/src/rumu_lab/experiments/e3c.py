@@ -19,8 +19,8 @@ import numpy as np
 from rumu.assessment.calibration import LEVELS, Calibration, level_of
 from rumu.assessment.features import Features
 from rumu.assessment.fitting import PARTS, WEIGHED_FEATURES, anchor_scale, fit_scale
-from rumu.assessment.measurement import measure
 from rumu.errors import CalibrationError, RefusedImage
+from rumu.pipeline import measure
 from rumu.values import FloatArray
 from rumu_lab.experiments.findings import Findings
 from rumu_lab.experiments.measuring import master_at, measure_each

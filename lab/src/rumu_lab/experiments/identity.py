@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.measurement import measure
 from rumu.errors import RefusedImage, RegistrationError
 from rumu.gallery.masters import Master, read_masters
+from rumu.pipeline import measure
 from rumu.values import FloatArray
 from rumu_lab.experiments.e3c import read_copies
 from rumu_lab.experiments.findings import Findings

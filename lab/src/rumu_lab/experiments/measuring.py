@@ -16,7 +16,7 @@ from rumu_lab.experiments.run_settings import RunSettings, code_digest
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from rumu.assessment.measurement import PreparedMaster
+    from rumu.pipeline import PreparedMaster
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")

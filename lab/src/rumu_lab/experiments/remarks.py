@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.measurement import PreparedMaster
 from rumu.errors import CalibrationError, RumuError, SurfaceError
+from rumu.pipeline import PreparedMaster
 from rumu.values import BoolArray, Remark
 from rumu_lab.experiments.findings import Findings
 from rumu_lab.experiments.measuring import measure_each

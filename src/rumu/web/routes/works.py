@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 from anyio.to_thread import run_sync
 from fastapi import APIRouter, Depends, Query, Request, Response
 
-from rumu.assessment.scripts import SCRIPTS
 from rumu.database.tables import Annotation, Work
 from rumu.errors import GalleryError
 from rumu.gallery import annotations as gallery_annotations
@@ -17,6 +16,7 @@ from rumu.gallery.derived import KINDS, MESHES, viewer_facts
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.single_page import single_page
 from rumu.studio.errors import Missing, Unusable
+from rumu.values import SCRIPTS
 from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
