@@ -26,7 +26,16 @@ class RumuError(Exception):
     ----------
     message
         One clear line for a person: what was given, what was expected and what came.
+    zh
+        The same in Chinese, where it is known; the pages of the service show it.
     """
+
+    zh: str | None = None
+
+    def __init__(self, message: str = "", *, zh: str | None = None) -> None:
+        super().__init__(message)
+        if zh is not None:
+            self.zh = zh
 
 
 class ImageError(RumuError):
@@ -48,12 +57,12 @@ class RegistrationError(RumuError):
 class RefusedImage(RumuError):  # noqa: N818  what it is, not that it went wrong
     """A picture that holds nothing to mark; `reason` is the short word for it."""
 
-    def __init__(self, message: str, *, reason: str) -> None:
-        super().__init__(message)
+    def __init__(self, message: str, *, reason: str, zh: str | None = None) -> None:
+        super().__init__(message, zh=zh)
         self.reason = reason
 
-    def __reduce__(self) -> Any:
-        return partial(type(self), reason=self.reason), self.args  # as it comes back from another process
+    def __reduce__(self) -> Any:  # as it comes back from another process
+        return partial(type(self), reason=self.reason, zh=self.zh), self.args
 
 
 class CalibrationError(RumuError):

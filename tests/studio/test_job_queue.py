@@ -9,7 +9,7 @@ import time
 import pytest
 
 from rumu.database.tables import Job
-from rumu.errors import GalleryError
+from rumu.errors import CaptureError, GalleryError
 from rumu.studio import job_handlers, job_queue, worker_tasks
 from rumu.studio.errors import Missing, NotAllowed, Unusable
 from rumu.studio.job_runner import JobRunner
@@ -57,6 +57,7 @@ def test_a_job_records_its_result(gallery, storage, handler, queued):
     [
         (Unusable(zh="壞", en="bad"), ("壞", "bad")),
         (GalleryError("no\n works"), ("無法完成：no works", "no works")),
+        (CaptureError("no lamps", zh="沒有燈"), ("沒有燈", "no lamps")),
         (
             ZeroDivisionError(),
             (

@@ -91,13 +91,13 @@ def test_one_request_too_many_is_refused_at_once(storage, gallery):
 
 
 def refuses(storage):
-    raise RefusedImage("expected writing, got nothing", reason="blank")
+    raise RefusedImage("expected writing, got nothing", reason="blank", zh="沒有字")
 
 
 def test_errors_are_raised_with_their_fields(workers):
     with pytest.raises(RefusedImage, match="got nothing") as refused:
         workers.call(refuses)
-    assert refused.value.reason == "blank"
+    assert (refused.value.reason, refused.value.zh) == ("blank", "沒有字")
 
 
 def starts(storage, *, mark):

@@ -14,13 +14,13 @@ class StudioError(RumuError):
     """
 
     code = "error"
-    zh = "無法完成。"
+    zh: str = "無法完成。"
     en = "It cannot be done."
 
     def __init__(self, code: str | None = None, *, zh: str | None = None, en: str | None = None) -> None:
         self.code = code or self.code
-        self.zh, self.en = zh or self.zh, en or self.en
-        super().__init__(self.en)
+        self.en = en or self.en
+        super().__init__(self.en, zh=zh or self.zh)
 
     def __reduce__(self) -> Any:  # pickled between processes, whatever the arguments of a subclass
         return Exception.__new__, (type(self), self.en), self.__dict__

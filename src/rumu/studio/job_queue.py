@@ -100,9 +100,9 @@ def failure_values(error: Exception) -> dict[str, Any]:
     """Return the values of the row of a job that raised this error."""
     if isinstance(error, StudioError):
         return _failure(error.zh, error.en)
-    if isinstance(error, RumuError):  # errors of lower packages are in English only
+    if isinstance(error, RumuError):  # some errors of lower packages are in English only
         text = " ".join(str(error).split())
-        return _failure(f"無法完成：{text}", text)
+        return _failure(error.zh or f"無法完成：{text}", text)
     name = type(error).__name__
     return _failure(f"伺服器出了意外（{name}）。", f"Something unexpected happened on the server ({name}).")
 

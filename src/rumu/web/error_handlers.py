@@ -60,7 +60,7 @@ def error_response(error: Exception) -> JSONResponse:
                 headers["Retry-After"] = str(getattr(error, "seconds", _BUSY_SECONDS))
         case RumuError():
             status, code = 422, getattr(error, "reason", None) or "unusable"
-            zh, en = f"無法使用：{error}", " ".join(str(error).split())
+            zh, en = error.zh or f"無法使用：{error}", " ".join(str(error).split())
         case RequestValidationError():
             first = error.errors()[0] if error.errors() else {"loc": (), "msg": "invalid"}
             field = ".".join(str(part) for part in first["loc"])
