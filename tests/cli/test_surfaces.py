@@ -1,4 +1,4 @@
-"""reconstruct, relief, relight: whole commands on tiny inputs, and bad ones."""
+"""reconstruct, relief, relight, stl: whole commands on tiny inputs, and bad ones."""
 
 from __future__ import annotations
 
@@ -147,3 +147,31 @@ def test_relight_with_wrong_usage(rumu, desk, options):
 
 def test_relight_of_a_folder_that_holds_no_surface(rumu, desk):
     rumu("relight", desk, "--tilt", 45, "--slant", 30).failed_with(str(desk))
+
+
+def test_an_stl_of_a_surface_of_an_image_and_of_a_work(rumu, capture, desk, tmp_path, monkeypatch):
+    import trimesh
+
+    monkeypatch.setenv("RUMU_HOME", str(tmp_path / "home"))
+    assert rumu("reconstruct", capture, "-o", tmp_path / "out").code == 0
+    for source, word in (
+        (tmp_path / "out", "measured by photometric"),
+        (desk / "master.png", "estimated"),
+        ("regular-shui", "estimated"),
+    ):
+        target = tmp_path / "print.stl"
+        facts = rumu("stl", source, "-o", target, "--width", 60, "--base", 3, "--json").facts
+        mesh = trimesh.load(target)
+        assert mesh.is_watertight and mesh.is_winding_consistent and mesh.volume > 0
+        assert mesh.extents[0] == pytest.approx(60.0) and mesh.bounds[0, 2] == pytest.approx(-3.0)
+        assert facts["size_mm"] == pytest.approx(list(mesh.extents), rel=1e-4)
+        assert facts["faces"] == len(mesh.faces) and word.encode() in target.read_bytes()[:80]
+
+
+def test_an_stl_that_cannot_be_made(rumu, desk, tmp_path, monkeypatch):
+    monkeypatch.setenv("RUMU_HOME", str(tmp_path / "home"))
+    rumu("stl", "nowhere", "-o", tmp_path / "a.stl").failed_with("nowhere", "no such file")
+    for wrong in (("--width", "nan"), ("--width", 0), ("--base", 0), ("--exaggeration", "inf")):
+        assert rumu("stl", desk / "master.png", "-o", tmp_path / "a.stl", *wrong).code == 2
+    assert rumu("stl", desk / "master.png", "-o", tmp_path / "a.obj").code == 2
+    assert not (tmp_path / "a.stl").exists()

@@ -14,9 +14,9 @@ from PIL import Image
 from tests.gallery.conftest import surface
 
 from conftest import FRONTEND
-from rumu.errors import GalleryError, RefusedImage
+from rumu.errors import GalleryError, RefusedImage, SurfaceError
 from rumu.gallery import renderers
-from rumu.gallery.derived import KINDS, derived_file, viewer_facts
+from rumu.gallery.derived import KINDS, MeshShape, derived_file, viewer_facts
 from rumu.gallery.seed import add_starter_works
 from rumu.gallery.starter import starter_works
 from rumu.gallery.store import Store
@@ -145,19 +145,24 @@ def test_the_real_photographs_give_a_small_mesh(bare, data):
     assert len(derived_file(bare, added.id, "glb").data) <= renderers.GLB_BYTES
 
 
-def test_a_mesh_can_be_exaggerated_and_nothing_else(gallery):
+def test_a_mesh_has_the_shape_asked_for_and_nothing_else_has_one(gallery):
     import trimesh
 
-    heights = [
-        trimesh.load(
-            io.BytesIO(derived_file(gallery, "seal-ri", "stl", exaggeration=times).data), file_type="stl"
-        ).extents[2]
-        for times in (1.0, 3.0)
-    ]
-    assert heights[1] == pytest.approx(3 * heights[0], rel=1e-4)
-    for kind, times in (("normals", 2.0), ("glb", 0.0), ("glb", float("nan"))):
-        with pytest.raises(GalleryError, match="exaggeration"):
-            derived_file(gallery, "seal-ri", kind, exaggeration=times)
+    def extents(**shape):
+        data = derived_file(gallery, "seal-ri", "stl", shape=MeshShape(**shape)).data
+        mesh = trimesh.load(io.BytesIO(data), file_type="stl")
+        assert mesh.is_watertight and mesh.volume > 0
+        return mesh.extents
+
+    assert extents(exaggeration=3.0)[2] - 2 == pytest.approx(3 * (extents()[2] - 2), rel=1e-4)
+    assert extents(width=60.0, base=5.0)[0] == pytest.approx(60.0)
+    wrong = [("normals", {"exaggeration": 2.0}), ("glb", {"exaggeration": 0.0})]
+    wrong += [("glb", {"exaggeration": float("nan")}), ("ply", {"width": 50.0}), ("picture", {"base": 1.0})]
+    for kind, shape in wrong:
+        with pytest.raises(GalleryError, match=r"exaggeration|a width and a base"):
+            derived_file(gallery, "seal-ri", kind, shape=MeshShape(**shape))
+    with pytest.raises(SurfaceError, match="expected a width"):
+        derived_file(gallery, "seal-ri", "stl", shape=MeshShape(width=float("nan")))
     with pytest.raises(GalleryError, match="expected a kind of file"):
         derived_file(gallery, "seal-ri", "../../secret")
 

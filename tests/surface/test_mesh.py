@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from rumu.errors import SurfaceError
-from rumu.surface.mesh import FORMATS, MeshSettings, albedo_srgb, mesh_bytes, mesh_grid
+from rumu.surface.mesh import MeshSettings, albedo_srgb, mesh_bytes, mesh_grid
 from rumu.values import Surface
 
 
@@ -74,16 +74,82 @@ def test_a_large_surface_is_gridded_where_it_lies():
     assert np.allclose(grid.vertices[inner, 2] * 1000, (0.1 * column - 0.2 * row)[inner], atol=1e-5)
 
 
-@pytest.mark.parametrize("kind", FORMATS)
-def test_every_format_reads_back(kind):
+def solid(made, **settings):
+    """The STL of a surface as a slicer reads it: triangles whose corners are joined where they meet."""
+    data = mesh_bytes(made, kind="stl", settings=MeshSettings(**settings))
+    mesh = trimesh.load(io.BytesIO(data), file_type="stl", force="mesh")
+    assert mesh.is_watertight and mesh.is_winding_consistent and mesh.volume > 0
+    assert mesh.euler_number == 2 and not (mesh.area_faces < 1e-9).any()
+    return mesh
+
+
+@pytest.mark.parametrize("kind", ["glb", "ply"])
+def test_sheets_read_back_in_metres(kind):
     mesh = loaded(mesh_bytes(surface(), kind=kind), kind)
-    scale = 1000.0 if kind == "stl" else 1.0
-    assert np.allclose(mesh.extents[:2], np.array([39, 29]) * 0.0005 * scale, atol=1e-6)
+    assert np.allclose(mesh.extents[:2], np.array([39, 29]) * 0.0005, atol=1e-6)
     assert len(mesh.faces) == 2 * 29 * 39
     if kind == "glb":
         assert mesh.visual.material.baseColorTexture.size == (40, 30)
     if kind == "ply":
         assert mesh.visual.vertex_colors[0, 0] == 0 and mesh.visual.vertex_colors[-1, 0] == 255
+
+
+def test_an_stl_is_a_solid_in_millimetres_on_a_flat_base():
+    made = surface()
+    mesh = solid(made, base=3.0)
+    rise = float(np.ptp(made.height))
+    assert np.allclose(mesh.extents, (39 * 0.5, 29 * 0.5, rise + 3.0), atol=1e-4)
+    assert mesh.bounds[0, 2] == pytest.approx(-3.0)
+    # a slope whose mean height is half its rise, over a flat base
+    assert mesh.volume == pytest.approx(39 * 0.5 * 29 * 0.5 * (rise / 2 + 3.0), rel=1e-4)
+    below = mesh.face_normals[(mesh.triangles[:, :, 2] == -3.0).all(axis=1)]
+    assert len(below) and np.allclose(below, (0, 0, -1))
+    corner = mesh.vertices[np.argmin(mesh.vertices @ (1, 1, -0.01))]  # the lower left corner's upper end
+    assert corner[2] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_an_stl_has_the_width_asked_for_and_an_exaggerated_height():
+    made = surface()
+    mesh = solid(made, width=80.0, base=2.0, exaggeration=2.0)
+    scale = 80.0 / (39 * 0.5)
+    assert np.allclose(
+        mesh.extents, (80.0, 29 * 0.5 * scale, 2 * scale * np.ptp(made.height) + 2.0), rtol=1e-4
+    )
+    unscaled = surface(unit="px", spacing=1.0)
+    assert solid(unscaled).extents[0] == pytest.approx(100.0, rel=1e-6)
+    assert solid(replace(unscaled, source="density"), width=60.0).extents[0] == pytest.approx(60.0)
+
+
+def test_an_stl_is_closed_over_holes_islands_and_missing_edges():
+    rng = np.random.default_rng(3)
+    for mask in (rng.random((30, 40)) < 0.5, np.eye(30, 40, dtype=bool), np.indices((30, 40))[0] > 20):
+        made = surface(mask=mask)
+        mesh = solid(made, base=1.5)
+        assert np.allclose(mesh.extents[:2], (19.5, 14.5), atol=1e-4)
+        assert mesh.extents[2] == pytest.approx(1.5 + np.ptp(made.height[mask]), rel=1e-4)
+    hole = np.ones((30, 40), dtype=bool)
+    hole[10:20, 15:25] = False
+    raised = surface(mask=hole, height=np.where(hole, 4.0, -50.0).astype(np.float32))
+    raised.height[0, 0] = 1.0  # the lowest point that was measured, level with the hole's floor
+    mesh = solid(raised, base=2.0)
+    floor = mesh.vertices[(np.abs(mesh.vertices[:, :2]) < 2).all(axis=1)][:, 2]
+    assert {round(float(z), 4) for z in floor} == {0.0, -2.0} or (floor == 0).all()
+    assert mesh.extents[2] == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize(("h", "w"), [(2, 2), (2, 3000), (16, 3000), (900, 901), (3, 17)])
+def test_an_stl_of_any_shape_keeps_its_budget(h, w):
+    mesh = solid(surface(h, w, unit="px", spacing=1.0), vertices=2000)
+    assert len(mesh.faces) <= 4000
+    assert mesh.extents[:2].max() == pytest.approx(100.0, rel=1e-5)
+
+
+def test_an_stl_says_where_its_height_comes_from():
+    words = {"photometric": b"measured by photometric", "inflation": b"estimated", "density": b"estimated"}
+    for source, word in words.items():
+        data = mesh_bytes(surface(source=source), kind="stl")
+        assert word in data[:80] and not data.startswith(b"solid")
+        assert len(data) == 84 + 50 * int.from_bytes(data[80:84], "little")
 
 
 def test_a_noisy_photograph_makes_a_glb_under_five_megabytes():
@@ -103,5 +169,10 @@ def test_bad_input():
         mesh_bytes(surface(), kind="obj")
     with pytest.raises(SurfaceError, match="room for a triangle, got 0 pixels"):
         mesh_bytes(surface(mask=np.zeros((30, 40), dtype=bool)))
+    with pytest.raises(SurfaceError, match="room for a triangle, got 0 pixels"):
+        mesh_bytes(surface(mask=np.zeros((30, 40), dtype=bool)), kind="stl")
     with pytest.raises(SurfaceError, match="finite exaggeration"):
         MeshSettings(exaggeration=float("nan"))
+    for wrong in ({"width": 0.0}, {"width": float("nan")}, {"base": -1.0}, {"base": float("inf")}):
+        with pytest.raises(SurfaceError, match=r"from 0.1 to 10000 mm"):
+            MeshSettings(**wrong)

@@ -4,8 +4,9 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import { t } from "../i18n/viewer";
 import { Icon, type IconName } from "./Icon";
+import { PrintForm } from "./PrintForm";
 import { supportedSessions } from "./webxr";
-import { type Lens, LENSES, type Look, LOOKS, MAX_EXAGGERATION, type Mode, MODES, type ViewState } from "./state";
+import { DEFAULT_VIEW, type Lens, LENSES, type Look, LOOKS, MAX_EXAGGERATION, type Mode, MODES, type ViewState } from "./state";
 import type { Downloads, SessionMode, Tool, Viewer } from "./types";
 
 const LENS_NAMES: Record<Lens, Parameters<typeof t>[0]> = {
@@ -81,7 +82,7 @@ export function Toolbar({ viewer, state, tool, pairing, canPin, mode, setTool, f
         {link && <CopyLink link={link} />}
         <Button icon="full" label={t("full")} disabled={disabled} onClick={onFull} />
         <Menu icon="save" label={t("download")}>
-          <DownloadList viewer={viewer} files={files} />
+          <DownloadList viewer={viewer} files={files} exaggeration={state.exaggeration} />
         </Menu>
         <Button icon="help" label={t("help")} onClick={onHelp} />
       </div>
@@ -181,7 +182,9 @@ function Menu({ icon, label, children }: { icon: IconName; label: string; childr
 
 const FILES = ["picture", "glb", "stl", "ply", "height", "normals16", "manifest", "page"] as const;
 
-function DownloadList({ viewer, files }: { viewer: Viewer | null; files: Downloads | null }) {
+type DownloadProps = { viewer: Viewer | null; files: Downloads | null; exaggeration?: number };
+
+function DownloadList({ viewer, files, exaggeration = DEFAULT_VIEW.exaggeration }: DownloadProps) {
   const saveAs = async (made: Promise<Blob>, name: string) => {
     const blob = await made;
     const anchor = document.createElement("a");
@@ -198,7 +201,7 @@ function DownloadList({ viewer, files }: { viewer: Viewer | null; files: Downloa
           <button type="button" onClick={() => void saveAs(viewer.relit(), "sheet.png")}>{t("saveSheet")}</button>
         </>
       )}
-      {FILES.filter((name) => files?.[name]).map((name) => (
+      {FILES.filter((name) => files?.[name]).map((name) => name === "stl" ? <PrintForm key={name} url={files?.[name] ?? ""} exaggeration={exaggeration} /> : (
         <a key={name} href={name === "manifest" ? files?.[name] : downloadUrl(files?.[name] ?? "")} target={name === "manifest" ? "_blank" : undefined} rel="noopener"
           download={name === "manifest" ? undefined : ""}>
           {t(`file_${name}`)}

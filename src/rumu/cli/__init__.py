@@ -24,6 +24,7 @@ for command in (
     surfaces.reconstruct,
     surfaces.relief,
     surfaces.relight,
+    surfaces.stl,
     assess.assess,
     calibrate.calibrate,
     find.find,

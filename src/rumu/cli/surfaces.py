@@ -1,4 +1,4 @@
-"""reconstruct, relief, relight: photographs or one image into a surface, and light on it."""
+"""reconstruct, relief, relight, stl: photographs or one image into a surface, light on it, a solid of it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from rumu.cli.options import AsJson, check_writable, finite
+from rumu.cli.options import AsJson, check_writable, finite, not_an_input
 from rumu.cli.terminal import Outcome, print_outcome, working
+from rumu.errors import GalleryError, SurfaceError
 
 if TYPE_CHECKING:
     from rumu.values import Surface
@@ -18,6 +19,8 @@ Integrator = Literal["auto", "dct", "frankot_chellappa", "masked"]
 Rectify = Literal["none", "bands", "svd", "masked"]
 Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
+
+_STL_VERTICES = 250_000  # of a solid for a printer: half a million triangles, 25 MB
 
 Folder = Annotated[
     Path, typer.Option("-o", "--out", help="Folder to write; an earlier result there is replaced.")
@@ -114,6 +117,80 @@ def relight(
         part.write_bytes(png_bytes(lit))
     facts = {"file": target, "tilt": tilt, "slant": slant, "bits": bits, "source": surface.source}
     return Outcome(facts, f"{target}: tilt {tilt:g}°, slant {slant:g}°")
+
+
+@print_outcome
+def stl(
+    *,
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="SURFACE",
+            help="Folder written by reconstruct or relief, an image, or the id of a work of the gallery.",
+        ),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", help="STL to write (default: named after SURFACE, in this folder)."),
+    ] = None,
+    width: Annotated[
+        float | None,
+        typer.Option(
+            min=5,
+            max=2000,
+            help="Millimetres from left to right (default: as the sheet, or 100 long).",
+        ),
+    ] = None,
+    base: Annotated[
+        float, typer.Option(min=0.2, max=100, help="Millimetres of material below the lowest point.")
+    ] = 2.0,
+    exaggeration: Annotated[
+        float, typer.Option(min=0.01, max=100, help="By how much the height is multiplied.")
+    ] = 1.0,
+    as_json: AsJson = False,
+) -> Outcome:
+    """A surface as a closed solid on a flat base, in millimetres, for a 3-D printer."""
+    from rumu.outputs import whole_file
+    from rumu.report.wording import SOURCES
+    from rumu.surface.mesh import MeshSettings, solid_mesh, stl_bytes
+
+    for number in (width or 0.0, base, exaggeration):
+        finite(number)
+    given = Path(source).resolve()
+    target = out or Path(f"{given.name if given.is_dir() else given.stem}.stl")
+    if target.suffix.lower() != ".stl":
+        raise typer.BadParameter(f"expected a name that ends in .stl, got {target}", param_hint="'-o'")
+    not_an_input(target, source)
+    check_writable(whole_file(target))
+    settings = MeshSettings(exaggeration=exaggeration, vertices=_STL_VERTICES, width=width, base=base)
+    with working("Building the solid"):
+        surface = _surface_of(source)
+        vertices, faces = solid_mesh(surface, settings=settings)
+        with whole_file(target) as part:
+            part.write_bytes(stl_bytes(vertices, faces, source=surface.source))
+    size = vertices.max(axis=0) - vertices.min(axis=0)
+    facts = {"file": target, "size_mm": size, "base_mm": base, "exaggeration": exaggeration}
+    text = (
+        f"{target}: {size[0]:.1f} x {size[1]:.1f} x {size[2]:.1f} mm, base {base:g} mm, {len(faces)} faces\n"
+        f"  {SOURCES[surface.source].en}"
+    )
+    return Outcome({**facts, "faces": len(faces), "source": surface.source}, text)
+
+
+def _surface_of(source: str) -> Surface:
+    """The surface of a folder or an image, or of a work of the gallery by its id."""
+    if Path(source).exists():
+        from rumu.pipeline import surface_of
+
+        return surface_of(Path(source))
+    from rumu.gallery.assets import assets_of
+    from rumu.gallery.catalog import open_gallery, work
+
+    gallery = open_gallery()
+    try:
+        return assets_of(gallery.store, work(gallery, source)).surface()
+    except GalleryError as error:
+        raise SurfaceError(f"{source}: there is no such file or folder, and {error}") from error
 
 
 def _write_surface(surface: Surface, out: Path, *, title: str) -> Outcome:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from rumu.values import Capture, Surface
 
-VERSION = 1
+VERSION = 2
 """Increase it when the derived files of the same assets would come out differently."""
 
 MAX_SIDE = 2400  # pixels: a larger picture is reduced before its relief is computed

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +22,7 @@ Bytes = npt.NDArray[np.uint8]
 THUMB, THUMB_NORMALS, MAP, HEIGHTS, SHOWN = 256, 128, 1024, 512, 2048  # longest sides, pixels
 GLB_BYTES = 5_000_000
 _GLB_VERTICES = 60_000
-_PRINT_VERTICES = 250_000  # of STL and PLY, which are for printing and measuring
+_FINE_VERTICES = 250_000  # of STL and PLY, which are for printing and measuring
 _BROWSER_TYPES = {"PNG": "image/png", "JPEG": "image/jpeg", "WEBP": "image/webp"}
 _BROWSER_MODES = ("L", "RGB", "P", "1")
 _ORIENTATION = 0x0112  # tag of EXIF; 1 is upright
@@ -173,12 +173,20 @@ def render_glb(assets: Assets, *, exaggeration: float) -> bytes:
     raise SurfaceError(f"expected a mesh below {GLB_BYTES} bytes, the coarsest has {len(data)}")
 
 
-def render_mesh(assets: Assets, *, kind: Literal["stl", "ply"], exaggeration: float) -> bytes:
-    """The mesh: STL in millimetres for printing, PLY with coloured vertices in metres."""
+def render_ply(assets: Assets, *, exaggeration: float) -> bytes:
+    """The mesh with coloured vertices, in metres."""
     from rumu.surface.mesh import MeshSettings, mesh_bytes
 
-    settings = MeshSettings(exaggeration=exaggeration, vertices=_PRINT_VERTICES)
-    return mesh_bytes(assets.surface(), kind=kind, settings=settings)
+    settings = MeshSettings(exaggeration=exaggeration, vertices=_FINE_VERTICES)
+    return mesh_bytes(assets.surface(), kind="ply", settings=settings)
+
+
+def render_stl(assets: Assets, *, exaggeration: float, width: float | None, base: float) -> bytes:
+    """The closed solid for a printer, in millimetres. width, base: as in MeshSettings."""
+    from rumu.surface.mesh import MeshSettings, mesh_bytes
+
+    settings = MeshSettings(exaggeration=exaggeration, vertices=_FINE_VERTICES, width=width, base=base)
+    return mesh_bytes(assets.surface(), kind="stl", settings=settings)
 
 
 # --- arrays and bytes ------------------------------------------------------------------------------

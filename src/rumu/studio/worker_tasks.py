@@ -10,7 +10,7 @@ from rumu.studio import job_handlers, uploads
 from rumu.studio.storage import Storage
 
 if TYPE_CHECKING:
-    from rumu.gallery.derived import DerivedFile
+    from rumu.gallery.derived import DerivedFile, MeshShape
     from rumu.gallery.store import Gallery
     from rumu.pipeline import PreparedMaster
     from rumu.studio.marking import MarkedCopy
@@ -45,7 +45,7 @@ def derived_file(
     storage: Storage,
     *,
     kind: str,
-    exaggeration: float,
+    shape: MeshShape,
     work_id: str | None = None,
     picture: str | None = None,
 ) -> DerivedFile:
@@ -57,7 +57,7 @@ def derived_file(
     gallery = _open_gallery(storage)
     store = gallery.store
     assets = assets_of(store, work(gallery, work_id)) if work_id else picture_assets(store, str(picture))
-    return derived_of(store, assets, kind, exaggeration=exaggeration)
+    return derived_of(store, assets, kind, shape=shape)
 
 
 def image_part(storage: Storage, *, work_id: str, words: tuple[str, str, str, str, str]) -> tuple[bytes, str]:

@@ -1,7 +1,7 @@
-"""A surface as a mesh: GLB to look at, PLY and STL to print or measure.
+"""A surface as a mesh: GLB to look at, PLY to measure, STL to print.
 
 Right-handed, x right, y up, z toward the viewer, the sheet's centre at the origin; faces turn
-counter-clockwise toward +z.
+counter-clockwise toward +z. GLB and PLY are open sheets; STL is a closed solid on a flat base.
 """
 
 from __future__ import annotations
@@ -14,11 +14,17 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import SurfaceError
-from rumu.values import BoolArray, FloatArray, Surface
+from rumu.values import BoolArray, FloatArray, Source, Surface
 
 Format = Literal["glb", "ply", "stl"]
 
 FORMATS: tuple[Format, ...] = get_args(Format)
+MIN_LENGTH, MAX_LENGTH = 0.1, 10_000.0  # width and base of a printed solid, in millimetres
+_STL_HEADERS: dict[Source, str] = {  # 80 ASCII characters at most; "solid" at the start would mean a text
+    "photometric": "rumu mesh in mm; relief measured by photometric stereo",
+    "inflation": "rumu mesh in mm; relief estimated from the outline of the ink, not measured",
+    "density": "rumu mesh in mm; relief estimated from how dark the ink is, not measured",
+}
 _PIXEL_SHEET = 0.1  # metres: how long the longer side is shown when nothing says how large the sheet is
 
 
@@ -26,14 +32,22 @@ _PIXEL_SHEET = 0.1  # metres: how long the longer side is shown when nothing say
 class MeshSettings:
     """exaggeration: height is multiplied by it. vertices: most of the grid; 60 000 keep a GLB under 5 MB.
 
-    texture: longest side of the picture on a GLB, in pixels.
+    texture: longest side of the picture on a GLB, in pixels. width, base: of an STL, in millimetres: from its
+    left to its right side (None: as large as the sheet), and the thickness below its lowest point.
     """
 
     exaggeration: float = 1.0
     vertices: int = 60_000
     texture: int = 1024
+    width: float | None = None
+    base: float = 2.0
 
     def __post_init__(self) -> None:
+        for name, length in (("width", self.width), ("base", self.base)):
+            if length is not None and not MIN_LENGTH <= length <= MAX_LENGTH:
+                raise SurfaceError(
+                    f"expected a {name} from {MIN_LENGTH:g} to {MAX_LENGTH:g} mm, got {length}"
+                )
         if not (np.isfinite(self.exaggeration) and self.vertices >= 4 and self.texture >= 1):
             raise SurfaceError(
                 "expected a finite exaggeration, at least 4 vertices and a texture of at least 1 pixel, "
@@ -59,32 +73,61 @@ def mesh_grid(surface: Surface, *, settings: MeshSettings | None = None) -> Grid
     """
     settings = settings or MeshSettings()
     h, w = surface.height.shape
-    kept = surface.mask if surface.source == "photometric" else np.ones((h, w), dtype=bool)
-    pixel = surface.spacing / 1000.0 if surface.unit == "mm" else _PIXEL_SHEET / max(h, w)
     step = max(1, int(np.ceil(np.sqrt(h * w / settings.vertices))))
-    height, present = _coarse(surface.height, kept, step)
-    rows, columns = (
-        np.minimum((np.arange(n) + 0.5) * step - 0.5, last)
-        for n, last in zip(height.shape, (h - 1, w - 1), strict=True)
-    )
-    x = (columns - (w - 1) / 2) * pixel
-    y = ((h - 1) / 2 - rows) * pixel
-    z = height * (pixel / surface.spacing) * settings.exaggeration
-    everywhere = np.stack([*np.meshgrid(x, y), z], axis=-1).reshape(-1, 3)
+    points, present, rows, columns = _points(surface, (step, step), settings.exaggeration)
     uv = np.stack(np.meshgrid((columns + 0.5) / w, 1.0 - (rows + 0.5) / h), axis=-1).reshape(-1, 2)
     faces = _faces(present)
     if len(faces) == 0:
-        raise SurfaceError(
-            f"expected a surface with room for a triangle, got {int(kept.sum())} pixels of {h} x {w}"
-        )
+        raise _no_triangle(surface)
     used, renamed = np.unique(faces, return_inverse=True)
-    return Grid(everywhere[used], renamed.reshape(-1, 3), uv[used])
+    return Grid(points.reshape(-1, 3)[used], renamed.reshape(-1, 3), uv[used])
+
+
+def solid_mesh(
+    surface: Surface, *, settings: MeshSettings | None = None
+) -> tuple[FloatArray, npt.NDArray[np.int64]]:
+    """The surface as a closed solid on a flat base: (V, 3) vertices in millimetres, (F, 3) faces outward.
+
+    What was not measured of a photometric surface lies as low as the lowest point that was; a sheet whose
+    scale is unknown is 100 mm long unless the settings give a width. The base lies below z = 0 of the solid
+    as deep as the settings say, the lowest point of the surface at 0. At most twice as many faces as
+    `settings.vertices`.
+    Raises SurfaceError when no triangle is left.
+    """
+    settings = settings or MeshSettings()
+    points, present, _, _ = _points(surface, _solid_steps(surface, settings.vertices), settings.exaggeration)
+    if min(present.shape) < 2 or not present.any():
+        raise _no_triangle(surface)
+    x, y, z = (points[..., k] * 1000.0 for k in range(3))
+    scale = 1.0
+    if settings.width is not None:
+        scale = settings.width / float(np.ptp(x))
+    elif surface.unit != "mm":
+        scale = 1000.0 * _PIXEL_SHEET / max(float(np.ptp(x)), float(np.ptp(y)))
+    low = z[present].min()
+    top = np.stack([x * scale, y * scale, np.where(present, z - low, 0.0) * scale], axis=-1).reshape(-1, 3)
+    index = np.arange(present.size).reshape(present.shape)
+    # counter-clockwise as seen from +z, from the top left corner down
+    edge = np.concatenate([index[:-1, 0], index[-1, :-1], index[:0:-1, -1], index[0, :0:-1]])
+    foot = len(top) + np.arange(len(edge))
+    following, next_foot = np.roll(edge, -1), np.roll(foot, -1)
+    centre = np.full(len(edge), len(top) + len(edge))
+    vertices = np.concatenate([top, top[edge] * (1, 1, 0), [[0, 0, 0]]])
+    vertices[len(top) :, 2] = -settings.base
+    faces = [
+        _faces(np.ones(present.shape, dtype=bool)),
+        np.stack([edge, foot, next_foot], axis=1),
+        np.stack([edge, next_foot, following], axis=1),
+        np.stack([centre, next_foot, foot], axis=1),
+    ]
+    return vertices, np.concatenate(faces).astype(np.int64)
 
 
 def mesh_bytes(surface: Surface, *, kind: Format = "glb", settings: MeshSettings | None = None) -> bytes:
-    """The mesh as a file: "glb" (textured by the albedo in sRGB), "ply" (coloured vertices) or "stl".
+    """The mesh as a file: "glb" (textured by the albedo), "ply" (coloured vertices) or "stl" (a solid).
 
-    All are in metres but STL, which has no unit and is in millimetres as printers expect.
+    Colours are in sRGB. All are in metres but STL, which has no unit and is in millimetres as printers
+    expect. Its header says where the height comes from.
     Raises SurfaceError for another kind or an empty mesh.
     """
     import trimesh
@@ -92,17 +135,25 @@ def mesh_bytes(surface: Surface, *, kind: Format = "glb", settings: MeshSettings
     if kind not in FORMATS:
         raise SurfaceError(f"expected a mesh format among {', '.join(FORMATS)}, got {kind!r}")
     settings = settings or MeshSettings()
+    if kind == "stl":
+        return stl_bytes(*solid_mesh(surface, settings=settings), source=surface.source)
     grid = mesh_grid(surface, settings=settings)
-    scale = 1000.0 if kind == "stl" else 1.0
-    mesh = trimesh.Trimesh(grid.vertices * scale, grid.faces, process=False)
+    mesh = trimesh.Trimesh(grid.vertices, grid.faces, process=False)
     if kind == "glb":
         mesh.visual = _texture(surface, grid, settings)
         data = trimesh.Scene(mesh).export(file_type="glb")
     else:
-        if kind == "ply":
-            mesh.visual.vertex_colors = _colours(surface, grid)
+        mesh.visual.vertex_colors = _colours(surface, grid)
         data = mesh.export(file_type=kind)
     return data if isinstance(data, bytes) else str(data).encode()
+
+
+def stl_bytes(vertices: FloatArray, faces: npt.NDArray[np.int64], *, source: Source) -> bytes:
+    """A binary STL of a solid. source: where its height comes from, for the header."""
+    import trimesh
+
+    data = bytes(trimesh.Trimesh(vertices, faces, process=False).export(file_type="stl"))
+    return _STL_HEADERS[source].encode().ljust(80) + data[80:]
 
 
 def albedo_srgb(albedo: FloatArray) -> npt.NDArray[np.uint8]:
@@ -112,15 +163,55 @@ def albedo_srgb(albedo: FloatArray) -> npt.NDArray[np.uint8]:
     return np.asarray(np.round(curved * 255)).astype(np.uint8)
 
 
-def _coarse(height: FloatArray, kept: BoolArray, step: int) -> tuple[FloatArray, BoolArray]:
-    """Mean height of the kept pixels of each step x step block, and the blocks that are half kept."""
+def _points(
+    surface: Surface, steps: tuple[int, int], exaggeration: float
+) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
+    """Points of a coarse grid, in metres; which of them are kept; rows and columns where they lie.
+
+    steps: rows and columns of pixels for each point.
+    """
+    h, w = surface.height.shape
+    kept = surface.mask if surface.source == "photometric" else np.ones((h, w), dtype=bool)
+    pixel = surface.spacing / 1000.0 if surface.unit == "mm" else _PIXEL_SHEET / max(h, w)
+    height, present = _coarse(surface.height, kept, steps)
+    rows, columns = (
+        np.minimum((np.arange(n) + 0.5) * step - 0.5, last)
+        for n, step, last in zip(height.shape, steps, (h - 1, w - 1), strict=True)
+    )
+    x = (columns - (w - 1) / 2) * pixel
+    y = ((h - 1) / 2 - rows) * pixel
+    z = height * (pixel / surface.spacing) * exaggeration
+    return np.stack([*np.meshgrid(x, y), z], axis=-1), present, rows, columns
+
+
+def _solid_steps(surface: Surface, vertices: int) -> tuple[int, int]:
+    """The smallest steps with which a solid has at most 2 faces for each vertex allowed."""
+    h, w = surface.height.shape
+    step = max(1, int(np.sqrt(h * w / vertices)))
+    while True:
+        rows, columns = min(step, max(1, h // 2)), min(step, max(1, w // 2))
+        r, c = -(-h // rows), -(-w // columns)
+        if 2 * r * c + 4 * (r + c) - 10 <= 2 * vertices or r * c <= 4:
+            return rows, columns
+        step += 1
+
+
+def _coarse(height: FloatArray, kept: BoolArray, steps: tuple[int, int]) -> tuple[FloatArray, BoolArray]:
+    """Mean height of the kept pixels of each block of `steps` pixels, and the blocks that are half kept."""
     h, w = height.shape
-    spare = [(0, -h % step), (0, -w % step)]
-    shape = ((h + spare[0][1]) // step, step, (w + spare[1][1]) // step, step)
+    down, right = steps
+    spare = [(0, -h % down), (0, -w % right)]
+    shape = ((h + spare[0][1]) // down, down, (w + spare[1][1]) // right, right)
     weight = np.pad(kept.astype(np.float64), spare).reshape(shape).sum(axis=(1, 3))
     total = np.pad(np.where(kept, height, 0.0).astype(np.float64), spare).reshape(shape).sum(axis=(1, 3))
     size = np.pad(np.ones((h, w)), spare).reshape(shape).sum(axis=(1, 3))
     return total / np.maximum(weight, 1.0), weight >= 0.5 * size
+
+
+def _no_triangle(surface: Surface) -> SurfaceError:
+    h, w = surface.height.shape
+    kept = int(surface.mask.sum()) if surface.source == "photometric" else h * w
+    return SurfaceError(f"expected a surface with room for a triangle, got {kept} pixels of {h} x {w}")
 
 
 def _faces(present: BoolArray) -> npt.NDArray[np.int64]:

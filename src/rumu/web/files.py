@@ -12,7 +12,7 @@ from cachetools import LRUCache, cachedmethod
 
 from rumu.database.tables import Work
 from rumu.gallery.assets import Assets, assets_of, picture_assets
-from rumu.gallery.derived import etag, stored_file
+from rumu.gallery.derived import PLAIN, MeshShape, etag, stored_file
 from rumu.gallery.store import Gallery
 from rumu.studio import worker_tasks
 from rumu.studio.worker_pool import WorkerPool
@@ -22,8 +22,8 @@ _MAX_FILE = 8 * 2**20  # bytes of one content that is kept in memory
 _MAX_ADDRESSES = 20_000
 _COMPRESSED_TYPES = ("image/", "application/zip")
 
-FileAddress = tuple[str, str, float, str]
-"""Work, kind, exaggeration and version of a file, as its URL gives them."""
+FileAddress = tuple[str, str, MeshShape, str]
+"""Work, kind, shape of a mesh and version of a file, as its URL gives them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class DerivedFiles:
         source: Work | str,
         kind: str,
         *,
-        exaggeration: float = 1.0,
+        shape: MeshShape = PLAIN,
         client_etags: Collection[str] = (),
     ) -> FileContent:
         """A file derived from a work, or from a picture by its key in the store.
@@ -63,10 +63,10 @@ class DerivedFiles:
             assets, of = assets_of(self._gallery.store, source), {"work_id": source.id}
         else:
             assets, of = picture_assets(self._gallery.store, source), {"picture": source}
-        tag = etag(assets, kind, exaggeration=exaggeration)
+        tag = etag(assets, kind, shape=shape)
         if tag in client_etags:
             return FileContent(b"", None, "", tag)
-        return self._load(tag, assets, kind, exaggeration, of)
+        return self._load(tag, assets, kind, shape, of)
 
     def at_address(self, address: FileAddress) -> FileContent | None:
         """What was sent from this address, while it is in memory. It needs no query of the database."""
@@ -90,14 +90,12 @@ class DerivedFiles:
         condition=lambda self: self._contents_changed,
     )
     def _load(
-        self, tag: str, assets: Assets, kind: str, exaggeration: float, source: dict[str, Any]
+        self, tag: str, assets: Assets, kind: str, shape: MeshShape, source: dict[str, Any]
     ) -> FileContent:
         """A content from the store or a worker process; once, however many requests wait for it."""
-        file = stored_file(self._gallery.store, assets, kind, exaggeration=exaggeration)
+        file = stored_file(self._gallery.store, assets, kind, shape=shape)
         if file is None:
-            file = self._workers.call(
-                worker_tasks.derived_file, kind=kind, exaggeration=exaggeration, **source
-            )
+            file = self._workers.call(worker_tasks.derived_file, kind=kind, shape=shape, **source)
         return FileContent(file.data, _compress(file.data, file.media_type), file.media_type, tag)
 
 

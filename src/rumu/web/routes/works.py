@@ -12,7 +12,7 @@ from rumu.database.tables import Annotation, Work
 from rumu.errors import GalleryError
 from rumu.gallery import annotations as gallery_annotations
 from rumu.gallery import catalog
-from rumu.gallery.derived import KINDS, MESHES, viewer_facts
+from rumu.gallery.derived import KINDS, MESHES, PLAIN, MeshShape, viewer_facts
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.single_page import single_page
 from rumu.studio.errors import Missing, Unusable
@@ -41,7 +41,18 @@ FileKind = Literal[
     "thumb", "thumb-normals", "picture", "albedo", "normals", "normals-16", "height16", "heights", "mask",
     "lamp-a", "lamp-b", "lamp-c", "glb", "stl", "ply", "facts",
 ]  # fmt: skip
-Exaggeration = Annotated[float, Query(ge=0.01, le=100, allow_inf_nan=False)]
+
+
+def mesh_shape(
+    exaggeration: Annotated[float, Query(ge=0.01, le=100, allow_inf_nan=False)] = PLAIN.exaggeration,
+    width: Annotated[float | None, Query(ge=5, le=2000, allow_inf_nan=False)] = PLAIN.width,
+    base: Annotated[float, Query(ge=0.2, le=100, allow_inf_nan=False)] = PLAIN.base,
+) -> MeshShape:
+    """The shape of a mesh, as a request asks for it."""
+    return MeshShape(exaggeration, width, base)
+
+
+MeshShapeQuery = Annotated[MeshShape, Depends(mesh_shape)]
 
 
 def find_work(service: Service, work_id: str) -> Work:
@@ -130,27 +141,33 @@ async def get_file(
     kind: FileKind,
     v: Annotated[str | None, Query(max_length=80, description="The version, as URLs give it.")] = None,
     download: bool = False,
-    exaggeration: Exaggeration = 1.0,
+    shape: MeshShapeQuery,
 ) -> Response:
-    """A picture, map or mesh. exaggeration: of a mesh's height. download: to be saved."""
+    """A picture, map or mesh. exaggeration: of a mesh's height. download: to be saved.
+
+    width, base: of an STL, in millimetres: from its left to its right side (by default as large as the sheet,
+    100 mm long if its size is unknown), and the thickness below its lowest point.
+    """
     name = f"{work_id}.{kind}" if kind in MESHES else f"{work_id}-{kind}{KINDS[kind].suffix}"
-    content = service.files.at_address((work_id, kind, exaggeration, v or ""))
+    content = service.files.at_address((work_id, kind, shape, v or ""))
     if content is None:
-        content = await run_sync(_file_content, request, service, work_id, kind, exaggeration)
+        content = await run_sync(_file_content, request, service, work_id, kind, shape)
     return file_response(request, content, filename=name if download else None)
 
 
 def _file_content(
-    request: Request, service: Service, work_id: str, kind: str, exaggeration: float
+    request: Request, service: Service, work_id: str, kind: str, shape: MeshShape
 ) -> FileContent:
-    if exaggeration != 1.0 and kind not in MESHES:
+    if shape.exaggeration != PLAIN.exaggeration and kind not in MESHES:
         raise Unusable(zh="只有立體模型可以放大高度。", en="Only a mesh has an exaggeration.")
+    if (shape.width, shape.base) != (PLAIN.width, PLAIN.base) and kind != "stl":
+        raise Unusable(zh="只有 STL 可以指定寬度和底座厚度。", en="Only an STL has a width and a base.")
     work = find_work(service, work_id)
     etags = requested_etags(request.headers)
-    content = service.files.get(work, kind, exaggeration=exaggeration, client_etags=etags)
+    content = service.files.get(work, kind, shape=shape, client_etags=etags)
     version = request.query_params.get("v")
     if version is not None and version in (content.etag, file_version(work)):
-        service.files.set_address((work_id, kind, exaggeration, version), content)
+        service.files.set_address((work_id, kind, shape, version), content)
     return content
 
 

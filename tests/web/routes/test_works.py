@@ -1,0 +1,24 @@
+"""Files of works: a solid for printers has the size that was asked for."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+
+def test_an_stl_of_the_size_asked_for(world):
+    import trimesh
+
+    visitor = world.browser()
+    url = "/api/works/regular-shui/files/stl"
+    answer = visitor("GET", url, params={"width": 60, "base": 4, "exaggeration": 2})
+    assert answer.status_code == 200 and b"estimated" in answer.content[:80]
+    mesh = trimesh.load(io.BytesIO(answer.content), file_type="stl")
+    assert mesh.is_watertight and mesh.volume > 0
+    assert mesh.extents[0] == pytest.approx(60.0) and mesh.bounds[0, 2] == pytest.approx(-4.0)
+    plain = trimesh.load(io.BytesIO(visitor("GET", url).content), file_type="stl")
+    assert plain.extents[0] == pytest.approx(100.0) and plain.bounds[0, 2] == pytest.approx(-2.0)
+    for wrong in ({"width": "nan"}, {"width": 0}, {"base": "inf"}, {"base": -1}, {"exaggeration": "nan"}):
+        assert visitor("GET", url, params=wrong).status_code == 422
+    assert visitor("GET", "/api/works/regular-shui/files/glb", params={"width": 60}).status_code == 422
