@@ -123,7 +123,7 @@ def test_every_module_of_a_test_has_a_module_to_test():
 
 def test_the_pages_address_the_service_relative_to_themselves():
     """'/api/works' would leave the path under which a proxy shows the service; 'api/works' stays below it."""
-    sources = [*(ROOT / "frontend" / "src").rglob("*.ts*"), *(ROOT / "frontend" / "standalone").rglob("*.ts*")]
+    sources = [one for part in ("src", "standalone") for one in (ROOT / "frontend" / part).rglob("*.ts*")]
     absolute = [
         f"{source.relative_to(ROOT).as_posix()}:{number}"
         for source in sources
