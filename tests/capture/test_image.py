@@ -14,7 +14,7 @@ import pytest
 import tifffile
 from PIL import Image
 
-from rumu.capture.image import as_image, luminance, read_image, read_linear, read_mask, to_linear
+from rumu.capture.image import as_image, luminance, read_frame, read_image, read_linear, read_mask, to_linear
 from rumu.errors import ImageError
 
 RNG = np.random.default_rng(7)
@@ -181,6 +181,9 @@ def test_exif_orientation_is_applied(tmp_path: Path, orientation: int, suffix: s
     image = luminance(read_image(path))
     assert image.shape == upright.shape
     assert np.abs(image - upright / 255).max() < 0.03
+    frame, told = read_frame(path, encoding="linear")  # of a camera that stood still: not turned
+    assert told == orientation
+    assert np.abs(luminance(frame) - np.asarray(turned) / 255).max() < 0.03
 
 
 # --- what is refused -------------------------------------------------------------------------------

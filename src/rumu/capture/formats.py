@@ -1,4 +1,4 @@
-"""One decoder per file format: a file becomes its stored samples, upright, with nothing rescaled.
+"""One decoder per file format: a file becomes its stored samples, with nothing rescaled.
 
 The kind of a file is read from its first bytes, never from its name. The size is checked in the header,
 before a single pixel is decoded. Pillow reads everything of 8 bits and notices truncated files; it reads
@@ -46,20 +46,22 @@ logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stored:
-    """The samples of a file, upright.
+    """The samples of a file.
 
     values: (H, W) or (H, W, 3), uint8, uint16 or float32, R G B.
     alpha: (H, W) float32 in [0, 1], straight (colours are not multiplied by it); None when opaque.
     display: True when the format is always display-encoded (JPEG, WebP).
+    orientation: how the samples are still to be turned, as EXIF numbers it; 1 when they are upright.
     """
 
     values: Samples
     alpha: Samples | None = None
     display: bool = False
+    orientation: int = 1
 
 
-def decode(path: str | os.PathLike[str]) -> Stored:
-    """The stored samples of an image file; see `Stored`.
+def decode(path: str | os.PathLike[str], *, upright: bool = True) -> Stored:
+    """The stored samples of an image file, turned as its orientation says unless `upright` is False.
 
     Raises ImageError, naming the file, when it is missing, a folder, empty, cut short, no image, a camera's
     raw file, smaller than MIN_SIDE or larger than MAX_PIXELS.
@@ -70,7 +72,8 @@ def decode(path: str | os.PathLike[str]) -> Stored:
         with warnings.catch_warnings():
             # Pillow warns of sizes and odd metadata: the size is judged here, metadata is not the picture.
             warnings.simplefilter("ignore")
-            return _decoder(head)(path)
+            stored = _decoder(head)(path)
+            return _turn_upright(stored) if upright else stored
     except ImageError:
         raise
     except Exception as error:  # decoders raise nearly anything on broken files
@@ -142,7 +145,7 @@ def _read_pillow(path: Path, *, source: io.BytesIO | None = None) -> Stored:
         image.load()
         orientation = image.getexif().get(_ORIENTATION_TAG, 1)
         samples = _pillow_samples(path, image)
-    return _upright(replace(_split_alpha(samples), display=display), orientation)
+    return replace(_split_alpha(samples), display=display, orientation=_valid(orientation))
 
 
 def _pillow_samples(path: Path, image: Any) -> Samples:
@@ -175,7 +178,7 @@ def _read_deep_png(path: Path) -> Stored:
         orientation = image.getexif().get(_ORIENTATION_TAG, 1)
     with Image.open(path, formats=("PNG",)) as image:
         image.verify()  # checksums; OpenCV would return what it got of a file cut short
-    return _upright(_split_alpha(_read_opencv(path)), orientation)
+    return replace(_split_alpha(_read_opencv(path)), orientation=_valid(orientation))
 
 
 def _read_opencv(path: Path) -> Samples:
@@ -202,11 +205,12 @@ def _read_tiff(path: Path) -> Stored:
         tag = page.tags.get(_ORIENTATION_TAG)
         orientation = int(tag.value) if tag else 1
         if bits <= 8:
-            return _upright(_read_pillow(path, source=_without_orientation(path, tiff)), orientation)
+            stored = _read_pillow(path, source=_without_orientation(path, tiff))
+            return replace(stored, orientation=_valid(orientation))
         if page.dtype is None or page.dtype.name not in ("uint16", "float16", "float32", "float64"):
             raise ImageError(f"{path}: expected 8-bit, 16-bit or float samples, got {bits}-bit {page.dtype}")
         stored = _tiff_colours(path, page, _tiff_samples(path, page))
-    return _upright(stored, orientation)
+    return replace(stored, orientation=_valid(orientation))
 
 
 def _without_orientation(path: Path, tiff: Any) -> io.BytesIO | None:
@@ -297,14 +301,18 @@ def _split_alpha(samples: Samples, *, premultiplied: bool = False) -> Stored:
     return Stored(values, alpha)
 
 
-def _upright(stored: Stored, orientation: object) -> Stored:
-    turned = _turn(stored.values, orientation)
-    alpha = None if stored.alpha is None else _turn(stored.alpha, orientation)
-    return replace(stored, values=turned, alpha=alpha)
+def _valid(orientation: object) -> int:
+    """An EXIF orientation, 1 to 8; anything else is a broken tag and leaves the picture as it is."""
+    return orientation if isinstance(orientation, int) and 1 <= orientation <= 8 else 1
 
 
-def _turn(samples: Samples, orientation: object) -> Samples:
-    """EXIF orientations 1 to 8; anything else is a broken tag and leaves the picture as it is."""
+def _turn_upright(stored: Stored) -> Stored:
+    alpha = None if stored.alpha is None else turn(stored.alpha, stored.orientation)
+    return replace(stored, values=turn(stored.values, stored.orientation), alpha=alpha, orientation=1)
+
+
+def turn(samples: Samples, orientation: int) -> Samples:
+    """The picture (H, W) or (H, W, C) as an EXIF orientation, 1 to 8, says it is to be shown; a view."""
     transposed = samples.swapaxes(0, 1)
     turns = {
         2: samples[:, ::-1],
@@ -315,4 +323,4 @@ def _turn(samples: Samples, orientation: object) -> Samples:
         7: transposed[::-1, ::-1],
         8: transposed[::-1],
     }
-    return turns.get(orientation, samples) if isinstance(orientation, int) else samples
+    return turns.get(orientation, samples)

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.formats import Samples, Stored, check_size, decode
+from rumu.capture.formats import Samples, Stored, check_size, decode, turn
 from rumu.errors import ImageError
 from rumu.values import BoolArray
 
@@ -39,7 +39,7 @@ def read_image(path: str | os.PathLike[str]) -> Image:
 
 
 def read_linear(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> Image:
-    """An image as linear light.
+    """An image as linear light, upright.
 
     encoding: 'auto' decodes JPEG and WebP from sRGB and takes every other format as linear; 'linear' and
         'srgb' say it outright. EXR and float TIFF are always linear.
@@ -48,19 +48,29 @@ def read_linear(path: str | os.PathLike[str], *, encoding: Encoding = "auto") ->
     dark subtraction leaves, become 0.
     Raises ImageError as `read_image` does, except for float values above 1.
     """
+    image, orientation = read_frame(path, encoding=encoding)
+    return np.ascontiguousarray(turn(image, orientation))
+
+
+def read_frame(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> tuple[Image, int]:
+    """An image as linear light as the camera stored it, and the EXIF orientation that would turn it.
+
+    encoding, the values and errors: as of `read_linear`.
+    """
     if encoding not in ENCODINGS:
         raise ImageError(f"encoding: expected one of {', '.join(ENCODINGS)}, got {encoding!r}")
-    stored = decode(path)
+    stored = decode(path, upright=False)
     values = _linear(stored, name=path, encoding=encoding)
-    return np.ascontiguousarray(_over_white(values, stored.alpha))
+    return _over_white(values, stored.alpha), stored.orientation
 
 
-def read_mask(path: str | os.PathLike[str]) -> BoolArray:
+def read_mask(path: str | os.PathLike[str], *, upright: bool = True) -> BoolArray:
     """A mask: True where the image is brighter than half and not transparent.
 
-    Returns (H, W) bool. Raises ImageError as `read_image` does.
+    upright: whether it is turned as its EXIF orientation says. Returns (H, W) bool. Raises ImageError as
+    `read_image` does.
     """
-    stored = decode(path)
+    stored = decode(path, upright=upright)
     gray = luminance(_unit_range(stored.values, name=path))
     return np.asarray(gray > 0.5 if stored.alpha is None else gray * stored.alpha > 0.5)
 
