@@ -18,7 +18,7 @@ from rumu.assessment.features import COMPONENTS, KINDS, edge_patches
 from rumu.registration.points import canvas_of, ink_mask
 
 ROOT = Path(__file__).parents[1]
-CHARACTERS, EACH = 250, 40
+CHARACTERS, KIND_NUMBERS = 250, 40
 
 
 def basis(patches: np.ndarray) -> dict[str, np.ndarray]:
@@ -41,7 +41,7 @@ def bases(data: Path) -> dict[str, np.ndarray]:
         for pile, found in zip(
             taken, edge_patches(canvas_of(ink_mask(rumu.relief(folder / name))).ink), strict=True
         ):
-            pile.append(found[rng.choice(len(found), EACH)])
+            pile.append(found[rng.choice(len(found), KIND_NUMBERS)])
     return {
         f"{kind.frame}_{name}": array.astype(np.float32)
         for kind, pile in zip(KINDS, taken, strict=True)

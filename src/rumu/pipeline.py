@@ -152,7 +152,7 @@ class PreparedMaster:
 
     @cached_property
     def edges(self) -> FloatArray:
-        """(NUMBERS,) description of the edge of its ink, see `describe_edge`."""
+        """(EDGE_NUMBERS,) description of the edge of its ink, see `describe_edge`."""
         return describe_edge(self.canvas.ink)
 
     @cached_property

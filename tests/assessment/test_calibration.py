@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rumu.assessment.calibration import (
-    LEVELS,
+    CUT_OFFS,
     WIDENING,
     Charges,
-    Terms,
+    MarkingTerms,
     check_cuts,
     check_script,
     check_terms,
@@ -27,7 +27,7 @@ from rumu.assessment.calibration import (
     read_calibration,
     write_calibration,
 )
-from rumu.assessment.features import NUMBERS, RESIDUALS, SIGNED_FEATURES, Features, Residuals
+from rumu.assessment.features import EDGE_NUMBERS, RESIDUALS, SIGNED_FEATURES, Features, Residuals
 from rumu.errors import CalibrationError, OutputError, RumuError
 from rumu.strokes.omissions import Region
 from rumu.values import SCRIPTS
@@ -61,7 +61,7 @@ def test_a_larger_residual_never_raises_the_score(r, name, more):
     assert score(replace(PERFECT, residuals=worse)) <= score(replace(PERFECT, residuals=r)) + 1e-9
 
 
-@given(all_residuals, st.lists(st.floats(-9, 9), min_size=NUMBERS, max_size=NUMBERS))
+@given(all_residuals, st.lists(st.floats(-9, 9), min_size=EDGE_NUMBERS, max_size=EDGE_NUMBERS))
 def test_scores_and_parts_stay_within_0_and_100(r, edges):
     features = replace(PERFECT, residuals=r, edges=tuple(edges))
     parts = panel().part_scores(features)
@@ -72,7 +72,7 @@ def test_scores_and_parts_stay_within_0_and_100(r, edges):
 
 def test_a_perfect_copy_scores_100_and_is_excellent():
     assert panel().score(PERFECT) == pytest.approx(100.0)
-    for cuts in LEVELS.values():
+    for cuts in CUT_OFFS.values():
         assert level_of(100.0, cuts=cuts) == "excellent"
 
 
@@ -110,7 +110,8 @@ def test_full_writing_is_marked_up_within_reason():
 def test_strange_edges_count_only_so_far():
     """Beyond three standard deviations no mark has been seen."""
     far, farther = (
-        panel().scale.weighted_sum(replace(PERFECT, edges=(e,) * NUMBERS).vector()) for e in (50.0, 500.0)
+        panel().scale.weighted_sum(replace(PERFECT, edges=(e,) * EDGE_NUMBERS).vector())
+        for e in (50.0, 500.0)
     )
     assert far == pytest.approx(farther)
 
@@ -151,7 +152,7 @@ def test_a_stroke_too_few_is_bad_and_less_of_it_smoothly_better():
     assert marks[0] == 100 and marks[-1] < 10
     assert (np.diff(marks[:31]) < 0).all() and (np.diff(marks) <= 0).all()
     assert panel().score(faulty(0.1)) == pytest.approx(75)
-    assert panel().score(faulty(1.0)) < panel().score(faulty(0.5)) < LEVELS["panel"]["medium"]
+    assert panel().score(faulty(1.0)) < panel().score(faulty(0.5)) < CUT_OFFS["panel"]["medium"]
 
 
 def test_a_stroke_too_many_costs_half_as_much_as_one_too_few():
@@ -231,14 +232,14 @@ def test_an_interval_is_widened_about_the_score():
 
 
 def test_levels_by_name():
-    for cuts in LEVELS.values():
+    for cuts in CUT_OFFS.values():
         assert list(cuts) == ["excellent", "good", "medium"]
         for level, lowest in cuts.items():
             assert level_of(lowest, cuts=cuts) == level
             assert level_of(lowest - 1e-6, cuts=cuts) != level
         assert level_of(0.0, cuts=cuts) == "bad"
-    assert LEVELS["rubric"] == {"excellent": 87.5, "good": 72.5, "medium": 52.5}
-    assert [level_of(s, cuts=LEVELS["rubric"]) for s in (90, 80, 60, 50)] == [
+    assert CUT_OFFS["rubric"] == {"excellent": 87.5, "good": 72.5, "medium": 52.5}
+    assert [level_of(s, cuts=CUT_OFFS["rubric"]) for s in (90, 80, 60, 50)] == [
         "excellent",
         "good",
         "medium",
@@ -250,7 +251,7 @@ def test_all_four_levels_are_in_use_on_human_marks(data):
     from rumu_lab.experiments.e3c import read_copies
 
     levels = [level_of(copy.mark) for copy in read_copies(data)]
-    shares = {level: levels.count(level) / len(levels) for level in (*LEVELS["panel"], "bad")}
+    shares = {level: levels.count(level) / len(levels) for level in (*CUT_OFFS["panel"], "bad")}
     assert min(shares.values()) > 0.08, shares
     assert max(shares.values()) < 0.5, shares
 
@@ -364,7 +365,7 @@ COPY = Features(
 
 
 def test_without_terms_it_is_the_panel_s_mark():
-    mark = mark_fields(COPY, terms=Terms())
+    mark = mark_fields(COPY, terms=MarkingTerms())
     assert mark["score"] == panel().score(COPY)
     assert mark["interval"] == panel().interval_of(mark["score"])
     assert (mark["weights"], mark["calibration"], mark["script"]) == (None, None, None)
@@ -372,7 +373,7 @@ def test_without_terms_it_is_the_panel_s_mark():
 
 
 def test_regular_script_needs_no_note():
-    mark = mark_fields(COPY, terms=Terms(script="regular"))
+    mark = mark_fields(COPY, terms=MarkingTerms(script="regular"))
     assert (mark["interval_note"], mark["interval_note_zh"]) == (None, None)
 
 
@@ -402,7 +403,7 @@ def test_wrong_terms_are_refused(terms):
 def test_only_regular_script_is_covered():
     width = {}
     for script in (*SCRIPTS, None):
-        fields = mark_fields(PERFECT, terms=Terms(script=script, calibration=None))
+        fields = mark_fields(PERFECT, terms=MarkingTerms(script=script, calibration=None))
         low, _ = fields["interval"]
         width[script] = (fields["score"] - low) / -panel().interval[0]
     expected = {**dict.fromkeys(SCRIPTS, WIDENING), "regular": 1.0, None: 1.0}

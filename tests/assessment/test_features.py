@@ -12,18 +12,18 @@ import pytest
 from scipy.spatial import cKDTree
 
 from rumu.assessment.features import (
-    AMOUNTS,
     COMPONENTS,
+    EDGE_AMOUNTS,
+    EDGE_NUMBERS,
     KINDS,
-    NUMBERS,
     RESIDUALS,
     SAMPLES,
     SOFTENING,
-    amount,
     describe_edge,
+    edge_amount,
     edge_patches,
+    edge_sense,
     residuals,
-    sense,
     sim_paper,
     similarity,
 )
@@ -180,7 +180,7 @@ def distance(a, b) -> float:
 
 def test_a_description_has_its_length_and_is_finite(canvas, mask):
     found = describe_edge(canvas(mask(EDGE_WORK)))
-    assert found.shape == (NUMBERS,) == (5 * (2 * COMPONENTS + 1),)  # four sides upright, one turned
+    assert found.shape == (EDGE_NUMBERS,) == (5 * (2 * COMPONENTS + 1),)  # four sides upright, one turned
     assert np.isfinite(found).all()
 
 
@@ -202,9 +202,9 @@ def test_no_side_of_the_page_is_up(canvas, mask, fault):
     upright, sideways = (
         describe_edge(np.rot90(copy, k).copy()) - describe_edge(np.rot90(master, k).copy()) for k in (0, 1)
     )
-    assert amount(upright).shape == (AMOUNTS,)
-    assert distance(amount(sideways), amount(upright)) < 1e-3 * np.abs(amount(upright)).mean()
-    assert distance(sense(sideways), sense(upright)) < 1e-3 * np.abs(sense(upright)).mean()
+    assert edge_amount(upright).shape == (EDGE_AMOUNTS,)
+    assert distance(edge_amount(sideways), edge_amount(upright)) < 1e-3 * np.abs(edge_amount(upright)).mean()
+    assert distance(edge_sense(sideways), edge_sense(upright)) < 1e-3 * np.abs(edge_sense(upright)).mean()
 
 
 @pytest.mark.parametrize("name", ["wobble", "blunt", "thick", "thin"])

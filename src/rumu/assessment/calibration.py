@@ -33,7 +33,7 @@ WIDENING = 1.5
 """The interval of a script that no human marks cover, over that of regular script: a declared convention,
 since there is nothing to measure it on."""
 
-LEVELS: Mapping[str, Cuts] = {
+CUT_OFFS: Mapping[str, Cuts] = {
     # of the panel's 652 marks about a tenth is excellent, 30 % good, 35 % medium and a quarter bad
     "panel": {"excellent": 69.0, "good": 56.0, "medium": 41.0},
     # midpoints between the bands of a published copying-exam rubric (18-20, 15-17, 11-14, up to 10 of 20)
@@ -168,7 +168,7 @@ class Calibration:
 
 def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
     """The level of a score, by the panel's cut-offs unless others are given."""
-    for level, lowest in (cuts or LEVELS["panel"]).items():
+    for level, lowest in (cuts or CUT_OFFS["panel"]).items():
         if score >= lowest:
             return level
     return "bad"
@@ -176,7 +176,7 @@ def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
 
 def check_cuts(cuts: Mapping[str, Any], *, name: str) -> Cuts:
     """A teacher's own cut-offs, checked. Raises CalibrationError naming what was expected."""
-    expected = tuple(LEVELS["panel"])
+    expected = tuple(CUT_OFFS["panel"])
     try:
         values = [float(cuts[level]) for level in expected]
     except (KeyError, TypeError, ValueError):
@@ -281,7 +281,7 @@ def check_script(script: str | None, *, name: str = "script") -> Script | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Terms:
+class MarkingTerms:
     """How a copy is to be marked.
 
     calibration: None for the one that ships with rumu. weights: of the parts; None for the fitted ones.
@@ -300,9 +300,9 @@ def check_terms(
     weights: Mapping[str, float] | None = None,
     levels: Mapping[str, float] | None = None,
     script: str | None = None,
-) -> Terms:
-    """Terms as a person gives them. Raises CalibrationError that says what was expected."""
-    return Terms(
+) -> MarkingTerms:
+    """The terms as a person gives them. Raises CalibrationError that says what was expected."""
+    return MarkingTerms(
         calibration=load_calibration(calibration) if isinstance(calibration, str | Path) else calibration,
         weights=None if weights is None else check_weights(weights, name="weights"),
         cuts=None if levels is None else check_cuts(levels, name="levels"),
@@ -310,7 +310,7 @@ def check_terms(
     )
 
 
-def mark_fields(features: Features, *, terms: Terms, highest: float = 100.0) -> dict[str, Any]:
+def mark_fields(features: Features, *, terms: MarkingTerms, highest: float = 100.0) -> dict[str, Any]:
     """Those fields of an Assessment that follow from features and terms: the mark and what it rests on.
 
     highest: the mark that the copy may reach, 0-100; see `refusal.check_copy`.

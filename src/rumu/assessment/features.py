@@ -49,13 +49,13 @@ SAMPLES = 13
 """Samples along the side of a patch."""
 COMPONENTS = 16
 """Principal components kept of each kind."""
-EACH = 2 * COMPONENTS + 1
+KIND_NUMBERS = 2 * COMPONENTS + 1
 """Numbers of one kind from one side: the means, the log spreads and what the components leave."""
 SIDES = {"upright": 4, "turned": 1}
-NUMBERS = EACH * sum(SIDES[kind.frame] for kind in KINDS)
+EDGE_NUMBERS = KIND_NUMBERS * sum(SIDES[kind.frame] for kind in KINDS)
 """Length of a description."""
-AMOUNTS, SENSES = EACH * len(KINDS), EACH
-"""Numbers that `amount` and `sense` give."""
+EDGE_AMOUNTS, EDGE_SENSES = KIND_NUMBERS * len(KINDS), KIND_NUMBERS
+"""Numbers that `edge_amount` and `edge_sense` give."""
 SMOOTHING = 1.5
 """Pixels of the canvas over which the edge is smoothed before its direction is taken."""
 SHORTEST = 12
@@ -80,8 +80,8 @@ FEATURE_GROUPS: Mapping[str, tuple[str, ...]] = {
     "height": ("height",),
     "direction": ("direction",),
     "whole": RESIDUALS[6:],
-    "edge_amount": tuple(f"edge_amount_{k}" for k in range(AMOUNTS)),
-    "edge_sense": tuple(f"edge_sense_{k}" for k in range(SENSES)),
+    "edge_amount": tuple(f"edge_amount_{k}" for k in range(EDGE_AMOUNTS)),
+    "edge_sense": tuple(f"edge_sense_{k}" for k in range(EDGE_SENSES)),
     "fullness": ("fullness",),
 }
 """All features that a calibration may weigh, in the order of `Features.vector`, by what they rest on."""
@@ -141,19 +141,19 @@ class Features:
     size: float
     weight: float
     regions: tuple[Region, ...] = ()
-    edges: tuple[float, ...] = (0.0,) * NUMBERS
+    edges: tuple[float, ...] = (0.0,) * EDGE_NUMBERS
 
     def vector(self) -> FloatArray:
         """(len(FEATURE_NAMES),) float64: log residuals, how much the edge differs and which way, fullness."""
         edges = np.array(self.edges)
         full = np.clip(self.size, -FULLNESS_RANGE, FULLNESS_RANGE)
-        return np.concatenate([self.residuals.logarithms(), amount(edges), sense(edges), [full]])
+        return np.concatenate([self.residuals.logarithms(), edge_amount(edges), edge_sense(edges), [full]])
 
 
 def measure_features(registration: Registration, *, edges: FloatArray, ink: MasterInk) -> Features:
     """Features of one registration.
 
-    edges: (NUMBERS,) description of the copy's edge less the master's. ink: of the registration's master.
+    edges: (EDGE_NUMBERS,) description of the copy's edge less the master's. ink: the master's.
     """
     heights = registration.probe.xyz[:, 2].mean(), registration.reference.xyz[:, 2].mean()
     return Features(
@@ -234,7 +234,7 @@ class Basis:
 
 
 def describe_edge(ink: FloatArray, *, lean: float = 0.0) -> FloatArray:
-    """(CANVAS, CANVAS) ink in [0, 1] on the common canvas -> (NUMBERS,) float64.
+    """(CANVAS, CANVAS) ink in [0, 1] on the common canvas -> (EDGE_NUMBERS,) float64.
 
     lean: degrees clockwise by which the ink leans; taken out of the upright patches, it is charged apart.
     """
@@ -246,20 +246,20 @@ def describe_edge(ink: FloatArray, *, lean: float = 0.0) -> FloatArray:
     return np.concatenate(found)
 
 
-def amount(difference: FloatArray) -> FloatArray:
-    """(NUMBERS,) difference of two descriptions -> (AMOUNTS,) how much they differ, whichever side is up."""
-    sided = np.abs(difference).reshape(-1, EACH)
+def edge_amount(difference: FloatArray) -> FloatArray:
+    """(EDGE_NUMBERS,) difference of descriptions -> (EDGE_AMOUNTS,) how much, whichever side is up."""
+    sided = np.abs(difference).reshape(-1, KIND_NUMBERS)
     ends = np.cumsum([SIDES[kind.frame] for kind in KINDS])
     return np.concatenate([part.mean(axis=0) for part in np.split(sided, ends[:-1])])
 
 
-def sense(difference: FloatArray) -> FloatArray:
-    """(NUMBERS,) -> (SENSES,) which way the patches that are turned with the edge differ."""
-    return np.asarray(difference[-EACH:], dtype=float)
+def edge_sense(difference: FloatArray) -> FloatArray:
+    """(EDGE_NUMBERS,) -> (EDGE_SENSES,) which way the patches that are turned with the edge differ."""
+    return np.asarray(difference[-KIND_NUMBERS:], dtype=float)
 
 
 def _in_components(cut: FloatArray, basis: Basis) -> FloatArray:
-    """(N, SAMPLES**2) patches -> (EACH,) float64."""
+    """(N, SAMPLES**2) patches -> (KIND_NUMBERS,) float64."""
     left = cut - basis.mean
     z = left @ basis.components
     rest = np.maximum(np.sum(left * left, axis=1) - np.sum(z * z, axis=1), 0.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.strokes.centre_lines import SCALE, SIDE, FramedInk, from_pixels, to_pixels
-from rumu.strokes.correspondence import MasterStrokes, StrokeMatch
+from rumu.strokes.correspondence import CharacterMatch, MasterStrokes
 from rumu.strokes.measures import edge_tremor
 from rumu.values import BoolArray, FloatArray, Surface
 
@@ -30,7 +30,7 @@ class InkSettings:
     least_tremor: float = 0.05
 
 
-SETTINGS = InkSettings()
+INK = InkSettings()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,10 +65,10 @@ class InkMeasures:
     darkness: float
 
 
-def measure_ink(strokes: StrokeMatch, copy: Surface, master: MasterStrokes) -> InkMeasures:
+def measure_ink(strokes: CharacterMatch, copy: Surface, master: MasterStrokes) -> InkMeasures:
     """Measure the ink of a copy whose strokes are matched."""
     framed, itself = strokes.framed, master.itself
-    beside = SETTINGS.beside * strokes.master.width * SCALE
+    beside = INK.beside * strokes.master.width * SCALE
     tube = _draw_strokes(strokes.moved, strokes.radius * SCALE + beside)
     tube |= _unexplained_in_master(master, beside)
     tremor = edge_tremor(framed)
@@ -78,7 +78,7 @@ def measure_ink(strokes: StrokeMatch, copy: Surface, master: MasterStrokes) -> I
         patches=_find_patches(framed, tube, strokes.copy.width * SCALE),
         bare=_bare(strokes, framed.ink, strokes.covered) - _bare(itself, master.framed.ink, strokes.covered),
         tremor=(tremor - master.tremor) / SCALE,
-        rough=tremor / max(master.tremor, SETTINGS.least_tremor),
+        rough=tremor / max(master.tremor, INK.least_tremor),
         darkness=darkness / max(darkness_master, 1e-6),
     )
 
@@ -108,7 +108,7 @@ def _find_patches(framed: FramedInk, tube: BoolArray, width: float) -> tuple[Ink
     found = []
     for k in range(1, count):
         own, area = labels == k, int(stats[k, cv2.CC_STAT_AREA])
-        if area < SETTINGS.share * total or float(away[own].max()) < SETTINGS.deep * width:
+        if area < INK.share * total or float(away[own].max()) < INK.deep * width:
             continue
         slender = area / (np.pi * float(inside[own].max()) ** 2)
         around = cv2.dilate(own.view(np.uint8), np.ones((5, 5), np.uint8)) > 0
@@ -129,12 +129,12 @@ def _unexplained_in_master(master: MasterStrokes, beside: float) -> BoolArray:
     return np.asarray(cv2.dilate(spare.view(np.uint8), np.ones((5, 5), np.uint8)) > 0)
 
 
-def _bare(strokes: StrokeMatch, ink: BoolArray, seen: BoolArray) -> float:
+def _bare(strokes: CharacterMatch, ink: BoolArray, seen: BoolArray) -> float:
     """Share of the inside of the strokes that holds no ink, though there is ink on both sides of it."""
     import cv2
 
-    inner = _draw_strokes(strokes.moved[seen], SETTINGS.inner * SCALE * strokes.radius[seen])
-    reach = max(round(SETTINGS.streak * strokes.master.width * SCALE), 1)
+    inner = _draw_strokes(strokes.moved[seen], INK.inner * SCALE * strokes.radius[seen])
+    reach = max(round(INK.streak * strokes.master.width * SCALE), 1)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     closed = cv2.morphologyEx(ink.view(np.uint8), cv2.MORPH_CLOSE, disc) > 0
     return float((inner & closed & ~ink).sum() / max(inner.sum(), 1))

@@ -103,7 +103,7 @@ class FigureSettings:
     part: float = 0.12
 
 
-SETTINGS = FigureSettings()
+FIGURES = FigureSettings()
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,8 +172,8 @@ class RefusalFigures:
     @cached_property
     def strangeness(self) -> float:
         """Grows with the residual of the registration and falls with likeness."""
-        residual = np.log(self.plane_residual + SETTINGS.residual_offset)
-        return SETTINGS.residual_weight * float(residual) - self.likeness_beyond_others
+        residual = np.log(self.plane_residual + FIGURES.residual_offset)
+        return FIGURES.residual_weight * float(residual) - self.likeness_beyond_others
 
     @cached_property
     def share_in_place(self) -> float:
@@ -183,7 +183,7 @@ class RefusalFigures:
         """
         x, p = self.registration.reference, self.registration.probe
         at = (p.xyz[:, :2] * p.radius + p.centre - x.centre) / x.radius
-        near = SETTINGS.near
+        near = FIGURES.near
         return max(_covered(at[::3], x.xyz[:, :2], near), _covered(x.xyz[::3, :2], at, near))
 
     @cached_property
@@ -196,7 +196,7 @@ class RefusalFigures:
     def hollowness(self) -> float:
         """How much better the copy covers the edges of the master's strokes than their middle, -1 to 1."""
         p, x = pose_probe(self.registration), self.registration.reference.xyz
-        low, high = np.percentile(x[:, 2], (SETTINGS.edge, SETTINGS.middle))
+        low, high = np.percentile(x[:, 2], (FIGURES.edge, FIGURES.middle))
         edge, middle = x[x[:, 2] <= low], x[x[:, 2] >= high]
         reach = 0.5 * INFLATION_TOP * float(np.median(middle[:, 2]))  # half of a stroke's half-width
         return _covered(edge[::2, :2], p[:, :2], reach) - _covered(middle[::2, :2], p[:, :2], reach)
@@ -220,10 +220,10 @@ class RefusalFigures:
         p, T = self.registration.probe, self.registration.T_reference_probe
         back = (self.registration.reference.xyz[:, :2] - T[:2, 3]) @ T[:2, :2]
         at = back * p.radius + p.centre
-        half, n, ink = np.array(p.cell) / 2, SETTINGS.border_pixels, ink_mask(self.copy)
+        half, n, ink = np.array(p.cell) / 2, FIGURES.border_pixels, ink_mask(self.copy)
         left, right, top, bottom = ink[:, :n], ink[:, -n:], ink[:n].T, ink[-n:].T
         strips = [strip.any(axis=1).sum() for strip in (left, right, top, bottom)]
-        is_inked = np.array(strips) >= SETTINGS.border_ink * max(ink.shape)
+        is_inked = np.array(strips) >= FIGURES.border_ink * max(ink.shape)
         sides = np.stack([at[:, 0] < -half[0], at[:, 0] > half[0], at[:, 1] > half[1], at[:, 1] < -half[1]])
         return float((sides.T & is_inked).any(axis=1).mean())
 
@@ -324,7 +324,7 @@ def parts_of(ink: BoolArray) -> list[BoolArray]:
     columns, rows = _bands(ink, axis=0), _bands(ink, axis=1)
     cells = [part for row in rows for part in _bands(row, axis=0)] if len(rows) > 1 else []
     parts = [part for group in (columns, rows, cells) if len(group) > 1 for part in group]
-    return [part for part in parts if np.count_nonzero(part) >= SETTINGS.part * np.count_nonzero(ink)]
+    return [part for part in parts if np.count_nonzero(part) >= FIGURES.part * np.count_nonzero(ink)]
 
 
 def _bands(ink: BoolArray, *, axis: int) -> list[BoolArray]:
@@ -333,7 +333,7 @@ def _bands(ink: BoolArray, *, axis: int) -> list[BoolArray]:
     at = np.flatnonzero(used)
     if len(at) < 2:
         return [ink]
-    breaks = np.flatnonzero(np.diff(at) > max(SETTINGS.gap * (at[-1] - at[0]), SETTINGS.gap_pixels))
+    breaks = np.flatnonzero(np.diff(at) > max(FIGURES.gap * (at[-1] - at[0]), FIGURES.gap_pixels))
     edges = [0, *(int(at[k] + 1) for k in breaks), len(used)]
     bands = []
     for first, last in pairwise(edges):

@@ -15,7 +15,7 @@ import numpy as np
 from rumu.assessment.ink_measures import InkMeasures, measure_ink
 from rumu.assessment.stroke_remarks import remarks_on_strokes
 from rumu.assessment.thresholds import RemarkThresholds, as_lines, box, ink_severity, severity
-from rumu.strokes.correspondence import MasterStrokes, StrokeMatch, match_strokes
+from rumu.strokes.correspondence import CharacterMatch, MasterStrokes, match_strokes
 from rumu.strokes.naming import direction_of, place_of
 from rumu.values import FloatArray, Registration, Remark, Surface
 
@@ -55,7 +55,7 @@ def _choose_worst(found: Iterable[Remark], limits: RemarkThresholds) -> tuple[Re
 
 
 def _remarks_on_whole(
-    strokes: StrokeMatch, registration: Registration, limits: RemarkThresholds
+    strokes: CharacterMatch, registration: Registration, limits: RemarkThresholds
 ) -> Iterator[Remark]:
     lean, size, weight = strokes.pose.angle, strokes.pose.scale - 1.0, strokes.width - 1.0
     if abs(lean) >= limits.lean:
@@ -99,7 +99,7 @@ def _remarks_on_whole(
         )  # fmt: skip
 
 
-def _offset(strokes: StrokeMatch) -> FloatArray:
+def _offset(strokes: CharacterMatch) -> FloatArray:
     """(x right, y DOWN), rms radii: how far the middle of the writing stands from the master's."""
     master = strokes.places[strokes.covered]
     if len(master) == 0:
@@ -113,7 +113,7 @@ def _offset(strokes: StrokeMatch) -> FloatArray:
     return np.asarray((copy.min(axis=0) + copy.max(axis=0)) / 2 - middle)
 
 
-def _remark_on_parts(strokes: StrokeMatch, limits: RemarkThresholds) -> Iterator[Remark]:
+def _remark_on_parts(strokes: CharacterMatch, limits: RemarkThresholds) -> Iterator[Remark]:
     q = strokes.squeeze
     if q is None or max(q.first / q.second, q.second / q.first) - 1.0 < limits.squeeze:
         return

@@ -15,7 +15,7 @@ from rumu.assessment.thresholds import (
     ink_severity,
     severity,
 )
-from rumu.strokes.correspondence import BluntTips, StrokeMatch
+from rumu.strokes.correspondence import BluntTips, CharacterMatch
 from rumu.strokes.measures import MatchedStroke
 from rumu.strokes.naming import HORIZONTAL, RING, VERTICAL, direction_of, kind_of, name_strokes
 from rumu.strokes.spacing import StrokeGap, find_gaps
@@ -31,7 +31,7 @@ class NamedStroke:
     """
 
     stroke: MatchedStroke
-    match: StrokeMatch
+    match: CharacterMatch
     name: Bilingual
     kind: Bilingual
     limits: RemarkThresholds
@@ -75,7 +75,7 @@ class NamedStroke:
 
 
 def remarks_on_strokes(
-    match: StrokeMatch, registration: Registration, limits: RemarkThresholds
+    match: CharacterMatch, registration: Registration, limits: RemarkThresholds
 ) -> Iterator[Remark]:
     """Remarks on single strokes, in no order."""
     width, cell = match.master.width, registration.reference.radius
@@ -100,7 +100,7 @@ def remarks_on_strokes(
     yield from _tips_remark(every, match.tips, limits)
 
 
-def _ink_share(match: StrokeMatch, own: BoolArray | IntArray) -> float:
+def _ink_share(match: CharacterMatch, own: BoolArray | IntArray) -> float:
     """Share of the master's ink in some of its points."""
     radius = match.master.points.radius
     return float(radius[own].sum() / radius.sum())

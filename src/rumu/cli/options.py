@@ -99,12 +99,12 @@ def level_cuts(name: str) -> Mapping[str, float]:
 
     Raises CalibrationError that names the known sets, or what is wrong with the file.
     """
-    from rumu.assessment.calibration import LEVELS, check_cuts
+    from rumu.assessment.calibration import CUT_OFFS, check_cuts
 
     path = Path(name)
-    if name not in LEVELS and path.suffix.lower() != ".json":
-        raise CalibrationError(f"levels {name!r}: expected one of {', '.join(LEVELS)}, or a .json file")
-    cuts = LEVELS[name] if name in LEVELS else check_cuts(_json_object(path, of="levels"), name=name)
+    if name not in CUT_OFFS and path.suffix.lower() != ".json":
+        raise CalibrationError(f"levels {name!r}: expected one of {', '.join(CUT_OFFS)}, or a .json file")
+    cuts = CUT_OFFS[name] if name in CUT_OFFS else check_cuts(_json_object(path, of="levels"), name=name)
     return {str(level): low for level, low in cuts.items()}
 
 

@@ -49,7 +49,7 @@ class LineSettings:
     most_points: int = 180
 
 
-SETTINGS = LineSettings()
+LINES = LineSettings()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,9 +171,9 @@ def find_strokes(framed: FramedInk) -> CentreLines:
     """The strokes of a master, longest first, cut at corners; spurs at corners are dropped."""
     skeleton = skeletonise(framed.ink)
     pieces = [piece for stroke in strokes(skeleton) for piece in _cut_at_corners(stroke, skeleton)]
-    least = SETTINGS.shortest * skeleton.width
+    least = LINES.shortest * skeleton.width
     longest = max(pieces, key=lambda piece: piece.length)
-    speck = SETTINGS.speck * framed.ink.sum()
+    speck = LINES.speck * framed.ink.sum()
     chosen = [
         piece
         for piece in pieces
@@ -202,8 +202,8 @@ def _ink_area(stroke: Stroke) -> float:
 
 def _cut_at_corners(stroke: Stroke, skeleton: Skeleton) -> list[Stroke]:
     """A stroke in pieces, from corner to corner."""
-    n, arm = len(stroke.points), max(round(skeleton.width), SETTINGS.shortest_arm)
-    whole, margin = SETTINGS.uncut
+    n, arm = len(stroke.points), max(round(skeleton.width), LINES.shortest_arm)
+    whole, margin = LINES.uncut
     if n < whole * arm:
         return [stroke]
     p = stroke.points
@@ -213,7 +213,7 @@ def _cut_at_corners(stroke: Stroke, skeleton: Skeleton) -> list[Stroke]:
     turning[arm:-arm] = np.degrees(np.arccos(np.clip(cos, -1.0, 1.0)))
     turning[: int(margin * arm)] = turning[n - int(margin * arm) :] = 0.0
     cuts: list[int] = []
-    while turning.max() >= SETTINGS.corner:
+    while turning.max() >= LINES.corner:
         k = int(turning.argmax())
         cuts.append(k)
         turning[max(k - 2 * arm, 0) : k + 2 * arm] = 0.0
@@ -230,7 +230,7 @@ def _in_writing_direction(stroke: Stroke, skeleton: Skeleton) -> CentreLine:
     """A stroke's centre line in the direction of writing."""
     (right, down), third = stroke.chord, max(len(stroke.points) // 3, 1)
     start, end = (float(part.mean()) for part in (stroke.radius[:third], stroke.radius[-third:]))
-    if right > 0 and down < -SETTINGS.rising * right and start < SETTINGS.taper * end:
+    if right > 0 and down < -LINES.rising * right and start < LINES.taper * end:
         stroke = stroke.reversed()  # a left-falling stroke that lies flat
     return _centre_line(stroke, _free_ends(stroke, skeleton), skeleton)
 
@@ -241,16 +241,16 @@ def _centre_line(line: Polyline, free: tuple[bool, bool], skeleton: Skeleton) ->
     forks = skeleton.nodes[skeleton.degree > 2]
     if len(forks):
         squared = ((line.points[:, None] - forks) ** 2).sum(axis=2).min(axis=1)
-        clear = np.asarray(squared > (SETTINGS.fork * skeleton.width) ** 2)
+        clear = np.asarray(squared > (LINES.fork * skeleton.width) ** 2)
     step = np.diff(line.points, axis=0)
     arc = np.concatenate([[0.0], np.cumsum(np.sqrt((step * step).sum(axis=1)) / SCALE)])
     return CentreLine(from_pixels(line.points), line.radius / SCALE, free, clear, arc)
 
 
-def sample_lines(lines: tuple[CentreLine, ...], *, most: int = SETTINGS.most_points) -> LinePoints:
+def sample_lines(lines: tuple[CentreLine, ...], *, most: int = LINES.most_points) -> LinePoints:
     """Points on lines at the usual spacing, or about `most` where the lines are long."""
     total = sum(line.length for line in lines)
-    spacing = max(SETTINGS.spacing, total / most)
+    spacing = max(LINES.spacing, total / most)
     xy, double, radius, owner, clear = [], [], [], [], []
     for k, line in enumerate(lines):
         arc = line.arc

@@ -27,8 +27,7 @@ from rumu.strokes.centre_lines import (
     frame_ink,
 )
 from rumu.strokes.matching import find_covered, match_lines
-from rumu.strokes.measures import SETTINGS as MEASURES
-from rumu.strokes.measures import MatchedLines, MatchedStroke, edge_tremor
+from rumu.strokes.measures import MEASURES, MatchedStroke, StrokeMeasurer, edge_tremor
 from rumu.strokes.pose import NO_POSE, CharacterPose, Squeeze, find_pose, find_squeeze, share_in_place
 from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
 
@@ -59,7 +58,7 @@ class StrokeMatchSettings:
     pixel_share: float = 0.3
 
 
-SETTINGS = StrokeMatchSettings()
+CORRESPONDENCE = StrokeMatchSettings()
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +75,8 @@ class BluntTips:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class StrokeMatch:
-    """The whole correspondence.
+class CharacterMatch:
+    """The strokes of a master and those of a copy, matched.
 
     strokes: one for each of the master's, longest first. pose: of the copy against the master's place in its
         cell. width: median width of the copy's strokes over the master's. squeeze: a part too wide, if one
@@ -110,7 +109,7 @@ class StrokeMatch:
 
     def width_error(self, line: CentreLine | LinePoints) -> float:
         """How far the logarithm of a width may be wrong, of a line or of all, since pictures are coarse."""
-        return SETTINGS.pixel_share / (float(np.median(line.radius)) * SCALE) * self.enlargement
+        return CORRESPONDENCE.pixel_share / (float(np.median(line.radius)) * SCALE) * self.enlargement
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,14 +133,14 @@ class MasterStrokes:
         return find_strokes(self.framed)
 
     @cached_property
-    def itself(self) -> StrokeMatch:
+    def itself(self) -> CharacterMatch:
         """Its strokes as the measurement of copies finds them in the master itself."""
         return _match_framed(self.framed, self, places=None)
 
     @cached_property
     def uncertainties(self) -> tuple[StrokeUncertainty, ...]:
         """The uncertainty of each stroke, from small changes of the master's size."""
-        changed = [_match_perturbed(self, *change).strokes for change in SETTINGS.perturbations]
+        changed = [_match_perturbed(self, *change).strokes for change in CORRESPONDENCE.perturbations]
         strokes = zip(self.itself.strokes, *changed, strict=True)
         return tuple(_uncertainty([_relative_to(own, s) for s in others]) for own, *others in strokes)
 
@@ -165,7 +164,7 @@ class StrokeUncertainty:
     ends: dict[str, float]
 
 
-def match_strokes(copy: Surface, registration: Registration, master: MasterStrokes) -> StrokeMatch:
+def match_strokes(copy: Surface, registration: Registration, master: MasterStrokes) -> CharacterMatch:
     """Find the master's strokes in the copy; `registration` is that of the two surfaces.
 
     The master measured against itself in the same way is subtracted, so that a perfect copy has no
@@ -187,7 +186,7 @@ def _blunt_tips(found: tuple[MatchedStroke, ...], itself: tuple[MatchedStroke, .
         (k, end, getattr(a, name) - getattr(b, name), -getattr(b, name))
         for k, (a, b) in enumerate(zip(found, itself, strict=True))
         for end, name in enumerate(_ENDS)
-        if a.present and getattr(b, name) < -SETTINGS.taper  # not so where it is NaN
+        if a.present and getattr(b, name) < -CORRESPONDENCE.taper  # not so where it is NaN
     ]
     if len(tips) < 2:
         return None
@@ -216,14 +215,14 @@ def _log(ratio: float) -> float:
     return float(np.log(max(ratio, 1e-6)))
 
 
-def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> StrokeMatch:
+def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> CharacterMatch:
     """A master's strokes in the master itself, moved by half a pixel and made a little smaller or larger.
 
     The differences are measurement error: thinning takes another way through rough ink.
     """
     import cv2
 
-    half, (right, down) = (SIDE - 1) / 2, SETTINGS.nudge
+    half, (right, down) = (SIDE - 1) / 2, CORRESPONDENCE.nudge
     M = np.array([[scale, 0.0, (1 - scale) * half + right], [0.0, scale, (1 - scale) * half + down]])
     ink = 255 * master.framed.ink.view(np.uint8)
     if resolution < 1.0:
@@ -246,7 +245,7 @@ def _shrink(found: MatchedStroke, doubt: StrokeUncertainty) -> MatchedStroke:
         name: float(np.exp(shrink(_log(getattr(found, name)), by))) for name, by in doubt.ratios.items()
     }
     ends: dict[str, Any] = {name: shrink(getattr(found, name), by) for name, by in doubt.ends.items()}
-    turn = shrink(found.turn, SETTINGS.turn_share * doubt.turn)
+    turn = shrink(found.turn, CORRESPONDENCE.turn_share * doubt.turn)
     return replace(found, shift=found.shift * share, turn=turn, **ratios, **ends)
 
 
@@ -259,14 +258,14 @@ def _relative_to(itself: MatchedStroke, found: MatchedStroke) -> MatchedStroke:
     return replace(found, **ratios, **ends)
 
 
-def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None) -> StrokeMatch:
+def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None) -> CharacterMatch:
     """Strokes of some ink in the common frame against a master's.
 
     places: (n, 2) where the same measurement has the master's own points; None when this is the master.
     """
     copy, model = find_segments(framed), master.lines
     found = match_lines(model.points, copy.points)
-    near = MEASURES.near * max(model.width, copy.width)
+    near = MEASURES.own_ink_reach * max(model.width, copy.width)
     covered, owner = find_covered(found, copy.points, model.points, near=near)
     in_cell = upright = _to_master_cell(found.moved, framed, master.framed)
     pose, squeeze = NO_POSE, None
@@ -276,11 +275,11 @@ def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArra
         pose, squeeze = _find_stance(places[covered], upright[covered], model.points, covered)
         upright = pose.undo(upright)
     expected = places if squeeze is None else squeeze.apply(places)
-    lines = MatchedLines(framed, copy, model, found, covered, owner, expected, upright, squeeze)
-    return StrokeMatch(
-        strokes=tuple(lines.stroke(k) for k in range(len(model.lines))),
+    measurer = StrokeMeasurer(framed, copy, model, found, covered, owner, expected, upright, squeeze)
+    return CharacterMatch(
+        strokes=tuple(measurer.stroke(k) for k in range(len(model.lines))),
         pose=pose,
-        width=lines.whole_width,
+        width=measurer.whole_width,
         squeeze=squeeze,
         master=model,
         copy=copy,
@@ -288,7 +287,7 @@ def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArra
         framed_master=master.framed,
         moved=found.moved,
         covered=covered,
-        radius=lines.radii(),
+        radius=measurer.radii(),
         places=places,
         in_cell=in_cell,
     )
@@ -308,7 +307,9 @@ def _find_stance(
     squeeze = find_squeeze(places, upright, owner=owner, double=double)
     if squeeze is None and pose.shift.any():
         well = share_in_place(upright - places, owner)
-        other = find_squeeze(places, copy, owner=owner, double=double) if well < SETTINGS.in_place else None
+        other = (
+            find_squeeze(places, copy, owner=owner, double=double) if well < CORRESPONDENCE.in_place else None
+        )
         if other is not None and share_in_place(copy - other.apply(places), owner) > well:
             return NO_POSE, other
     return pose, squeeze

@@ -20,60 +20,60 @@ from rumu.values import BoolArray, FloatArray, IntArray
 class MatchSettings:
     """How lines are laid on lines. Lengths in rms radii unless said.
 
-    smooth, single: standard deviations of the expected distance: while all strokes move by one warp, and
-        while each moves by itself.
+    warp_sigmas, stroke_sigmas: standard deviations of the expected distance: while all strokes move by one
+        warp, and while each moves by itself.
     grid: knots of the warp along each axis; knot_reach: standard deviation of the bump at a knot.
     partings: shares of the ink's points, along each axis, at which the warp may bend sharply: a part that is
         too wide bends it there and nowhere else.
     shift_cost, affine_cost, bend_cost: ridge penalties of the warp on shifts, affine moves and bending, in
         points; shifts and affine moves are small, since the strokes are registered already.
-    follow: ridge penalties, in points, of a stroke that takes on the warp: on turning or stretching, and on
-        shifting.
-    travel: how far a stroke is expected to leave the warp; warp: how far it is expected to turn or stretch.
-    hold: how much that expectation is trusted, in points.
-    crossing: penalty of a perpendicular direction, in the exponent. beyond: standard deviations from which
-        a point counts as explained by nothing. line_width: standard deviations over which a line gathers
-        points: several of its points contribute to a point beside it.
-    fork: weight of a point near a fork when lines settle on their ink, since thinning pulls lines together
-        there; settle, settle_turn: points' worth of ink that hold a line where it was, and as it was turned.
-        outlier: distance from its line beyond which ink hardly counts then.
+    warp_penalties: ridge penalties, in points, of a stroke that takes on the warp: on turning or stretching,
+        and on shifting.
+    stroke_travel, stroke_turn: how far a stroke is expected to leave the warp, and to turn or stretch;
+        stroke_penalty: how much that expectation is trusted, in points.
+    crossing_penalty: of a perpendicular direction, in the exponent. outlier_sigmas: standard deviations from
+        which a point counts as explained by nothing. gather_sigmas: standard deviations over which a line
+        gathers points: several of its points contribute to a point beside it.
+    fork_weight: weight of a point near a fork when lines settle on their ink, since thinning pulls lines
+        together there; settle_penalty, settle_turn_penalty: points' worth of ink that hold a line where it
+        was, and as it was turned. settle_reach: distance from its line beyond which ink hardly counts then.
     """
 
-    smooth: tuple[float, ...] = (0.22, 0.18, 0.15, 0.12)
-    single: tuple[float, ...] = (0.14, 0.12, 0.1, 0.085, 0.07, 0.06, 0.05)
+    warp_sigmas: tuple[float, ...] = (0.22, 0.18, 0.15, 0.12)
+    stroke_sigmas: tuple[float, ...] = (0.14, 0.12, 0.1, 0.085, 0.07, 0.06, 0.05)
     grid: int = 4
     knot_reach: float = 1.0
     partings: tuple[float, ...] = (0.35, 0.5, 0.65)
     shift_cost: float = 5.0
     affine_cost: float = 20.0
     bend_cost: float = 30.0
-    follow: tuple[float, float] = (1.0, 1e-3)
-    travel: float = 0.2
-    warp: float = 0.25
-    hold: float = 6.0
-    crossing: float = 2.5
-    beyond: float = 2.6
-    line_width: float = 2.5
-    fork: float = 0.05
-    settle: float = 1.0
-    settle_turn: float = 0.05
-    outlier: float = 0.03
+    warp_penalties: tuple[float, float] = (1.0, 1e-3)
+    stroke_travel: float = 0.2
+    stroke_turn: float = 0.25
+    stroke_penalty: float = 6.0
+    crossing_penalty: float = 2.5
+    outlier_sigmas: float = 2.6
+    gather_sigmas: float = 2.5
+    fork_weight: float = 0.05
+    settle_penalty: float = 1.0
+    settle_turn_penalty: float = 0.05
+    settle_reach: float = 0.03
 
 
 @dataclass(frozen=True, slots=True)
 class CoverSettings:
     """When a point of the copy belongs to a stroke, and when a point of the master is found.
 
-    explained: responsibility of all strokes together from which a point of the copy belongs to the strongest.
-    found: points' worth of ink, from which a point of the master has some of its own.
-    spacings: reach of a stroke at least, in distances between neighbouring points; beside: reach, over the
-        reach of a stroke, within which a point of the copy may belong to it.
+    min_explained: responsibility of all strokes together from which a point of the copy belongs to the
+        strongest. min_ink: points' worth of ink, from which a point of the master has some of its own.
+    min_reach_spacings: reach of a stroke at least, in distances between neighbouring points; beside_factor:
+        reach, over the reach of a stroke, within which a point of the copy may belong to it.
     """
 
-    explained: float = 0.4
-    found: float = 0.15
-    spacings: float = 1.6
-    beside: float = 1.5
+    min_explained: float = 0.4
+    min_ink: float = 0.15
+    min_reach_spacings: float = 1.6
+    beside_factor: float = 1.5
 
 
 COVER = CoverSettings()
@@ -96,23 +96,27 @@ def match_lines(master: LinePoints, copy: LinePoints, *, settings: MatchSettings
     s = settings or MatchSettings()
     y, double = master.xy, master.double
     basis, cost = _warp_basis(y, s)
-    for sigma in s.smooth:
+    for sigma in s.warp_sigmas:
         P = _responsibilities(y, double, copy, sigma, s)
         y = master.xy + _fit_warp(master.xy, P, copy.xy, basis, cost * sigma**2)
     local, owner = _local_coordinates(master, master.xy), master.owner
-    turn, shift = s.follow
+    turn, shift = s.warp_penalties
     followed = _ridge(local, owner, np.ones(len(y)), y - master.xy, hold=np.diag([turn, turn, shift]))
     moves = followed
-    for sigma in s.single:
+    for sigma in s.stroke_sigmas:
         P = _responsibilities(y, double, copy, sigma, s)
-        hold = s.hold * sigma**2 * np.array([s.warp**-2, s.warp**-2, s.travel**-2])
+        hold = (
+            s.stroke_penalty
+            * sigma**2
+            * np.array([s.stroke_turn**-2, s.stroke_turn**-2, s.stroke_travel**-2])
+        )
         weight = P.sum(axis=1)
         target = _weighted_mean(P, copy.xy, weight) - master.xy
         base = np.einsum("nj,njd->nd", local, followed[owner])
         moves = followed + _ridge(local, owner, weight, target - base, hold=np.diag(hold))
         y = master.xy + np.einsum("nj,njd->nd", local, moves[owner])
         double = _turn_directions(master, moves[owner, :2])
-    P = _responsibilities(y, double, copy, s.single[-1], s)
+    P = _responsibilities(y, double, copy, s.stroke_sigmas[-1], s)
     return LineMatch(_settle(y, double, master, copy, responsibility=P, settings=s), P)
 
 
@@ -124,12 +128,12 @@ def find_covered(
     near: rms radii within which ink is a stroke's own.
     """
     P, squared = found.responsibility, squared_distances(found.moved, copy.xy)
-    owner = np.where(P.sum(axis=0) > COVER.explained, master.owner[P.argmax(axis=0)], -1)
-    reach = max(near, COVER.spacings * master.spacing)
+    owner = np.where(P.sum(axis=0) > COVER.min_explained, master.owner[P.argmax(axis=0)], -1)
+    reach = max(near, COVER.min_reach_spacings * master.spacing)
     mine = owner[None, :] == master.owner[:, None]
     nearest = np.where(mine, squared, np.inf).min(axis=1)
-    covered = (nearest < reach**2) & (P.sum(axis=1) > COVER.found)
-    owner = np.where(squared.min(axis=0) < (COVER.beside * reach) ** 2, owner, -1)
+    covered = (nearest < reach**2) & (P.sum(axis=1) > COVER.min_ink)
+    owner = np.where(squared.min(axis=0) < (COVER.beside_factor * reach) ** 2, owner, -1)
     return np.asarray(covered), owner
 
 
@@ -147,11 +151,11 @@ def _settle(
     The expectation that a line keeps to its warp has led it to its ink, but leaves it short of it: a
     turned line comes out turned by three quarters.
     """
-    given = responsibility * np.where(copy.clear, np.float32(1.0), np.float32(settings.fork))
+    given = responsibility * np.where(copy.clear, np.float32(1.0), np.float32(settings.fork_weight))
     weight = given.sum(axis=1)
     off = _weighted_mean(given, copy.xy, weight) - y
     # a line that found next to nothing stays where its neighbours suggest
-    weight = weight * np.minimum(weight, 1.0) * np.where(master.clear, 1.0, settings.fork)
+    weight = weight * np.minimum(weight, 1.0) * np.where(master.clear, 1.0, settings.fork_weight)
     c, s = double.T
     half = np.arctan2(s, c) / 2
     aside = np.column_stack([-np.sin(half), np.cos(half)]) * np.hypot(c, s)[:, None]
@@ -159,10 +163,10 @@ def _settle(
     swing = np.column_stack([-local[:, 1], local[:, 0]])
     basis = np.column_stack([aside, (swing * aside).sum(axis=1)])  # right, down, radians
     away = (off * aside).sum(axis=1)
-    hold = settings.settle * np.diag([1.0, 1.0, settings.settle_turn])
+    hold = settings.settle_penalty * np.diag([1.0, 1.0, settings.settle_turn_penalty])
     move = _ridge(basis, owner, weight, away[:, None], hold=hold)[:, :, 0]
     left = away - (basis * move[owner]).sum(axis=1)
-    weight = weight / (1.0 + (left / settings.outlier) ** 2)
+    weight = weight / (1.0 + (left / settings.settle_reach) ** 2)
     move = _ridge(basis, owner, weight, away[:, None], hold=hold)[owner, :, 0]
     return np.asarray(y + move[:, :2] + move[:, 2:] * swing)
 
@@ -173,9 +177,9 @@ def _responsibilities(
     """(n, m): how much each point of the copy belongs to each of the master's points."""
     squared = squared_distances(y, copy.xy)
     along = double.astype(np.float32) @ copy.double.T.astype(np.float32)
-    G = np.exp(squared * np.float32(-0.5 / sigma**2) + np.float32(s.crossing / 2) * (along - 1))
-    line = max(s.line_width * sigma / copy.spacing, 1.0)
-    nothing = np.float32(np.exp(-0.5 * s.beyond**2) * line)
+    G = np.exp(squared * np.float32(-0.5 / sigma**2) + np.float32(s.crossing_penalty / 2) * (along - 1))
+    line = max(s.gather_sigmas * sigma / copy.spacing, 1.0)
+    nothing = np.float32(np.exp(-0.5 * s.outlier_sigmas**2) * line)
     return np.asarray(G / (G.sum(axis=0) + nothing))
 
 

@@ -17,38 +17,38 @@ from rumu.values import BoolArray, FloatArray, IntArray
 class StrokeMeasureSettings:
     """What counts as the same stroke, and how it is measured.
 
-    near: stroke widths within which ink is a stroke's own. present: share of a stroke that must be found.
-    gap: rms radii that a stroke may be broken where it runs on beyond its end. most: rms radii that a stroke
-        may have moved.
-    ahead, spread: half-width of the strip in which it may run on, in stroke widths, and how much wider that
-        grows, for each unit of length.
-    end, end_widths, longest_end: share of a stroke that is its entry, and its exit; at least so many stroke
-        widths; at most such a share. middle: shares of a stroke between which its middle lies.
-    visible: points' worth of ink, away from forks, from which the width at a point is seen.
-    same_width: logarithm of a stroke's width up to which the character's width is the master's; unchanged:
-        share of such strokes from which they alone count.
-    swing: pixels, along the edge, over which it is smoothed to see what swings about it. outline: length of
-        an edge from which its swings are measured, in units of that.
+    own_ink_reach: stroke widths within which ink is a stroke's own. min_coverage: share of a stroke that must
+        be found. max_gap: rms radii that a stroke may be broken where it runs on beyond its end. max_shift:
+        rms radii that a stroke may have moved.
+    strip_width, strip_spread: half-width of the strip in which it may run on, in stroke widths, and how much
+        wider that grows, for each unit of length.
+    end_share, min_end_widths, max_end_share: share of a stroke that is its entry, and its exit; at least so
+        many stroke widths; at most such a share. middle: shares of a stroke between which its middle lies.
+    min_ink: points' worth of ink, away from forks, from which the width at a point is seen.
+    same_width: logarithm of a stroke's width up to which the character's width is the master's;
+        unchanged_share: share of such strokes from which they alone count.
+    smoothing: pixels, along the edge, over which it is smoothed to see what swings about it. min_outline:
+        length of an edge from which its swings are measured, in units of that.
     """
 
-    near: float = 0.75
-    present: float = 0.4
-    gap: float = 0.16
-    most: float = 0.75
-    ahead: float = 0.6
-    spread: float = 0.3
-    end: float = 0.15
-    end_widths: float = 0.8
-    longest_end: float = 0.4
+    own_ink_reach: float = 0.75
+    min_coverage: float = 0.4
+    max_gap: float = 0.16
+    max_shift: float = 0.75
+    strip_width: float = 0.6
+    strip_spread: float = 0.3
+    end_share: float = 0.15
+    min_end_widths: float = 0.8
+    max_end_share: float = 0.4
     middle: tuple[float, float] = (0.25, 0.75)
-    visible: float = 0.2
+    min_ink: float = 0.2
     same_width: float = 0.09
-    unchanged: float = 0.3
-    swing: float = 5.0
-    outline: float = 6.0
+    unchanged_share: float = 0.3
+    smoothing: float = 5.0
+    min_outline: float = 6.0
 
 
-SETTINGS = StrokeMeasureSettings()
+MEASURES = StrokeMeasureSettings()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,8 +82,8 @@ class MatchedStroke:
 
 
 @dataclass(frozen=True, eq=False)
-class MatchedLines:
-    """The lines of a master laid on those of a copy, to be measured stroke by stroke.
+class StrokeMeasurer:
+    """Measures the strokes of a copy one by one, once the lines of its master are matched with its own.
 
     framed, copy: the copy's ink and lines. master: the master's lines. found: where the copy has them.
     covered: (n,) which of the master's points the copy has. owner: (m,) number of the stroke that each of the
@@ -113,7 +113,7 @@ class MatchedLines:
         """(n,) half-width of the copy's lines; NaN where strokes cross or nothing is."""
         clear = self.found.responsibility * self.copy.points.clear[None]
         weight = clear.sum(axis=1)
-        seen = self.covered & self.master.points.clear & (weight > SETTINGS.visible)
+        seen = self.covered & self.master.points.clear & (weight > MEASURES.min_ink)
         return np.where(seen, clear @ self.copy.points.radius / np.maximum(weight, 1e-9), np.nan)
 
     @cached_property
@@ -156,8 +156,8 @@ class MatchedLines:
         if not seen.any():
             return 1.0
         logs, weight = logs[seen], weight[seen]
-        same = np.abs(logs) < SETTINGS.same_width
-        chosen = same if same.mean() > SETTINGS.unchanged else np.ones_like(same)
+        same = np.abs(logs) < MEASURES.same_width
+        chosen = same if same.mean() > MEASURES.unchanged_share else np.ones_like(same)
         order = np.argsort(logs[chosen])
         below = np.cumsum(weight[chosen][order]) / weight[chosen].sum()
         return float(np.exp(logs[chosen][order][int(np.argmax(below >= 0.5))]))
@@ -173,7 +173,7 @@ class MatchedLines:
         own = np.flatnonzero(points.owner == k)
         want, have = self.expected[own], self.upright[own]
         coverage, shift = float(self.covered[own].mean()), (have - want).mean(axis=0)
-        present = coverage >= SETTINGS.present and float(np.hypot(*shift)) < SETTINGS.most
+        present = coverage >= MEASURES.min_coverage and float(np.hypot(*shift)) < MEASURES.max_shift
         entry, exit = _end_widening(self.ink_widths[own], points.radius[own], line, self.master.width)
         total = max(len(points.xy) * points.spacing, 1e-9)
         moved = self.found.moved[own]
@@ -210,10 +210,10 @@ class MatchedLines:
         way = way / length
         unclaimed = self.copy.points.xy[(self.owner == k) | (self.owner < 0)] - end
         along, aside = unclaimed @ way, np.abs(unclaimed @ np.array([-way[1], way[0]]))
-        strip = SETTINGS.ahead * self.copy.width + SETTINGS.spread * along
+        strip = MEASURES.strip_width * self.copy.width + MEASURES.strip_spread * along
         reached = 0.0
         for step in np.sort(along[(along > 0) & (aside < strip)]):
-            if step - reached > SETTINGS.gap:
+            if step - reached > MEASURES.max_gap:
                 break
             reached = float(step)
         return reached
@@ -222,12 +222,12 @@ class MatchedLines:
 def _end_widening(ink: FloatArray, radius: FloatArray, line: CentreLine, width: float) -> tuple[float, float]:
     """How much wider a stroke's entry and exit are than its middle, in half-widths of the master's middle."""
     along = np.linspace(0.0, 1.0, len(ink))
-    first, last = SETTINGS.middle
+    first, last = MEASURES.middle
     middle = (along >= first) & (along <= last)
     if not middle.any():
         return float("nan"), float("nan")
-    share = SETTINGS.end_widths * width / max(line.length, 1e-9)
-    share = float(np.clip(share, SETTINGS.end, SETTINGS.longest_end))
+    share = MEASURES.min_end_widths * width / max(line.length, 1e-9)
+    share = float(np.clip(share, MEASURES.end_share, MEASURES.max_end_share))
     entry, exit = (
         float((ink[part].mean() - ink[middle].mean()) / radius[middle].mean()) if free else float("nan")
         for part, free in zip((along <= share, along >= 1.0 - share), line.free, strict=True)
@@ -263,11 +263,13 @@ def edge_tremor(framed: FramedInk) -> float:
     from scipy.ndimage import gaussian_filter1d
 
     edges, _ = cv2.findContours(framed.ink.view(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
-    swings = []
+    swings, smoothing = [], MEASURES.smoothing
     for edge in edges:
         line = edge[:, 0, :].astype(float)
-        if len(line) > SETTINGS.outline * SETTINGS.swing:
-            fine, coarse = (gaussian_filter1d(line, s, axis=0, mode="wrap") for s in (1.0, SETTINGS.swing))
+        if len(line) > MEASURES.min_outline * smoothing:
+            fine, coarse = (
+                gaussian_filter1d(line, s, axis=0, mode="wrap") for s in (1.0, MEASURES.smoothing)
+            )
             way = np.roll(coarse, -1, axis=0) - np.roll(coarse, 1, axis=0)
             way /= np.maximum(np.hypot(*way.T), 1e-9)[:, None]
             off = fine - coarse

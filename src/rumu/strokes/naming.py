@@ -57,12 +57,12 @@ class NamingSettings:
     order: tuple[float, float] = (0.35, 1.0)
 
 
-SETTINGS = NamingSettings()
+NAMING = NamingSettings()
 
 
 def kind_of(line: CentreLine, *, width: float) -> Bilingual:
     """The kind of a stroke, by its direction and shape. width: of a common stroke, rms radii."""
-    s, (right, down) = SETTINGS, line.chord
+    s, (right, down) = NAMING, line.chord
     straight, length = float(np.hypot(right, down)), line.length
     if straight < s.ring * length and length > s.ring_length * width:
         return RING
@@ -77,7 +77,7 @@ def kind_of(line: CentreLine, *, width: float) -> Bilingual:
 
 def _kind_by_direction(right: float, down: float) -> Bilingual:
     """The kind of a straight stroke; angles: 0 to the right, 90 down, 180 to the left."""
-    s, angle = SETTINGS, float(np.degrees(np.arctan2(down, right)))
+    s, angle = NAMING, float(np.degrees(np.arctan2(down, right)))
     if s.rising <= angle <= s.level:
         return HORIZONTAL
     if s.upright[0] <= angle <= s.upright[1]:
@@ -117,7 +117,7 @@ def _name_of_kind(kind: Bilingual, middles: FloatArray, low: FloatArray, high: F
     places = [place_of((middle - low) / np.maximum(high - low, 1e-9)) for middle in middles]
     if len(set(places)) == len(places):
         return [Bilingual(f"{zh}的{kind.zh}", f"the {kind.en} at the {en}") for zh, en in places]
-    rank = np.argsort(np.argsort(middles @ np.array(SETTINGS.order))) + 1
+    rank = np.argsort(np.argsort(middles @ np.array(NAMING.order))) + 1
     return [
         Bilingual(f"第{number.zh}{kind.zh}（{zh}）", f"the {number.en} {kind.en} ({en})")
         for number, (zh, en) in zip((_number_words(int(n)) for n in rank), places, strict=True)

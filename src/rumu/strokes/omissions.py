@@ -16,6 +16,7 @@ import numpy as np
 
 from rumu.registration.icp import pose_probe
 from rumu.strokes.centre_lines import (
+    LINES,
     SCALE,
     SIDE,
     CentreLine,
@@ -27,7 +28,6 @@ from rumu.strokes.centre_lines import (
     pixels_at,
     sample_lines,
 )
-from rumu.strokes.centre_lines import SETTINGS as LINES
 from rumu.strokes.matching import MatchSettings, find_covered, match_lines
 from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration
 
@@ -38,27 +38,29 @@ RegionKind = Literal["missing", "extra"]
 class MissingSettings:
     """What counts as missing when strokes were laid on strokes. Lengths in rms radii unless said.
 
-    moved, still: how far a point that found no ink of its own must lie off the copy's ink, where matching
-        has put it, or where the master has it. found: points' worth of ink below which it found none.
-    run: stroke widths that such a run must be long; dot: share of a stroke that joins no other which does
-        as well. bridge: widths that a run may be broken; whole: share of a run that must be missing.
-    lost: shares of a stroke that found no ink, at which none of it is taken for missing, and all of it.
-    spare: how much of the copy's unexplained ink is taken for what seems to be missing.
+    min_ink: points' worth of ink below which a point found none of its own. min_moved_distance,
+        min_master_distance: how far off the copy's ink such a point must lie, where matching has put it, or
+        where the master has it.
+    min_run: stroke widths that a run of such points must be long; min_stroke_share: share of a stroke that
+        joins no other which does as well. max_gap: widths that a run may be broken; min_missing_share: share
+        of a run that must be missing.
+    lost_share: shares of a stroke that found no ink, at which none of it counts as missing, and all of it.
+    surplus_weight: how much of the copy's unexplained ink is taken for what seems to be missing.
     """
 
-    moved: float = 0.05
-    still: float = 0.04
-    found: float = 0.15
-    run: float = 1.5
-    dot: float = np.inf
-    bridge: float = 0.6
-    whole: float = 0.6
-    lost: tuple[float, float] = (0.25, 0.5)
-    spare: float = 1.0
+    min_moved_distance: float = 0.05
+    min_master_distance: float = 0.04
+    min_ink: float = 0.15
+    min_run: float = 1.5
+    min_stroke_share: float = np.inf
+    max_gap: float = 0.6
+    min_missing_share: float = 0.6
+    lost_share: tuple[float, float] = (0.25, 0.5)
+    surplus_weight: float = 1.0
 
 
-_QUICK = MissingSettings(still=0.0, found=0.35, dot=0.8, spare=0.5)
-_QUICK_MATCH = MatchSettings(smooth=(0.22, 0.16, 0.12), single=(0.13, 0.1, 0.075, 0.055))
+_QUICK = MissingSettings(min_master_distance=0.0, min_ink=0.35, min_stroke_share=0.8, surplus_weight=0.5)
+_QUICK_MATCH = MatchSettings(warp_sigmas=(0.22, 0.16, 0.12), stroke_sigmas=(0.13, 0.1, 0.075, 0.055))
 _FULL = MissingSettings()
 
 
@@ -66,45 +68,46 @@ _FULL = MissingSettings()
 class OmissionSettings:
     """How missing and extra ink is looked for. Lengths in rms radii unless said.
 
-    near: stroke widths within which ink is a stroke's own.
-    plain: distance within which all ink of either has ink of the other when a copy plainly lacks nothing, but
-        for plain_share of it.
-    quick_points, quick_match, quick: points on the master's lines, matching, and what counts, for the first
-        look, which is to miss nothing. second: share of the ink missing at that look from which a second is
-        taken. full: what counts at the second.
-    far: distance off the master's ink from which unexplained ink is too much. unfound: distance off the
-        copy's ink from which a point counts as not found where that is weighed.
-    doubtful, missing, extra: displacement that strokes commonly have, from which matching may err; and how
-        much of the ink is then not believed to be missing at the first look, missing at both, or too much,
-        for each rms radius beyond.
-    usual: share of the ink that a usual stroke has at least: of very many strokes one is not seen so surely.
-    flat, deep: pixels by which a ridge may lie below its neighbours, and that it must be deep. square: side
-        of a square that holds one point of a ridge. crowd: points on ridges at most, over quick_points.
-    agreement: length of the mean doubled direction in a square from which it is one.
+    own_ink_reach: stroke widths within which ink is a stroke's own.
+    complete_distance: distance within which all ink of either has ink of the other when a copy is complete,
+        but for complete_share of it.
+    quick_points, quick_match, quick: points on the master's lines, matching, and what counts, in the first
+        pass, which is to miss nothing. second_pass_share: share of the ink missing in it from which there is
+        a second. full: what counts in the second.
+    surplus_distance: distance off the master's ink from which unexplained ink is too much. unfound_distance:
+        distance off the copy's ink from which a point counts as not found where that is weighed.
+    first_discount, missing_discount, extra_discount: displacement that strokes commonly have, from which
+        matching may err; and how much of the ink is then not believed to be missing in the first pass,
+        missing in both, or too much, for each rms radius beyond.
+    min_usual_share: least share of the ink in a usual stroke: of very many, one is not seen so surely.
+    ridge_tolerance, min_ridge_depth: pixels by which a ridge may lie below its neighbours, and that it must
+        be deep. grid_step: side of a square that holds one point of a ridge. max_crowding: points on ridges
+        at most, over quick_points.
+    min_agreement: length of the mean doubled direction in a square from which it is one.
     """
 
-    near: float = 0.75
-    plain: float = 0.1
-    plain_share: float = 0.005
+    own_ink_reach: float = 0.75
+    complete_distance: float = 0.1
+    complete_share: float = 0.005
     quick_points: int = 120
     quick_match: MatchSettings = _QUICK_MATCH
     quick: MissingSettings = _QUICK
     full: MissingSettings = _FULL
-    second: float = 0.015
-    far: float = 0.12
-    unfound: float = 0.05
-    doubtful: tuple[float, float] = (0.08, 1.2)
-    missing: tuple[float, float] = (0.08, 0.5)
-    extra: tuple[float, float] = (0.1, 1.0)
-    usual: float = 0.05
-    flat: float = 0.5
-    deep: float = 1.5
-    square: float = 3.0 / 32.0
-    crowd: float = 1.3
-    agreement: float = 0.3
+    second_pass_share: float = 0.015
+    surplus_distance: float = 0.12
+    unfound_distance: float = 0.05
+    first_discount: tuple[float, float] = (0.08, 1.2)
+    missing_discount: tuple[float, float] = (0.08, 0.5)
+    extra_discount: tuple[float, float] = (0.1, 1.0)
+    min_usual_share: float = 0.05
+    ridge_tolerance: float = 0.5
+    min_ridge_depth: float = 1.5
+    grid_step: float = 3.0 / 32.0
+    max_crowding: float = 1.3
+    min_agreement: float = 0.3
 
 
-SETTINGS = OmissionSettings()
+OMISSIONS = OmissionSettings()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,32 +136,32 @@ def find_regions(registration: Registration, master: MasterInk) -> tuple[Region,
     ridges = copy.ridges()
     if not len(ridges.xy):
         return ()
-    quick = _lay(copy, ridges, master, points=master.few, settings=SETTINGS.quick_match)
+    quick = _lay(copy, ridges, master, points=master.sparse_points, settings=OMISSIONS.quick_match)
     extra, extra_at = (
-        quick.extra - _displacement_discount(quick, SETTINGS.extra),
+        quick.extra - _displacement_discount(quick, OMISSIONS.extra_discount),
         quick.copy.xy[quick.unexplained],
     )
     missing, missing_at = _confirm_missing(copy, master, quick)
     up = np.array([1.0, -1.0])
     found = (
-        Region("missing", missing_at * up, missing, missing / master.usual),
-        Region("extra", extra_at * up, extra, extra / master.usual),
+        Region("missing", missing_at * up, missing, missing / master.usual_stroke_share),
+        Region("extra", extra_at * up, extra, extra / master.usual_stroke_share),
     )
     return tuple(region for region in found if region.share > 0.0)
 
 
-def _confirm_missing(copy: InkPoints, master: MasterInk, quick: LaidLines) -> tuple[float, FloatArray]:
+def _confirm_missing(copy: InkPoints, master: MasterInk, quick: InkCoverage) -> tuple[float, FloatArray]:
     """The share of the master's ink that is missing in both passes, and where, (n, 2), y down."""
-    first, _ = quick.missing(SETTINGS.quick, master.lines.lines)
-    if first - _displacement_discount(quick, SETTINGS.doubtful) <= SETTINGS.second:
+    first, _ = quick.missing(OMISSIONS.quick, master.lines.lines)
+    if first - _displacement_discount(quick, OMISSIONS.first_discount) <= OMISSIONS.second_pass_share:
         return 0.0, np.zeros((0, 2))
     segments = find_segments(copy.framed).points
     full = _lay(copy, segments, master, points=master.lines.points, settings=None)
-    second, gone = full.missing(SETTINGS.full, master.lines.lines)
-    return min(first, second) - _displacement_discount(full, SETTINGS.missing), full.master.xy[gone]
+    second, gone = full.missing(OMISSIONS.full, master.lines.lines)
+    return min(first, second) - _displacement_discount(full, OMISSIONS.missing_discount), full.master.xy[gone]
 
 
-def _displacement_discount(laid: LaidLines, common_and_rate: tuple[float, float]) -> float:
+def _displacement_discount(laid: InkCoverage, common_and_rate: tuple[float, float]) -> float:
     """Share of the ink that may only seem missing or surplus, because strokes are displaced."""
     common, rate = common_and_rate
     return rate * max(laid.displacement - common, 0.0)
@@ -167,8 +170,8 @@ def _displacement_discount(laid: LaidLines, common_and_rate: tuple[float, float]
 def _is_plainly_whole(registration: Registration) -> bool:
     p, x = pose_probe(registration)[:, :2], registration.reference.xyz[:, :2]
     apart = (x - p[registration.backward_index], p - x[registration.forward_index])
-    far = (float((np.einsum("ij,ij->i", a, a) > SETTINGS.plain**2).mean()) for a in apart)
-    return all(share < SETTINGS.plain_share for share in far)
+    far = (float((np.einsum("ij,ij->i", a, a) > OMISSIONS.complete_distance**2).mean()) for a in apart)
+    return all(share < OMISSIONS.complete_share for share in far)
 
 
 def _posed_directions(registration: Registration) -> FloatArray:
@@ -202,17 +205,17 @@ class InkPoints:
 
         depth = cv2.distanceTransform(np.pad(self.ink.view(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
         highest = cv2.dilate(depth, np.ones((3, 3), np.uint8))
-        ridge = (depth >= highest - SETTINGS.flat) & (depth >= SETTINGS.deep)
+        ridge = (depth >= highest - OMISSIONS.ridge_tolerance) & (depth >= OMISSIONS.min_ridge_depth)
         on = ridge[pixels_at(self.at)]
-        square = np.floor(self.at[on] / SETTINGS.square).astype(np.intp) @ np.array([1000, 1])
+        square = np.floor(self.at[on] / OMISSIONS.grid_step).astype(np.intp) @ np.array([1000, 1])
         _, which, count = np.unique(square, return_inverse=True, return_counts=True)
         xy, double = (
             np.column_stack([np.bincount(which, part[on, k]) / count for k in (0, 1)])
             for part in (self.at, self.double)
         )
         length = np.hypot(*double.T)[:, None]
-        double = np.where(length > SETTINGS.agreement, double / np.maximum(length, 1e-9), 0.0)
-        crowd = max(len(xy) / (SETTINGS.crowd * SETTINGS.quick_points), 1.0)
+        double = np.where(length > OMISSIONS.min_agreement, double / np.maximum(length, 1e-9), 0.0)
+        crowd = max(len(xy) / (OMISSIONS.max_crowding * OMISSIONS.quick_points), 1.0)
         chosen = np.round(np.linspace(0, len(xy) - 1, round(len(xy) / crowd))).astype(np.intp)
         xy, double = xy[chosen], double[chosen]
         owner, clear = np.zeros(len(xy), np.intp), np.ones(len(xy), bool)
@@ -249,16 +252,16 @@ class MasterInk:
         return find_strokes(self.points.framed)
 
     @cached_property
-    def few(self) -> LinePoints:
+    def sparse_points(self) -> LinePoints:
         """Fewer points along the lines, for the first look."""
-        return sample_lines(self.lines.lines, most=SETTINGS.quick_points)
+        return sample_lines(self.lines.lines, most=OMISSIONS.quick_points)
 
     @cached_property
-    def usual(self) -> float:
+    def usual_stroke_share(self) -> float:
         """Share of the ink in a usual stroke."""
         points = self.lines.points
         shares = np.bincount(points.owner, _ink_shares(points), minlength=len(self.lines.lines))
-        return max(float(np.median(shares)), SETTINGS.usual)
+        return max(float(np.median(shares)), OMISSIONS.min_usual_share)
 
 
 def _ink_shares(points: LinePoints) -> FloatArray:
@@ -267,72 +270,79 @@ def _ink_shares(points: LinePoints) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LaidLines:
-    """The master's points laid on the copy's. Lengths in rms radii.
+class InkCoverage:
+    """What ink the master's points found in a copy, and what the copy has besides. Lengths in rms radii.
 
-    width: of the master's strokes. covered: (n,) which points found ink of their own; found: (n,) how many
-    points' worth; moved, still: (n,) how far off the copy's ink they lie, where matching put them and where
-    the master has them. spare: (m,) which of the copy's points belong to no stroke; beyond: (m,) how far off
-    the master's ink they lie. displacement: by how much covered points commonly moved.
+    width: of the master's strokes. covered: (n,) which points found ink of their own; ink: (n,) how many
+    points' worth; moved_distance, master_distance: (n,) how far off the copy's ink they lie, where matching
+    put them and where the master has them. surplus: (m,) which of the copy's points belong to no stroke;
+    surplus_distance: (m,) how far off the master's ink they lie. displacement: by how much covered points
+    commonly moved.
     """
 
     master: LinePoints
     copy: LinePoints
     width: float
     covered: BoolArray
-    found: FloatArray
-    moved: FloatArray
-    still: FloatArray
-    spare: BoolArray
-    beyond: FloatArray
+    ink: FloatArray
+    moved_distance: FloatArray
+    master_distance: FloatArray
+    surplus: BoolArray
+    surplus_distance: FloatArray
     displacement: float
 
     def missing(self, s: MissingSettings, lines: tuple[CentreLine, ...]) -> tuple[float, BoolArray]:
         """Share of the master's ink that the copy lacks and does not have elsewhere; (n,) which points."""
-        unfound = ~self.covered | (self.found < s.found)
-        bare = unfound & ((self.moved > s.moved) | (self.still > s.still))
+        unfound = ~self.covered | (self.ink < s.min_ink)
+        bare = unfound & (
+            (self.moved_distance > s.min_moved_distance) | (self.master_distance > s.min_master_distance)
+        )
         weight, counted = _ink_shares(self.master), np.zeros(len(bare))
         wide = self.width / self.master.spacing
         for k, line in enumerate(lines):
             own = np.flatnonzero(self.master.owner == k)
-            least = min(s.run * wide, s.dot * len(own) if all(line.free) else np.inf)
-            runs = [run for run in _runs(bare[own], s.bridge * wide, s.whole) if np.ptp(run) + 1 >= least]
+            least = min(s.min_run * wide, s.min_stroke_share * len(own) if all(line.free) else np.inf)
+            runs = [
+                run
+                for run in _runs(bare[own], s.max_gap * wide, s.min_missing_share)
+                if np.ptp(run) + 1 >= least
+            ]
             if runs:
                 lost = float(np.average(~self.covered[own], weights=weight[own]))
-                counted[own[np.concatenate(runs)]] = np.interp(lost, s.lost, (0.0, 1.0))
-        share = float(weight @ counted) - s.spare * float(self.spare.mean())
+                counted[own[np.concatenate(runs)]] = np.interp(lost, s.lost_share, (0.0, 1.0))
+        share = float(weight @ counted) - s.surplus_weight * float(self.surplus.mean())
         return max(share, 0.0), counted > 0
 
     @property
     def unexplained(self) -> BoolArray:
         """(m,) which of the copy's points no stroke of the master explains."""
-        return np.asarray(self.spare & (self.beyond > SETTINGS.far))
+        return np.asarray(self.surplus & (self.surplus_distance > OMISSIONS.surplus_distance))
 
     @property
     def extra(self) -> float:
         """Share of the copy's ink that is unexplained and not what some stroke did not find."""
-        unfound = ~self.covered & (self.moved > SETTINGS.unfound)
+        unfound = ~self.covered & (self.moved_distance > OMISSIONS.unfound_distance)
         return float(self.unexplained.mean()) - float(_ink_shares(self.master)[unfound].sum())
 
 
 def _lay(
     ink: InkPoints, copy: LinePoints, master: MasterInk, *, points: LinePoints, settings: MatchSettings | None
-) -> LaidLines:
+) -> InkCoverage:
     """Lay points of the master on lines of the copy, whose ink is given too."""
     found, width = match_lines(points, copy, settings=settings), master.lines.width
-    covered, owner = find_covered(found, copy, points, near=SETTINGS.near * width)
-    moved, still = (ink.off[pixels_at(at)] for at in (found.moved, points.xy))
+    covered, owner = find_covered(found, copy, points, near=OMISSIONS.own_ink_reach * width)
+    moved_distance, master_distance = (ink.off[pixels_at(at)] for at in (found.moved, points.xy))
     away = np.hypot(*(found.moved - points.xy)[covered].T)
-    return LaidLines(
+    return InkCoverage(
         master=points,
         copy=copy,
         width=width,
         covered=covered,
-        found=found.responsibility.sum(axis=1),
-        moved=moved,
-        still=still,
-        spare=owner < 0,
-        beyond=master.points.off[pixels_at(copy.xy)],
+        ink=found.responsibility.sum(axis=1),
+        moved_distance=moved_distance,
+        master_distance=master_distance,
+        surplus=owner < 0,
+        surplus_distance=master.points.off[pixels_at(copy.xy)],
         displacement=float(np.median(away)) if len(away) else np.inf,
     )
 

@@ -22,61 +22,62 @@ class PoseSettings:
     """What makes a pose. Lengths in rms radii.
 
     reach: distance beyond which a point hardly counts in the end; schedule: the reach of each round of the
-        fit, as multiples of it. agree: distance within which a point agrees with a pose.
-    simpler: a pose with fewer parts is taken when so many times as few points agree with it as with the best.
-    still, still_turn, still_size: shift, degrees and logarithm of size up to which the best is too small to
-        be spoken of; `same` stands for `simpler` then, so that not every stroke is blamed for it.
-    in_place: how well all strokes but one must agree with no pose at all: then that one is out of place. The
-        few strokes of a short character could all be explained by a pose that suits none of them.
-    smallest: scale of a pose at least.
+        fit, as multiples of it. agree_distance: distance within which a point agrees with a pose.
+    simpler_share: a pose with fewer parts is taken from this share of the points that agree with the best.
+    small_shift, small_turn, small_size: shift, degrees and logarithm of size up to which the best is too
+        small to be spoken of; small_share stands for simpler_share then, so that not every stroke is blamed.
+    in_place_share: how well all strokes but one must agree with no pose at all: then that one is out of
+        place. The few strokes of a short character could all be explained by a pose that suits none of them.
+    min_scale: scale of a pose at least.
     """
 
     reach: float = 0.15
     schedule: tuple[float, ...] = (8.0, 4.0, 2.0, 1.0, 1.0, 0.5, 0.5)
-    agree: float = 0.045
-    simpler: float = 0.6
-    still: float = 0.1
-    still_turn: float = 3.0
-    still_size: float = 0.05
-    same: float = 0.95
-    in_place: float = 0.8
-    smallest: float = 0.2
+    agree_distance: float = 0.045
+    simpler_share: float = 0.6
+    small_shift: float = 0.1
+    small_turn: float = 3.0
+    small_size: float = 0.05
+    small_share: float = 0.95
+    in_place_share: float = 0.8
+    min_scale: float = 0.2
 
 
 @dataclass(frozen=True, slots=True)
 class SqueezeSettings:
     """What makes a squeeze. Lengths in rms radii.
 
-    least: smallest ratio between the widths of the two parts. each: how far each must be from the master's
-        when one is too wide and the other too narrow. gain: share of what the pose leaves that it explains;
-        gain_opposed: the same where one is too wide, the other too narrow, and twice `strokes` say so.
-    strokes: how many it must put in their place; two more where both parts err in the same way.
-    better: share of the strokes, besides, that it must put in their place: a middle stroke that is out of
-        place alone would put the others wrong.
-    place: distance within which a point is in its place. off, improved: mean distance from which a stroke is
-        not in its place, and share of it below which a squeeze puts it there.
-    along: weight of a point that lies along its own stroke, where its place cannot be seen.
-    straight: mean distance left without a squeeze from which one is looked for at all.
+    min_ratio: ratio between the widths of the two parts. min_change: how far each must be from the master's
+        when one is too wide and the other too narrow. min_gain: share of what the pose leaves that it
+        explains; min_gain_opposed: the same where one is too wide, the other too narrow, and twice
+        min_strokes say so.
+    min_strokes: how many it must put in their place; two more where both parts err in the same way.
+    min_stroke_share: share of the strokes, besides, that it must put in their place: a middle stroke that is
+        out of place alone would put the others wrong.
+    in_place_distance: distance within which a point is in its place. off_distance, improved_share: mean
+        distance from which a stroke is not in its place, and share of it below which a squeeze puts it there.
+    along_weight: weight of a point that lies along its own stroke, where its place cannot be seen.
+    min_residual: mean distance left without a squeeze from which one is looked for at all.
     borders, candidates: shares of the extent between which the parts may meet, and how many are tried.
-    part: share of the points that each part must hold. narrowest: ratio of a part to the master's at least.
+    min_part_share: share of the points that each part must hold. min_width: of a part, over the master's.
     rounds, floor: of the reweighting, and the distance below which weights grow no more.
     """
 
-    least: float = 1.12
-    each: float = 0.04
-    gain: float = 0.5
-    gain_opposed: float = 0.2
-    strokes: int = 2
-    better: float = 0.08
-    place: float = 0.06
-    off: float = 0.03
-    improved: float = 0.6
-    along: float = 0.03
-    straight: float = 0.012
+    min_ratio: float = 1.12
+    min_change: float = 0.04
+    min_gain: float = 0.5
+    min_gain_opposed: float = 0.2
+    min_strokes: int = 2
+    min_stroke_share: float = 0.08
+    in_place_distance: float = 0.06
+    off_distance: float = 0.03
+    improved_share: float = 0.6
+    along_weight: float = 0.03
+    min_residual: float = 0.012
     borders: tuple[float, float] = (0.3, 0.7)
     candidates: int = 9
-    part: float = 0.15
-    narrowest: float = 0.1
+    min_part_share: float = 0.15
+    min_width: float = 0.1
     rounds: int = 5
     floor: float = 0.02
 
@@ -147,27 +148,27 @@ def find_pose(master: FloatArray, copy: FloatArray, *, owner: IntArray) -> Chara
     agreed = []
     for pose in poses:
         left = pose.undo(copy) - master
-        agreed.append(float(np.exp(-0.5 * (left * left).sum(axis=1) / POSE.agree**2).mean()))
+        agreed.append(float(np.exp(-0.5 * (left * left).sum(axis=1) / POSE.agree_distance**2).mean()))
     best = poses[int(np.argmax(agreed))]
     is_small = (
-        float(np.hypot(*best.shift)) < POSE.still
-        and abs(best.angle) < POSE.still_turn
-        and abs(np.log(best.scale)) < POSE.still_size
+        float(np.hypot(*best.shift)) < POSE.small_shift
+        and abs(best.angle) < POSE.small_turn
+        and abs(np.log(best.scale)) < POSE.small_size
     )
-    enough = (POSE.same if is_small else POSE.simpler) * max(agreed)
+    enough = (POSE.small_share if is_small else POSE.simpler_share) * max(agreed)
     return next(pose for pose, share in zip(poses, agreed, strict=True) if share >= enough)
 
 
 def _is_one_out_of_place(left: FloatArray, owner: IntArray) -> bool:
     """Whether, of two strokes or more, all stand in their place but one; a long one counts more."""
     count = np.bincount(owner)
-    there = np.bincount(owner, np.exp(-0.5 * (left * left).sum(axis=1) / POSE.agree**2))[count > 0]
+    there = np.bincount(owner, np.exp(-0.5 * (left * left).sum(axis=1) / POSE.agree_distance**2))[count > 0]
     weight = np.sqrt(count[count > 0])
     if len(weight) < 2:
         return False
     there = there / weight**2
     rest = ((weight * there).sum() - weight * there) / (weight.sum() - weight)
-    return bool(rest.max() >= POSE.in_place)
+    return bool(rest.max() >= POSE.in_place_share)
 
 
 _PARTS = ((False, False), (True, False), (False, True), (True, True))
@@ -195,7 +196,7 @@ def _fit_weighted(
     angle = np.arctan2(S[1, 0] - S[0, 1], S[0, 0] + S[1, 1]) if turn else 0.0
     R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     scale = float(np.sum(R * S) / max(float(w @ (m * m).sum(axis=1)), 1e-9)) if size else 1.0
-    linear = max(scale, POSE.smallest) * R
+    linear = max(scale, POSE.min_scale) * R
     return CharacterPose(linear, b - linear @ a)
 
 
@@ -210,11 +211,11 @@ def find_squeeze(
     ends = np.concatenate([[True], np.diff(owner) != 0]) | np.concatenate([np.diff(owner) != 0, [True]])
     found = []
     for axis, sign in (("across", -1.0), ("down", 1.0)):
-        seen = np.where(ends, 1.0, (1.0 + sign * double[:, 0]) / 2 + SQUEEZE.along)
+        seen = np.where(ends, 1.0, (1.0 + sign * double[:, 0]) / 2 + SQUEEZE.along_weight)
         squeeze = _fit_squeeze(master, copy, axis, seen)  # type: ignore[arg-type]
         if squeeze and _is_clear(squeeze, _count_explained(squeeze, master, copy, owner)):
             before, after = (share_in_place(copy - to, owner) for to in (master, squeeze.apply(master)))
-            if after - before >= SQUEEZE.better:
+            if after - before >= SQUEEZE.min_stroke_share:
                 found.append(squeeze)
     return max(found, key=lambda q: q.gain) if found else None
 
@@ -222,12 +223,14 @@ def find_squeeze(
 def _is_clear(q: Squeeze, strokes: int) -> bool:
     """Whether both parts are wrong, the one too wide and the other too narrow, in enough strokes."""
     s = SQUEEZE
-    if max(q.first / q.second, q.second / q.first) < s.least:
+    if max(q.first / q.second, q.second / q.first) < s.min_ratio:
         return False
-    opposed = (q.first - 1.0) * (q.second - 1.0) < 0 and min(abs(q.first - 1), abs(q.second - 1)) >= s.each
-    if strokes >= s.strokes + (0 if opposed else 2) and q.gain >= s.gain:
+    opposed = (q.first - 1.0) * (q.second - 1.0) < 0 and min(
+        abs(q.first - 1), abs(q.second - 1)
+    ) >= s.min_change
+    if strokes >= s.min_strokes + (0 if opposed else 2) and q.gain >= s.min_gain:
         return True
-    return opposed and strokes >= 2 * s.strokes and q.gain >= s.gain_opposed
+    return opposed and strokes >= 2 * s.min_strokes and q.gain >= s.min_gain_opposed
 
 
 def share_in_place(left: FloatArray, owner: IntArray) -> float:
@@ -236,7 +239,7 @@ def share_in_place(left: FloatArray, owner: IntArray) -> float:
     left: (n, 2) how far each point is off.
     """
     count = np.bincount(owner)
-    there = np.bincount(owner, np.exp(-0.5 * (left * left).sum(axis=1) / SQUEEZE.place**2))
+    there = np.bincount(owner, np.exp(-0.5 * (left * left).sum(axis=1) / SQUEEZE.in_place_distance**2))
     return float((there[count > 0] / count[count > 0]).mean())
 
 
@@ -245,7 +248,7 @@ def _count_explained(q: Squeeze, master: FloatArray, copy: FloatArray, owner: In
     k = 0 if q.axis == "across" else 1
     count = np.maximum(np.bincount(owner), 1)
     before, after = (np.bincount(owner, np.abs(copy - to)[:, k]) / count for to in (master, q.apply(master)))
-    return int(((before > SQUEEZE.off) & (after < SQUEEZE.improved * before)).sum())
+    return int(((before > SQUEEZE.off_distance) & (after < SQUEEZE.improved_share * before)).sum())
 
 
 def _fit_squeeze(master: FloatArray, copy: FloatArray, axis: Axis, seen: FloatArray) -> Squeeze | None:
@@ -253,16 +256,16 @@ def _fit_squeeze(master: FloatArray, copy: FloatArray, axis: Axis, seen: FloatAr
     s, k = SQUEEZE, 0 if axis == "across" else 1
     x, y = master[:, k], copy[:, k]
     straight = float(_fit_least_absolute(np.column_stack([np.ones_like(x), x])[None], y, seen)[0][0])
-    if straight <= s.straight:
+    if straight <= s.min_residual:
         return None
     at = x.min() + np.linspace(*s.borders, s.candidates) * (x.max() - x.min())
     away = x - at[:, None]
     smaller = np.minimum((away < 0) @ seen, (away > 0) @ seen)
-    large = smaller >= s.part * seen.sum()
+    large = smaller >= s.min_part_share * seen.sum()
     at, away = at[large], away[large]
     bent = np.stack([np.ones_like(away), np.minimum(away, 0), np.maximum(away, 0)], axis=-1)
     left, coefficients = _fit_least_absolute(bent, y, seen)
-    left = np.where((coefficients[:, 1:] > s.narrowest).all(axis=1), left, np.inf)
+    left = np.where((coefficients[:, 1:] > s.min_width).all(axis=1), left, np.inf)
     if len(left) == 0 or not np.isfinite(left.min()):
         return None
     best = int(left.argmin())

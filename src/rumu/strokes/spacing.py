@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rumu.strokes.correspondence import StrokeMatch
+from rumu.strokes.correspondence import CharacterMatch
 from rumu.values import FloatArray
 
 
@@ -23,7 +23,7 @@ class SpacingSettings:
     apart: float = 0.8
 
 
-SETTINGS = SpacingSettings()
+SPACING = SpacingSettings()
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +39,11 @@ class StrokeGap:
     change: float
 
 
-def find_gaps(strokes: StrokeMatch) -> tuple[StrokeGap, ...]:
+def find_gaps(strokes: CharacterMatch) -> tuple[StrokeGap, ...]:
     """Gaps between neighbours that are both level, or both upright, and run side by side."""
     gaps = []
     lines = strokes.master.lines
-    steepest = np.tan(np.radians(SETTINGS.slant))
+    steepest = np.tan(np.radians(SPACING.slant))
     for axis in (0, 1):  # horizontals one above another, verticals side by side
         along = [bool(abs(line.chord[1 - axis]) < steepest * abs(line.chord[axis])) for line in lines]
         group = [k for k, stroke in enumerate(strokes.strokes) if along[k] and stroke.present]
@@ -52,14 +52,14 @@ def find_gaps(strokes: StrokeMatch) -> tuple[StrokeGap, ...]:
             beside = (
                 b
                 for b in group[n + 1 :]
-                if _overlap(lines[a].points[:, axis], lines[b].points[:, axis]) > SETTINGS.shared
+                if _overlap(lines[a].points[:, axis], lines[b].points[:, axis]) > SPACING.shared
             )
             b = next(beside, None)
             if b is None:
                 continue
             master = float((lines[b].points - lines[a].points.mean(axis=0)).mean(axis=0)[1 - axis])
             moved = strokes.strokes[b].shift - strokes.strokes[a].shift
-            if master > SETTINGS.apart * strokes.master.width:
+            if master > SPACING.apart * strokes.master.width:
                 copy = max(master + float(moved[1 - axis]), 0.0)
                 gaps.append(StrokeGap(a, b, copy / master - 1.0))
     return tuple(gaps)

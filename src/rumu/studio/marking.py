@@ -12,8 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from rumu import pipeline
-from rumu.assessment.calibration import LEVELS as CUTS  # the scores at which levels begin, not their names
-from rumu.assessment.calibration import Calibration, load_calibration
+from rumu.assessment.calibration import CUT_OFFS, Calibration, load_calibration
 from rumu.pipeline import PreparedMaster
 from rumu.registration.points import RADIUS
 from rumu.report.overlay import OverlaySettings, plane_points
@@ -63,7 +62,7 @@ def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
         "score": _round(mark.score, 2),
         "level": mark.level,
         "level_text": None if mark.level is None else LEVELS[mark.level]._asdict(),
-        "cuts": dict(CUTS["panel"]),
+        "cuts": dict(CUT_OFFS["panel"]),
         "interval": None if mark.interval is None else [_round(bound, 2) for bound in mark.interval],
         "interval_note": _interval_note(mark),
         "parts": [_part_facts(name, score) for name, score in mark.parts.items()],

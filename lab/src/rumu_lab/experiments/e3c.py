@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.calibration import LEVELS, Calibration, level_of
+from rumu.assessment.calibration import CUT_OFFS, Calibration, level_of
 from rumu.assessment.features import Features
 from rumu.assessment.fitting import PARTS, WEIGHED_FEATURES, anchor_scale, fit_scale
 from rumu.errors import CalibrationError, RefusedImage
@@ -291,7 +291,7 @@ def _one_rater(measured: tuple[MeasuredCopy, ...], characters: np.ndarray) -> di
 
 def _shares(scores: FloatArray) -> dict[str, float]:
     levels = [level_of(float(score)) for score in scores]
-    return {name: levels.count(name) / len(levels) for name in (*LEVELS["panel"], "bad")}  # type: ignore[arg-type]
+    return {name: levels.count(name) / len(levels) for name in (*CUT_OFFS["panel"], "bad")}  # type: ignore[arg-type]
 
 
 def write_table(result: HeldOutMarks, path: Path) -> None:
