@@ -42,6 +42,15 @@ def data() -> Path:
     return DATA
 
 
+@pytest.fixture(scope="session")
+def cases() -> Path:
+    """The folder of small inputs that went wrong, beside that of the real data."""
+    folder = DATA.parent / "cases"
+    if not folder.is_dir():
+        absent(f"inputs that went wrong, {folder}")
+    return folder
+
+
 @pytest.fixture(autouse=True)
 def own_home(
     tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest

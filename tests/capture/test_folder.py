@@ -369,7 +369,7 @@ def test_black_mask(tmp_path: Path) -> None:
 
 
 def test_named_mask_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(CaptureError, match=r"mask .*gone\.png: expected an image .*No such file"):
+    with pytest.raises(CaptureError, match=r"capture\.json: expected the mask gone\.png"):
         read_capture(paper_folder(tmp_path, mask="gone.png"))
 
 
@@ -398,3 +398,73 @@ def test_empty_folder_and_wrong_encoding(tmp_path: Path) -> None:
         read_capture(tmp_path)
     with pytest.raises(CaptureError, match="encoding: expected one of auto, linear, srgb, got 'raw'"):
         read_capture(tmp_path, encoding="raw")  # type: ignore[arg-type]
+
+
+# --- captures of others: nothing outside them is read ----------------------------------------------
+
+
+@pytest.fixture
+def outside(tmp_path: Path) -> Path:
+    """Readable pictures beside the folder `sent`, a mask one folder up among them."""
+    write(tmp_path / "other")
+    Image.new("L", (20, 16), 255).save(tmp_path / "mask.png")
+    return tmp_path / "other"
+
+
+def names_of(outside: Path, image: str) -> tuple[str, ...]:
+    return (
+        str(outside / image),
+        f"../{outside.name}/{image}",
+        f"..\\{outside.name}\\{image}",
+        f"sub/../../{outside.name}/{image}",
+        f"~/{image}",
+        (outside / image).as_uri(),
+    )
+
+
+@pytest.mark.parametrize("kind", range(6))
+def test_an_lp_of_an_upload_reads_its_own_photographs_only(tmp_path: Path, outside: Path, kind: int) -> None:
+    sent = lp_folder(tmp_path / "sent", LP.replace("b.png", names_of(outside, "b.png")[kind]))
+    Image.new("L", (20, 16), 7).save(sent / "b.png")
+    capture = read_capture(sent, within=sent)
+    assert capture.names[1] == "b.png" and capture.images[1].max() < 0.1, "the one of this name in the upload"
+    assert capture.mask.all()
+    (sent / "b.png").unlink()
+    with pytest.raises(CaptureError, match="there is no such file") as refused:
+        read_capture(sent, within=sent)
+    assert refused.value.zh is not None
+
+
+@pytest.mark.parametrize("kind", range(6))
+def test_a_mask_of_an_upload_lies_in_it(tmp_path: Path, outside: Path, kind: int) -> None:
+    mask = names_of(outside, "a.png")[kind].replace("a.png", "secret.png")
+    (outside / "a.png").rename(outside / "secret.png")
+    sent = paper_folder(tmp_path / "sent", mask=mask)
+    with pytest.raises(CaptureError, match="expected the mask"):
+        read_capture(sent, within=sent)
+
+
+def test_the_mask_one_folder_up_is_read_only_where_that_belongs_to_the_upload(tmp_path: Path) -> None:
+    sent = paper_folder(tmp_path / "sent" / "one")
+    mask = np.zeros((16, 20), np.uint8)
+    mask[4:9] = 255
+    Image.fromarray(mask).save(tmp_path / "sent" / "mask.png")
+    assert not read_capture(sent, within=tmp_path / "sent").mask.all()
+    assert read_capture(sent, within=sent).mask.all()
+
+
+@pytest.mark.parametrize("name", ["a.png", "mask.png", "ambient.png", "lights.lp", "capture.json"])
+def test_a_link_that_leads_out_of_an_upload_is_refused(tmp_path: Path, outside: Path, name: str) -> None:
+    (outside / "secret").write_text("top secret")
+    sent = lp_folder(tmp_path / "sent")
+    (sent / name).unlink(missing_ok=True)
+    (sent / name).symlink_to(outside / ("secret" if name in ("lights.lp", "capture.json") else "a.png"))
+    with pytest.raises(CaptureError, match="leads out") as refused:
+        read_capture(sent, within=sent)
+    assert "top secret" not in str(refused.value)
+
+
+def test_on_the_command_line_an_lp_may_name_images_anywhere(tmp_path: Path, outside: Path) -> None:
+    mine = lp_folder(tmp_path / "mine", LP.replace("b.png", str(outside / "b.png")))
+    (mine / "b.png").unlink()
+    assert read_capture(mine).names[1] == str(outside / "b.png")

@@ -111,7 +111,10 @@ def test_another_work_of_the_same_id_is_left_alone_and_told(bare, exported):
     entry = json.loads(lines[0]) | {"digest": "f" * 64, "title_en": "a stranger"}
     (exported / "works.jsonl").write_text("\n".join([json.dumps(entry), *lines[1:]]) + "\n", encoding="utf-8")
     done = import_folder(bare, exported)
-    assert (done.added, done.left_out) == (0, ((entry["id"], "another work has this id"),))
+    assert (done.added, done.left_out) == (
+        0,
+        ((entry["id"], ("別的作品已用這個編號。", "another work has this id")),),
+    )
     assert work(bare, entry["id"]).title_en != "a stranger"
 
 

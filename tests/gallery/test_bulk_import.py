@@ -69,7 +69,8 @@ def test_pictures_that_cannot_be_read_are_left_out_and_named(bare, labelled, tmp
         labels.write("../secret.png,永,,,,,\n")
     done = import_folder(bare, folder)
     assert done.added == 2
-    reasons = dict(done.left_out)
+    reasons = {file: reason.en for file, reason in done.left_out}
+    assert all(reason.zh for _, reason in done.left_out)
     assert set(reasons) == {*(f"img/{n:05d}.png" for n in (1, 2, 3, 4)), "../secret.png"}
     assert "within the folder" in reasons["../secret.png"] and "within" in reasons["img/00004.png"]
 

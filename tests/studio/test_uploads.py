@@ -9,6 +9,7 @@ import pytest
 from rumu.gallery.archive import export_gallery
 from rumu.gallery.catalog import collections, work, works
 from rumu.gallery.starter import starter_works
+from rumu.studio.errors import Unusable
 from rumu.studio.uploads import add_work, import_zip
 
 
@@ -46,6 +47,47 @@ def exported(zipped, gallery, tmp_path):
 
 def quiet(*_):
     return None
+
+
+def test_the_names_of_a_table_and_of_the_files_match_however_they_are_written(gallery, zipped, copy_of):
+    table = "file,character\ne\u0301\\水:1.png,水\n"
+    packed = zipped({"Labels.CSV": table.encode(), "é/水:1.PNG": copy_of()})
+    done = import_zip(gallery, packed, {}, progress=quiet)
+    assert (done["added"], done["left_out"]) == (1, [])
+
+
+def test_names_in_gbk_are_read_and_what_was_assumed_is_said(gallery, cases):
+    done = import_zip(gallery, cases / "zips" / "gbk-names.zip", {}, progress=quiet)
+    assert (done["added"], done["left_out"]) == (2, [])
+    assert "GBK" in done["assumed"]["en"] and "GBK" in done["assumed"]["zh"]
+    assert import_zip(gallery, cases / "zips" / "nfd.zip", {}, progress=quiet)["added"] == 1
+
+
+@pytest.mark.parametrize(
+    ("names", "code"),
+    [
+        (["a.png", "b.png"], "no_labels"),
+        (["inner.zip"], "zip_nested"),
+        (["notes.docx"], "no_works"),
+        ([".DS_Store"], "no_works"),
+        (["one/lights.lp", "two/lights.lp"], "several"),
+        (["one/labels.csv", "two/labels.csv"], "several"),
+    ],
+)
+def test_what_is_missing_in_a_zip_is_said(gallery, zipped, names, code):
+    with pytest.raises(Unusable) as refused:
+        import_zip(gallery, zipped(dict.fromkeys(names, b"1")), {}, progress=quiet)
+    assert refused.value.code == code and refused.value.zh != refused.value.en
+
+
+def test_what_is_imported_may_lie_some_folders_down(gallery, zipped, copy_of):
+    files = {
+        "readme.txt": b"1",
+        "a/b/labels.csv": "file,character\n永.png,永\n".encode(),
+        "a/b/永.png": copy_of(),
+    }
+    done = import_zip(gallery, zipped(files), {}, progress=quiet)
+    assert (done["collections"], done["added"]) == (["b"], 1)
 
 
 def members(gallery, collection):

@@ -2,7 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { post } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
-import type { Job } from "../types";
+import type { Bilingual, Job } from "../types";
 import { messageInOneLanguage } from "./labels";
 
 const NAMES = { queued: "queued", running: "runningJob", done: "doneJob", failed: "failedJob", cancelled: "cancelledJob" } as const;
@@ -41,17 +41,18 @@ export function JobProgress({ job }: { job: Job }) {
   );
 }
 
-type Imported = { work?: string; collections?: string[]; added?: number; there?: number; left_out?: [string, string][]; left_out_count?: number };
+type Imported = { work?: string; collections?: string[]; added?: number; there?: number; left_out?: [string, string, string][]; left_out_count?: number; assumed?: Bilingual };
 
 function Outcome({ result }: { result: Imported }) {
   const { work, collections = [], added = 0, there = 0, left_out: skipped = [], left_out_count: skippedCount = 0 } = result;
   return (
     <>
       <p>{t("imported", { added: added.toLocaleString(), there: there.toLocaleString() })}</p>
+      {result.assumed && <p class="note">{localize(result.assumed)}</p>}
       {skippedCount > 0 && (
         <details>
           <summary>{t("leftOut", { n: skippedCount.toLocaleString() })}</summary>
-          <ul class="left-out">{skipped.map(([name, reason]) => <li key={name}><code>{name}</code> {reason}</li>)}</ul>
+          <ul class="left-out">{skipped.map(([name, en, zh]) => <li key={name}><code>{name}</code> {localize({ zh, en })}</li>)}</ul>
         </details>
       )}
       <p>

@@ -21,6 +21,7 @@ import numpy as np
 from rumu.capture.image import ENCODINGS, Encoding, read_linear, read_mask
 from rumu.capture.light_files import Description, read_description, read_directions, read_lp
 from rumu.capture.lights import direction
+from rumu.containment import FolderFiles
 from rumu.errors import CaptureError, ImageError
 from rumu.values import BoolArray, Capture, FloatArray
 
@@ -39,7 +40,9 @@ class _Lamps:
     file: Path
 
 
-def read_capture(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> Capture:
+def read_capture(
+    path: str | os.PathLike[str], *, encoding: Encoding = "auto", within: Path | None = None
+) -> Capture:
     """Read a capture folder.
 
     Parameters
@@ -50,6 +53,9 @@ def read_capture(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -
     encoding : {'auto', 'linear', 'srgb'}
         'auto' takes JPEG and WebP as sRGB and everything else as linear; 'linear' or 'srgb' says it outright,
         and so does "encoding" in capture.json, which is used when `encoding` is 'auto'.
+    within : path, optional
+        A folder that holds the capture and every file that may be read, such as that of an upload. Without it
+        an .lp and capture.json may name files anywhere.
 
     Returns
     -------
@@ -72,16 +78,19 @@ def read_capture(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -
     if encoding not in ENCODINGS:
         raise CaptureError(f"encoding: expected one of {', '.join(ENCODINGS)}, got {encoding!r}")
     folder, named = _split_path(Path(path))
+    files = None if within is None else FolderFiles(within)
+    if files is not None:
+        _check_links(folder, files)
     description_file = folder / _DESCRIPTION
     description = read_description(description_file) if description_file.is_file() else Description()
-    lamps = _read_lamps(folder, named, description)
+    lamps = _read_lamps(folder, named, description, files=files)
     _check_lamps(lamps)
     chosen = _encoding_of(folder, description) if encoding == "auto" else encoding
     images = _read_images(lamps.images, ambient=_image_by_stem(folder, "ambient"), encoding=chosen)
     return Capture(
         images=images,
         lights=lamps.lights,
-        mask=_read_folder_mask(folder, description, shape=images.shape[1:3]),
+        mask=_read_folder_mask(folder, description, files=files, shape=images.shape[1:3]),
         spacing=description.spacing_mm,
         names=tuple(
             image.relative_to(folder).as_posix() if image.is_relative_to(folder) else str(image)
@@ -100,6 +109,15 @@ def _split_path(path: Path) -> tuple[Path, Path | None]:
     raise CaptureError(f"{path}: expected a capture folder or its .lp file, got another kind of file")
 
 
+def _check_links(folder: Path, files: FolderFiles) -> None:
+    """Raise CaptureError for a link in the folder of an upload that leads out of it."""
+    for path in folder.iterdir():
+        if path.is_symlink() and not files.holds(path):
+            raise CaptureError(
+                f"{path}: leads out of the capture", zh=f"{path.name}：指向這組照片以外的檔案。"
+            )
+
+
 def _encoding_of(folder: Path, description: Description) -> Encoding:
     for known in ENCODINGS:
         if description.encoding in (known, None):
@@ -113,7 +131,9 @@ def _encoding_of(folder: Path, description: Description) -> Encoding:
 # --- which images, which lamps ---------------------------------------------------------------------
 
 
-def _read_lamps(folder: Path, named: Path | None, description: Description) -> _Lamps:
+def _read_lamps(
+    folder: Path, named: Path | None, description: Description, *, files: FolderFiles | None
+) -> _Lamps:
     file = named or _lamp_file(folder, description)
     kind = file.suffix.lower()
     if kind != ".json" and description.slant is not None:
@@ -122,7 +142,7 @@ def _read_lamps(folder: Path, named: Path | None, description: Description) -> _
             "keep one of them"
         )
     if kind == ".lp":
-        return _from_lp(file)
+        return _from_lp(file, files)
     return _from_json(file, description) if kind == ".json" else _from_table(file)
 
 
@@ -141,21 +161,30 @@ def _lamp_file(folder: Path, description: Description) -> Path:
     )
 
 
-def _from_lp(path: Path) -> _Lamps:
+def _from_lp(path: Path, files: FolderFiles | None) -> _Lamps:
     lines = read_lp(path)
     images = []
     for line in lines:
-        image = _find_image(path.parent, line.name)
+        image = _find_named(path.parent, line.name, files)
         if image is None:
-            raise CaptureError(f"{line.where}: expected the image {line.name}, there is no such file")
+            raise CaptureError(
+                f"{line.where}: expected the image {line.name}, there is no such file",
+                zh=f"{path.name} 所列的照片 {line.name} 不在這裡；請一併放入，或更正檔名。",
+            )
         images.append(image)
     return _Lamps(tuple(images), np.array([line.light for line in lines]).reshape(-1, 3), path)
 
 
-def _find_image(folder: Path, name: str) -> Path | None:
-    """The file that an .lp names; where that is not found, as from another machine, one of its name here."""
+def _find_named(folder: Path, name: str, files: FolderFiles | None) -> Path | None:
+    """The file of a name; where that is not found, as from another machine, one of its last part here.
+
+    files: of an upload, which alone may be found; None for any files of this machine.
+    """
     forward = name.replace("\\", "/")
-    for candidate in (folder / name, folder / forward, folder / forward.rsplit("/", 1)[-1]):
+    last = forward.rsplit("/", 1)[-1]
+    if files is not None:
+        return files.find(name, beside=folder) or files.find(last, beside=folder)
+    for candidate in (folder / name, folder / forward, folder / last):
         if candidate.is_file():
             return candidate
     return None
@@ -261,8 +290,10 @@ def _size(image: FloatArray | BoolArray) -> str:
     return f"{image.shape[1]} x {image.shape[0]}"
 
 
-def _read_folder_mask(folder: Path, description: Description, *, shape: tuple[int, ...]) -> BoolArray:
-    path = _mask_file(folder, description)
+def _read_folder_mask(
+    folder: Path, description: Description, *, files: FolderFiles | None, shape: tuple[int, ...]
+) -> BoolArray:
+    path = _mask_file(folder, description, files)
     if path is None:
         return np.ones(shape, dtype=bool)
     try:
@@ -276,16 +307,25 @@ def _read_folder_mask(folder: Path, description: Description, *, shape: tuple[in
     return mask
 
 
-def _mask_file(folder: Path, description: Description) -> Path | None:
+def _mask_file(folder: Path, description: Description, files: FolderFiles | None) -> Path | None:
     if description.mask is not None:
-        return folder / description.mask
+        mask = _find_named(folder, description.mask, files)
+        if mask is None:
+            raise CaptureError(
+                f"{folder / _DESCRIPTION}: expected the mask {description.mask}, there is no such file",
+                zh=f"{_DESCRIPTION} 所指的遮罩 {description.mask} 不在這組照片裡；請一併放入。",
+            )
+        return mask
     plain = _image_by_stem(folder, "mask")
     if plain is not None:
         return plain
     named = [p for p in _image_files(folder) if p.stem.lower().endswith(".mask")]
     if len(named) > 1:
         raise CaptureError(f"{folder}: expected one mask, found {', '.join(p.name for p in named)}")
-    return named[0] if named else _mask_above(folder.resolve().parent)
+    if named:
+        return named[0]
+    above = _mask_above(folder.resolve().parent)
+    return None if above is None or not (files is None or files.holds(above)) else above
 
 
 def _mask_above(folder: Path) -> Path | None:

@@ -193,8 +193,10 @@ def import_works(
     delete_orphans(gallery)
     lines = [f"{done.added} works added, {done.existing} were there already: {', '.join(done.collections)}"]
     if done.left_out:
-        lines.append(f"{len(done.left_out)} left out, such as {': '.join(done.left_out[0])}")
-    left_out = [{"file": file, "reason": reason} for file, reason in done.left_out]
+        lines.append(
+            f"{len(done.left_out)} left out, such as {done.left_out[0][0]}: {done.left_out[0][1].en}"
+        )
+    left_out = [{"file": file, "reason": reason.en} for file, reason in done.left_out]
     facts = {"collections": list(done.collections), "added": done.added, "there": done.existing}
     return Outcome({**facts, "left_out": left_out}, "\n".join(lines))
 

@@ -93,21 +93,23 @@ def add_capture(
     collection: CollectionMetadata = OWN_WORKS,
     solver: str = "robust",
     rectify: str = "none",
+    within: Path | None = None,
 ) -> AddedWork:
     """Reconstruct a capture folder (see `read_capture`) and add photographs, lamps and surface as a work.
 
-    The picture of the work is the mean of its photographs. Raises CaptureError, ImageError or SurfaceError.
+    The picture of the work is the mean of its photographs. within: the folder of an upload, which alone is
+    read. Raises CaptureError, ImageError or SurfaceError.
     """
     from rumu.capture.folder import read_capture
     from rumu.pipeline import reconstruct
 
     path = Path(path)
-    capture = read_capture(path)
+    capture = read_capture(path, within=within)
     folder = path if path.is_dir() else path.parent
     with tempfile.TemporaryDirectory(prefix="rumu-") as temporary:
         photographs, reconstructed = Path(temporary) / "capture", Path(temporary) / "surface"
         capture_digest = _copy_capture(capture, folder, photographs)
-        surface = reconstruct(read_capture(photographs), solver=solver, rectify=rectify)
+        surface = reconstruct(read_capture(photographs, within=photographs), solver=solver, rectify=rectify)
         _write_surface(surface, reconstructed)
         surface_digest = hashlib.sha256(f"{capture_digest} {solver} {rectify}".encode()).hexdigest()
         capture_key = f"captures/{capture_digest[:2]}/{capture_digest}"

@@ -55,7 +55,7 @@ class ImportResult:
     collections: tuple[str, ...]
     added: int = 0
     existing: int = 0
-    left_out: tuple[tuple[str, str], ...] = ()
+    left_out: tuple[tuple[str, Bilingual], ...] = ()
 
     def and_then(self, other: ImportResult) -> ImportResult:
         """The result of both batches."""
@@ -191,6 +191,7 @@ def import_archive(
     folder: Path,
     *,
     collection: CollectionMetadata | None = None,
+    only_add: bool = False,
     progress: Progress | None = None,
 ) -> ImportResult:
     """Import an exported folder. An existing work is updated only if nobody has changed it here.
@@ -255,7 +256,7 @@ def _import_batch(
         ]
         insert_rows(session, Annotation, annotations)
     conflicts = tuple(
-        (entry["id"], "another work has this id")
+        (entry["id"], Bilingual("別的作品已用這個編號。", "another work has this id"))
         for entry in batch
         if existing.get(entry["id"], (entry["digest"],))[0] != entry["digest"]
     )

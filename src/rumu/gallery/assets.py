@@ -187,7 +187,7 @@ def _read_capture(store: Store, key: str) -> Capture:
     from rumu.capture.folder import read_capture
 
     with store.local(key) as folder:
-        return read_capture(folder)
+        return read_capture(folder, within=folder)
 
 
 @cached(_cache, condition=_cache_changed)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from sqlalchemy import select
 
+from rumu.containment import FolderFiles
 from rumu.database.tables import Work
 from rumu.errors import GalleryError, ImageError
 from rumu.gallery.add_work import store_suffix
@@ -23,6 +24,7 @@ from rumu.gallery.labels import LabelledPicture, SharedMetadata, collection_of, 
 from rumu.gallery.masters import LABELS
 from rumu.gallery.metadata import CollectionMetadata, StoredFiles, insert_works, work_row
 from rumu.gallery.store import Gallery
+from rumu.values import Bilingual
 
 _BATCH_BYTES = 64_000_000  # or fewer works, when their pictures are large
 _THREADS = 4  # read and decode; both release the interpreter's lock
@@ -34,21 +36,22 @@ def import_folder(
     folder: str | Path,
     *,
     shared: SharedMetadata | None = None,
+    only_add: bool = False,
     progress: Progress | None = None,
 ) -> ImportResult:
     """Add all works of a folder; those that exist are counted and left as they are.
 
     folder: with a labels.csv (see rumu.gallery.labels), or written by `export_gallery`. shared: metadata for
         all works, which take effect where the labels say nothing and before those of collection.json; for an
-        archive only the id counts: the collection that works are added to, instead of their own. progress:
-        called with (done, total) when a batch is stored.
+        archive only the id counts: the collection that works are added to, instead of their own. only_add: of
+        an archive, see `import_archive`. progress: called with (done, total) when a batch is stored.
     A picture that is missing or broken is left out with the reason, and the import goes on.
     Raises GalleryError when there is nothing to import, or none of the pictures can be read.
     """
     folder = Path(folder)
     if (folder / MANIFEST).is_file():
         collection = collection_of(folder, shared) if shared is not None and shared.text("id") else None
-        return import_archive(gallery, folder, collection=collection, progress=progress)
+        return import_archive(gallery, folder, collection=collection, only_add=only_add, progress=progress)
     if not (folder / LABELS).is_file():
         raise GalleryError(
             f"{folder}: expected a folder with {LABELS}, or one that `rumu gallery export` wrote; "
@@ -64,7 +67,10 @@ def import_folder(
             progress(done, len(labels))
     if labels and len(result.left_out) == len(labels):
         first = result.left_out[0][1]
-        raise GalleryError(f"{folder}: none of {len(labels)} pictures can be read; the first: {first}")
+        raise GalleryError(
+            f"{folder}: none of {len(labels)} pictures can be read; the first: {first.en}",
+            zh=f"{len(labels)} 張圖片都讀不出來；第一張：{first.zh}",
+        )
     return result
 
 
@@ -76,14 +82,15 @@ class _Picture:
     data: bytes = field(default=b"", repr=False)
     size: tuple[int, int] = (0, 0)
     key: str = ""
-    reason: str = ""
+    reason: Bilingual | None = None
 
 
 def _read_batches(folder: Path, labels: Sequence[LabelledPicture]) -> Iterator[list[_Picture]]:
     batch: list[_Picture] = []
+    files = FolderFiles(folder)
     with ThreadPoolExecutor(_THREADS) as threads:
         for some in split(labels, _READ_AHEAD):
-            for picture in threads.map(lambda label: _read_picture(folder, label), some):
+            for picture in threads.map(lambda label: _read_picture(files, label), some):
                 batch.append(picture)
                 if len(batch) == BATCH or sum(len(one.data) for one in batch) > _BATCH_BYTES:
                     yield batch
@@ -92,25 +99,35 @@ def _read_batches(folder: Path, labels: Sequence[LabelledPicture]) -> Iterator[l
         yield batch
 
 
-def _read_picture(folder: Path, label: LabelledPicture) -> _Picture:
+def _read_picture(files: FolderFiles, label: LabelledPicture) -> _Picture:
     from rumu.capture.formats import decode
 
-    path = folder / label.file
+    path = files.find(label.file)
+    if path is None:
+        return _Picture(
+            label,
+            reason=Bilingual(
+                zh=f"{label.file}：資料夾裡沒有這個檔案。",
+                en=f"{label.file}: expected a picture within the folder, there is none",
+            ),
+        )
     try:
-        if not path.resolve().is_relative_to(folder.resolve()):
-            raise ImageError(f"{label.file}: expected a picture within the folder")
         height, width = decode(path).values.shape[:2]
         data = path.read_bytes()
         return _Picture(label, data, (width, height), picture_key(data, suffix=store_suffix(path)))
-    except (ImageError, OSError, ValueError) as error:
-        return _Picture(label, reason=" ".join(str(error).split()))
+    except OSError as error:
+        why = error.strerror
+        return _Picture(label, reason=Bilingual(f"讀不到（{why}）。", f"cannot be read ({why})"))
+    except (ImageError, ValueError) as error:
+        text = " ".join(str(error).split())
+        return _Picture(label, reason=Bilingual(getattr(error, "zh", None) or f"無法使用：{text}", text))
 
 
 def _import_batch(
     gallery: Gallery, batch: Sequence[_Picture], collection: CollectionMetadata
 ) -> ImportResult:
-    by_digest = {one.label.metadata.digest(one.data): one for one in batch if not one.reason}
-    left_out = tuple((one.label.file, one.reason) for one in batch if one.reason)
+    by_digest = {one.label.metadata.digest(one.data): one for one in batch if one.reason is None}
+    left_out = tuple((one.label.file, one.reason) for one in batch if one.reason is not None)
     with gallery.database.reading() as session:
         existing = set(session.scalars(select(Work.digest).where(Work.digest.in_(list(by_digest)))))
     new = {digest: by_digest[digest] for digest in set(by_digest) - existing}

@@ -76,7 +76,10 @@ class Store:
             else:
                 self._write_remote(path, data)
         except OSError as error:
-            raise GalleryError(f"{key}: cannot be written to the store ({error})") from error
+            raise GalleryError(
+                f"{key}: cannot be written to the store ({_reason(error)})",
+                zh=f"檔案無法存入（{_reason(error)}）。",
+            ) from error
 
     def _write_remote(self, path: str, data: bytes | BinaryIO) -> None:
         if isinstance(data, bytes):
@@ -92,7 +95,10 @@ class Store:
                 return Path(self._path(key)).read_bytes()
             return bytes(self.filesystem.cat_file(self._path(key)))
         except OSError as error:
-            raise GalleryError(f"{key}: expected a file of the store, it cannot be read ({error})") from error
+            raise GalleryError(
+                f"{key}: expected a file of the store, it cannot be read ({_reason(error)})",
+                zh=f"讀不到檔案 {key}（{_reason(error)}）。",
+            ) from error
 
     def exists(self, key: str) -> bool:
         """Whether there is a file with this key, or a folder with any files."""
@@ -180,6 +186,11 @@ def user_home() -> Path:
 def _protocols(filesystem: Any) -> set[str]:
     names = filesystem.protocol
     return {names} if isinstance(names, str) else set(names)
+
+
+def _reason(error: OSError) -> str:
+    """What the system says, without the path that it says it of."""
+    return error.strerror or type(error).__name__
 
 
 def _write_local(target: Path, data: bytes | BinaryIO) -> None:

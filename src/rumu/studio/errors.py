@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from rumu.errors import RumuError
+
+_FOLDERS = re.compile(
+    r"""(?<![\w.:/\\])(?:(?:/[^\s/:'"()\[\],;]+)+/|(?:[A-Za-z]:\\|\\\\)(?:[^\\\s:'"]+\\)+)(?=[^\s/\\])"""
+)
+"""The folders of an absolute path, up to its last name, on any system."""
+
+
+def without_folders(text: str) -> str:
+    """A text with the last names of the absolute paths in it: nobody outside needs the folders."""
+    return _FOLDERS.sub("", text)
 
 
 class StudioError(RumuError):

@@ -8,7 +8,7 @@ from typing import Any
 
 from sqlalchemy import select
 
-from rumu.database.tables import Attempt, Job, Work, now
+from rumu.database.tables import Attempt, Job, Person, Work, now
 from rumu.errors import RumuError
 from rumu.gallery import catalog
 from rumu.gallery.assets import assets_of
@@ -80,10 +80,18 @@ def prepare(
 def import_upload(
     gallery: Gallery, payload: Mapping[str, Any], progress: Progress, storage: Storage
 ) -> dict[str, Any]:
-    """Import an uploaded zip; payload: upload (its key), facts, name (that of the zip)."""
+    """Import an uploaded zip; payload: upload (its key), facts, name (that of the zip), person (their id)."""
+    with gallery.database.reading() as session:
+        person = session.get(Person, payload.get("person", ""))
+    owner = person is not None and person.active and person.role == "owner"
     with gallery.store.local(payload["upload"]) as packed:
         return import_zip(
-            gallery, packed, payload["facts"], name=payload.get("name", "collection"), progress=progress
+            gallery,
+            packed,
+            payload["facts"],
+            name=payload.get("name", "collection"),
+            owner=owner,
+            progress=progress,
         )
 
 

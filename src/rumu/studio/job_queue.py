@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 from rumu.database.engine import Database
 from rumu.database.tables import Job, new_id, now
 from rumu.errors import RumuError
-from rumu.studio.errors import Missing, NotAllowed, StudioError
+from rumu.studio.errors import Missing, NotAllowed, StudioError, without_folders
 from rumu.studio.people import Identity
 
 MAX_TRIES = 3
@@ -101,8 +101,8 @@ def failure_values(error: Exception) -> dict[str, Any]:
     if isinstance(error, StudioError):
         return _failure(error.zh, error.en)
     if isinstance(error, RumuError):  # some errors of lower packages are in English only
-        text = " ".join(str(error).split())
-        return _failure(error.zh or f"無法完成：{text}", text)
+        text = without_folders(" ".join(str(error).split()))
+        return _failure(without_folders(error.zh or f"無法完成：{text}"), text)
     name = type(error).__name__
     return _failure(f"伺服器出了意外（{name}）。", f"Something unexpected happened on the server ({name}).")
 

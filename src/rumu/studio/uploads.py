@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import re
 import tempfile
 from collections.abc import Mapping
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
-from rumu.gallery.add_work import add_capture, add_picture, named_collection
+from rumu.gallery.add_work import SUFFIXES, add_capture, add_picture, named_collection
 from rumu.gallery.archive import MANIFEST
 from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import collections
@@ -15,7 +17,7 @@ from rumu.gallery.labels import SharedMetadata
 from rumu.gallery.masters import LABELS
 from rumu.gallery.metadata import NO_LICENCE, CollectionMetadata, WorkMetadata
 from rumu.gallery.store import Gallery
-from rumu.studio.errors import Unusable
+from rumu.studio.errors import Unusable, without_folders
 from rumu.studio.job_queue import Progress
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import unpack
@@ -23,6 +25,8 @@ from rumu.values import Bilingual
 
 TEXTS = ("title", "hand", "period", "material")
 WORDS = ("character", "script", "dynasty", "source", "licence", "attribution")
+_LAMPS = re.compile(r".+\.lp|light_directions.*\.txt|capture\.json")
+"""The files that make a folder a capture, in lower case; see rumu.capture.folder."""
 _MAX_LISTED = 20  # skipped pictures that are listed one by one
 
 
@@ -66,33 +70,110 @@ def find_or_name_collection(gallery: Gallery, name: str) -> CollectionMetadata:
 
 
 def import_zip(
-    gallery: Gallery, packed: Path, facts: Mapping[str, str], *, name: str = "collection", progress: Progress
+    gallery: Gallery,
+    packed: Path,
+    facts: Mapping[str, str],
+    *,
+    name: str = "collection",
+    owner: bool = False,
+    progress: Progress,
 ) -> dict[str, Any]:
     """Import a zip: a folder with labels.csv, an export of `rumu gallery export`, or one capture.
 
     facts: the collection that its works go into, and the metadata of a capture. name: of the collection when
-    nothing else names one, fit for a folder. Works that exist already are counted and left unchanged, so that
-    an import can be repeated.
+    nothing else names one, fit for a folder. owner: whether an owner sent it, whose export may do more than
+    add works, see `import_archive`. Works that exist already are counted and left unchanged, so that an
+    import can be repeated. `assumed` of the result says what had to be assumed of the zip, if anything.
     """
     with tempfile.TemporaryDirectory(prefix="rumu-") as temporary:
         progress(0, 0, "解開 Unpacking")
-        folder = unpack(packed, Path(temporary) / name)
-        if (folder / LABELS).is_file() or (folder / MANIFEST).is_file():
+        unpacked = unpack(packed, Path(temporary) / name)
+        assumed = {} if unpacked.assumed is None else {"assumed": unpacked.assumed._asdict()}
+        folder, is_capture = _find_content(unpacked.folder)
+        if not is_capture:
             progress(0, 0, "收入 Putting in")
-            done = import_folder(gallery, folder, shared=_shared_metadata(gallery, facts), progress=progress)
-            return {
+            done = import_folder(
+                gallery,
+                folder,
+                shared=_shared_metadata(gallery, facts),
+                only_add=not owner,
+                progress=progress,
+            )
+            return assumed | {
                 "collections": list(done.collections),
                 "added": done.added,
                 "there": done.existing,
-                "left_out": [list(one) for one in done.left_out[:_MAX_LISTED]],
+                "left_out": [
+                    [file, without_folders(reason.en), without_folders(reason.zh)]
+                    for file, reason in done.left_out[:_MAX_LISTED]
+                ],
                 "left_out_count": len(done.left_out),
             }
-        if not any(path.is_file() for path in folder.iterdir()):
-            raise Unusable("no_works", zh="zip 檔是空的。", en="The zip file is empty.")
         progress(0, 0, "重建表面 Reconstructing")
         collection = find_or_name_collection(gallery, facts.get("collection", ""))
-        added = add_capture(gallery, folder, metadata=metadata_of(facts), collection=collection)
-        return {"work": added.id, "added": int(added.new), "there": int(not added.new)}
+        added = add_capture(
+            gallery, folder, metadata=metadata_of(facts), collection=collection, within=unpacked.folder
+        )
+        return assumed | {"work": added.id, "added": int(added.new), "there": int(not added.new)}
+
+
+def _find_content(top: Path) -> tuple[Path, bool]:
+    """The folder of a zip that holds what is imported, the outermost one, and whether it is a capture.
+
+    Raises Unusable when there is none, or several.
+    """
+    found: dict[int, list[tuple[Path, bool]]] = {}
+    names: list[str] = []
+    for folder, _, files in os.walk(top):
+        names += files
+        lower = {file.lower(): file for file in files}
+        tables = [lower[table] for table in (LABELS, MANIFEST) if table in lower]
+        for table in tables:
+            Path(folder, table).replace(Path(folder, table.lower()))
+        if tables or any(map(_LAMPS.fullmatch, lower)):
+            depth = len(Path(folder).relative_to(top).parts)
+            found.setdefault(depth, []).append((Path(folder), not tables))
+    if not found:
+        raise _nothing_to_import(names)
+    outermost = found[min(found)]
+    if len(outermost) > 1:
+        folders = ", ".join(sorted(folder.name for folder, _ in outermost)[:5])
+        raise Unusable(
+            "several",
+            zh=f"zip 檔裡有 {len(outermost)} 組（{folders}）；請一組壓成一個 zip。",
+            en=f"The zip holds {len(outermost)} sets ({folders}); send each as a zip of its own.",
+        )
+    return outermost[0]
+
+
+def _nothing_to_import(names: list[str]) -> Unusable:
+    """What is missing in a zip with these files."""
+    suffixes = {PurePosixPath(name).suffix.lower() for name in names}
+    if not names:
+        return Unusable("no_works", zh="zip 檔是空的。", en="The zip file is empty.")
+    if suffixes <= {".zip", ".rar", ".7z"}:
+        return Unusable(
+            "zip_nested",
+            zh="zip 檔裡只有別的壓縮檔；請解開它，再直接壓縮裡面的檔案。",
+            en="The zip holds only other archives; unpack them and pack the files themselves.",
+        )
+    if suffixes & set(SUFFIXES):
+        return Unusable(
+            "no_labels",
+            zh="zip 檔裡有圖片，卻沒有 labels.csv，"
+            "也沒有燈位檔（.lp、light_directions.txt 或 capture.json）。"
+            "要收入多件作品，請附上 labels.csv，第一行寫 file,character,script，以下每張圖片一行；"
+            "同一張紙在多盞燈下的照片，請附上燈位檔。",
+            en="The zip holds pictures, but neither a labels.csv nor a file of lamps (.lp, "
+            "light_directions.txt or capture.json). For many works, add a labels.csv: file,character,script "
+            "in its first line, then a line for each picture. For photographs of one sheet under several "
+            "lamps, add the file of lamps.",
+        )
+    return Unusable(
+        "no_works",
+        zh="zip 檔裡沒有可收入的圖片。",
+        en="The zip holds no pictures that could be put in.",
+    )
 
 
 def _shared_metadata(gallery: Gallery, facts: Mapping[str, str]) -> SharedMetadata | None:

@@ -12,7 +12,15 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from rumu.errors import RumuError
-from rumu.studio.errors import Busy, Clash, Missing, NotAllowed, StudioError, Unusable
+from rumu.studio.errors import (
+    Busy,
+    Clash,
+    Missing,
+    NotAllowed,
+    StudioError,
+    Unusable,
+    without_folders,
+)
 from rumu.web.rate_limits import TooManyRequests
 
 _log = logging.getLogger(__name__)
@@ -60,7 +68,8 @@ def error_response(error: Exception) -> JSONResponse:
                 headers["Retry-After"] = str(getattr(error, "seconds", _BUSY_SECONDS))
         case RumuError():
             status, code = 422, getattr(error, "reason", None) or "unusable"
-            zh, en = error.zh or f"無法使用：{error}", " ".join(str(error).split())
+            en = without_folders(" ".join(str(error).split()))
+            zh = without_folders(error.zh or f"無法使用：{en}")
         case RequestValidationError():
             first = error.errors()[0] if error.errors() else {"loc": (), "msg": "invalid"}
             field = ".".join(str(part) for part in first["loc"])

@@ -8,10 +8,9 @@ from fastapi import APIRouter, Depends, File, Form, UploadFile
 
 from rumu.database.tables import new_id
 from rumu.studio import job_queue, worker_tasks
-from rumu.studio.errors import Unusable
 from rumu.studio.job_handlers import upload_key
 from rumu.studio.pictures import format_of
-from rumu.studio.unpacking import folder_name
+from rumu.studio.unpacking import HEAD, check_zip, folder_name
 from rumu.web.dependencies import CleanText, ServiceDep, ShortText, TeacherUser
 from rumu.web.routes.works import get_work
 from rumu.web.schemas import Extended, ScriptName, Spacing, WorkRead
@@ -82,13 +81,13 @@ def import_zip(
     loses nothing.
     """
     service.rate_limiter.hit(service.settings.rate_limits.uploads, "uploads", user.id)
-    if archive.file.read(2) != b"PK":
-        raise Unusable("no_zip", zh="這不是 zip 檔。", en="Expected a zip file.")
+    check_zip(archive.file.read(HEAD))
     archive.file.seek(0)
     job_id = new_id()
     key = upload_key(job_id, ".zip")
     service.gallery.store.write(key, archive.file)
-    payload = {"upload": key, "facts": facts, "name": folder_name(archive.filename or "")}
+    name = folder_name(archive.filename or "")
+    payload = {"upload": key, "facts": facts, "name": name, "person": user.id}
     with service.gallery.database.writing() as session:
         job = job_queue.add(session, "import", payload, person_id=user.id, job_id=job_id)
     service.runner.wake()
