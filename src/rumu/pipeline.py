@@ -12,14 +12,8 @@ import numpy as np
 
 from rumu.assessment.calibration import Calibration, check_terms, mark_fields
 from rumu.assessment.features import Features, describe_edge, measure_features, sim_paper, similarity
-from rumu.assessment.refusal import (
-    Refusal,
-    RefusalFigures,
-    RefusalLimits,
-    RefusalReference,
-    check_copy,
-    refusal_of,
-)
+from rumu.assessment.refusal import RefusalFigures, RefusalLimits, RefusalReference, check_copy
+from rumu.assessment.refusal_reasons import Refusal, refusal_of
 from rumu.assessment.remarks import write_remarks
 from rumu.capture.folder import read_capture
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
@@ -288,4 +282,11 @@ def _refused_assessment(refusal: Refusal) -> Assessment:
     nothing = ("score", "level", "interval", "sim_paper", "similarity", "registration", "source")
     fields: dict[str, Any] = dict.fromkeys(nothing)
     refused = f"{refusal.code}: {refusal.en}"
-    return Assessment(**fields, parts={}, remarks=(), refused=refused, refused_zh=refusal.zh)
+    return Assessment(
+        **fields,
+        parts={},
+        remarks=(),
+        refused=refused,
+        refused_zh=refusal.zh,
+        turned_by=refusal.turned_by,
+    )

@@ -370,14 +370,12 @@ class Assessment:
         The pose that the mark rests on; None when the copy was refused before it was registered.
     source
         Where the heights of copy and master come from.
-    refused, refused_zh
-        The reason when the copy cannot be marked, 'code: sentence', else None; the sentence in Chinese.
-    weights
-        Weights of the parts that a teacher chose; None for those fitted to people's marks.
-    calibration
-        What another calibration was fitted on, in words; None for the panel that ships with rumu.
-    script
-        One of SCRIPTS, where it is known.
+    refused, refused_zh, turned_by
+        The reason when the copy cannot be marked, 'code: sentence', else None; the sentence in Chinese; the
+        degrees clockwise (90, 180, 270) that turn the picture upright, where that is what it needs.
+    weights, calibration, script
+        Weights of the parts that a teacher chose, None for those fitted to people's marks; what another
+        calibration was fitted on, in words; one of SCRIPTS, where it is known.
     interval_note, interval_note_zh
         What must be said of the interval; None where people's marks cover it.
     """
@@ -393,6 +391,7 @@ class Assessment:
     source: tuple[Source, Source] | None
     refused: str | None = None
     refused_zh: str | None = None
+    turned_by: int | None = None
     weights: Mapping[str, float] | None = None
     calibration: str | None = None
     script: str | None = None

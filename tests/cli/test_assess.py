@@ -13,6 +13,7 @@ KEYS = {"copy", "reference", "score", "level", "interval", "sim_paper", "similar
     "source",
     "refused",
     "refused_zh",
+    "turned_by",
     "report",
     "interval_note",
     "interval_note_zh",

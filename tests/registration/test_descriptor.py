@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import cv2
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial import cKDTree
 
 import rumu
 from rumu.gallery.starter import find_work
@@ -15,7 +18,7 @@ from rumu.registration.descriptor import (
     describe,
     likeness,
     mirror,
-    turn_upside_down,
+    turn,
 )
 from rumu.registration.points import sample_points
 from rumu_lab.simulation import faults
@@ -83,7 +86,7 @@ def test_likeness_is_one_for_the_same_and_about_nothing_for_others():
     assert float(likeness(vectors[0], vectors[1])) == pytest.approx(each[0, 1], abs=1e-6)
 
 
-@pytest.mark.parametrize(("change", "steps"), [(mirror, (1, -1)), (turn_upside_down, (-1, -1))])
+@pytest.mark.parametrize(("change", "steps"), [(mirror, (1, -1)), (partial(turn, degrees=180), (-1, -1))])
 def test_points_reversed_are_the_points_of_the_reversed_picture(change, steps):
     ink = ink_of("regular-shu")
     page = [np.rint(245 - 225 * i).astype(np.uint8) for i in (ink, ink[:: steps[0], :: steps[1]])]
@@ -92,6 +95,18 @@ def test_points_reversed_are_the_points_of_the_reversed_picture(change, steps):
     again = change(change(points[0]))
     np.testing.assert_allclose(again.xyz, points[0].xyz)
     np.testing.assert_allclose(again.direction, points[0].direction)
+
+
+@pytest.mark.parametrize("degrees", [0, 90, 180, 270])
+def test_points_turned_are_the_points_of_the_turned_picture(degrees):
+    page = np.rint(245 - 225 * ink_of("regular-shu")).astype(np.uint8)
+    turned = np.ascontiguousarray(np.rot90(page, -degrees // 90))
+    points = [sample_points(rumu.relief(p)) for p in (page, turned)]
+    changed = turn(points[0], degrees=degrees)
+    assert float(likeness(describe(changed), describe(points[1]))) > 0.99
+    own, near = cKDTree(points[1].xyz[:, :2]).query(changed.xyz[:, :2])
+    assert np.median(own) < 0.02
+    assert np.median(np.sum(changed.direction * points[1].direction[near], axis=1)) > 0.9
 
 
 def test_beyond_others_parts_a_hand_from_another_character_and_knows_common_shapes():

@@ -112,6 +112,21 @@ def test_pictures_that_are_none_and_copies_that_are_refused(world, copy_of, code
     Image.fromarray(np.full((200, 200), 255, np.uint8)).save(blank, "PNG")
     body = browser.marked(blank.getvalue(), keep="false").json()["mark"]
     assert body["score"] is None and body["refused"]["code"] and body["refused"]["zh"]
+    assert body["refused"]["turned_by"] is None
+
+
+def test_a_photograph_on_its_side_is_refused_with_the_degrees_that_turn_it(world, copy_of):
+    from PIL import Image
+
+    with Image.open(io.BytesIO(copy_of(work="regular-shui"))) as page:
+        on_its_side = io.BytesIO()
+        page.transpose(Image.Transpose.ROTATE_90).save(on_its_side, "PNG")  # anticlockwise
+    browser = world.browser("館主")
+    attempt = browser.marked(on_its_side.getvalue(), work="regular-shui").json()
+    assert attempt["mark"]["score"] is None and attempt["mark"]["refused"]["turned_by"] == 90
+    assert attempt["mark"]["refused"]["code"] == "turned left" and "90" in attempt["mark"]["refused"]["en"]
+    kept = browser("GET", f"/api/attempts/{attempt['id']}").json()
+    assert kept["mark"]["refused"]["turned_by"] == 90
 
 
 def test_from_the_owner_s_link_to_the_marks_of_a_class(new_world, copy_of):

@@ -1,4 +1,4 @@
-"""Reasons to refuse a copy: cut off, several characters, outline only, mirrored, another character.
+"""When a copy is refused: cut off, several characters, outline only, mirrored, turned, another character.
 
 No character is recognised. Copy and master are compared: how they fit after registration, and whether the
 master mirrored or turned, or a part of the picture alone, fits better.
@@ -13,9 +13,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from operator import itemgetter
 
 import numpy as np
 
+from rumu.assessment.refusal_reasons import Refusal, refusal_of, turned_refusal
 from rumu.errors import RumuError
 from rumu.registration.descriptor import (
     beyond_others,
@@ -23,7 +25,7 @@ from rumu.registration.descriptor import (
     describe_canvas,
     likeness,
     mirror,
-    turn_upside_down,
+    turn,
 )
 from rumu.registration.icp import NearestPoint, pose_probe
 from rumu.registration.points import INFLATION_TOP, canvas_of, ink_mask
@@ -42,12 +44,13 @@ class RefusalLimits:
         new_ink_share: share of the ink that is new when closed lines are filled, and likeness_cost: likeness
         that this may cost.
     accept_residual, accept_likeness: residual in the plane up to which, and likeness from which, no further
-        tests are made. accept_in_place: share of the ink in its place from which it is the master's, whatever
-        is missing or too much.
+        tests are made. accept_lean: degrees by which the registration may turn a copy of such a residual;
+        what fits only when it is turned further is not upright. accept_in_place: share of the ink in its
+        place from which it is the master's, whatever is missing or too much.
     cut_off_share: share of the master that falls outside the picture, over ink on the border.
     part_likeness, part_gain: likeness of a part of the picture alone, and how much more than of the whole.
     reversed_likeness, reversed_gain: likeness to the master mirrored or turned, and how much more than as it
-        is.
+        is. unfit_likeness: the same likeness of a copy that is refused in any case.
     clean: clearness from which ink is clean. Old silk and rubbings lie below it: their crops hold stains and
         parts of neighbours, so they are never refused as several characters or as another.
     refuse_strangeness: strangeness above which it is another character.
@@ -64,12 +67,14 @@ class RefusalLimits:
     likeness_cost: float = 0.06
     accept_residual: float = 0.20
     accept_likeness: float = 0.80
+    accept_lean: float = 45.0
     accept_in_place: float = 0.96
     cut_off_share: float = 0.05
     part_likeness: float = 0.40
     part_gain: float = 0.25
     reversed_likeness: float = 0.45
     reversed_gain: float = 0.15
+    unfit_likeness: float = 0.4
     clean: float = 25.0
     refuse_strangeness: float = -0.03
     cap_strangeness: float = -0.18
@@ -106,15 +111,6 @@ class FigureSettings:
 FIGURES = FigureSettings()
 
 
-@dataclass(frozen=True, slots=True)
-class Refusal:
-    """Why a copy is not marked. code: one word or two, for programs; zh, en: one sentence, for a person."""
-
-    code: str
-    zh: str
-    en: str
-
-
 @dataclass(frozen=True, eq=False)
 class RefusalReference:
     """What copies are compared with: a master's ink points, and the clearness of its ink."""
@@ -123,10 +119,19 @@ class RefusalReference:
     clearness: float
 
     @cached_property
-    def vectors(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Descriptors (see `registration.descriptor`) as it is, from behind, and upside down."""
-        p = self.points
-        return describe(p), describe(mirror(p)), describe(turn_upside_down(p))
+    def vector(self) -> FloatArray:
+        """Descriptor (see `registration.descriptor`) as it is."""
+        return describe(self.points)
+
+    @cached_property
+    def mirrored(self) -> FloatArray:
+        """Descriptor from behind."""
+        return describe(mirror(self.points))
+
+    @cached_property
+    def turned(self) -> dict[int, FloatArray]:
+        """Descriptors on their side and upside down, by the degrees clockwise that turn them upright."""
+        return {degrees: describe(turn(self.points, degrees=360 - degrees)) for degrees in (90, 180, 270)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,18 +161,24 @@ class RefusalFigures:
         return describe(self.registration.probe)
 
     @cached_property
-    def likenesses(self) -> tuple[float, float, float]:
-        """Of the outlines to the master's as it is, mirrored, and upside down.
+    def upright_likeness(self) -> float:
+        """Of the outlines to the master's: 1 for the same, about 0 for any two characters."""
+        return float(likeness(self.vector, self.master.vector))
 
-        1 for the same, about 0 for any two characters.
-        """
-        as_it_is, behind, half_turn = (float(likeness(self.vector, v)) for v in self.master.vectors)
-        return as_it_is, behind, half_turn
+    @cached_property
+    def mirrored_likeness(self) -> float:
+        """The same to the master from behind."""
+        return float(likeness(self.vector, self.master.mirrored))
+
+    @cached_property
+    def turned_likenesses(self) -> dict[int, float]:
+        """The same once the copy is turned, by the degrees clockwise: 90, 180 and 270."""
+        return {degrees: float(likeness(self.vector, v)) for degrees, v in self.master.turned.items()}
 
     @cached_property
     def likeness_beyond_others(self) -> float:
         """Likeness beyond what other characters reach with either: below 0 for most different characters."""
-        return beyond_others(self.vector, self.master.vectors[0])
+        return beyond_others(self.vector, self.master.vector)
 
     @cached_property
     def strangeness(self) -> float:
@@ -211,7 +222,7 @@ class RefusalFigures:
         ink = ink_mask(self.copy)
         full = fill_outlines(ink)
         vector = describe_canvas(canvas_of(full).solid)
-        gained = float(likeness(vector, self.master.vectors[0])) - self.likenesses[0]
+        gained = float(likeness(vector, self.master.vector)) - self.upright_likeness
         return 1.0 - float(np.count_nonzero(ink) / np.count_nonzero(full)), gained
 
     @cached_property
@@ -239,8 +250,8 @@ class RefusalFigures:
                 vector = describe_canvas(canvas_of(part).solid)
             except RumuError:
                 continue
-            best = max(best, float(likeness(vector, self.master.vectors[0])))
-        return (best, best - self.likenesses[0]) if best > -1.0 else (0.0, -1.0)
+            best = max(best, float(likeness(vector, self.master.vector)))
+        return (best, best - self.upright_likeness) if best > -1.0 else (0.0, -1.0)
 
 
 def check_copy(
@@ -254,17 +265,19 @@ def check_copy(
     limits, f = limits or RefusalLimits(), figures
     code = _find_fault(f, limits)
     if code is not None:
-        return refusal_of(code), 0.0
-    if f.plane_residual < limits.accept_residual or f.likenesses[0] > limits.accept_likeness:
+        turned = _find_reversal(f, limits, least=limits.unfit_likeness) if code == "cut off" else None
+        return turned or refusal_of(code), 0.0
+    upright = abs(f.registration.angle) <= limits.accept_lean
+    if (upright and f.plane_residual < limits.accept_residual) or f.upright_likeness > limits.accept_likeness:
         return None, 100.0
     if f.share_in_place >= limits.accept_in_place:
         return None, 100.0
-    code, highest = _find_misfit(f, limits), 100.0
+    refusal, highest = _find_misfit(f, limits), 100.0
     if f.strangeness > limits.cap_strangeness and f.plane_residual > limits.cap_residual:
         share = limits.zero_strangeness - f.strangeness
         share /= limits.zero_strangeness - limits.cap_strangeness
         highest = limits.cap_highest * max(share, 0.0)
-    return refusal_of(code) if code else None, highest
+    return refusal, highest
 
 
 def _find_fault(f: RefusalFigures, limits: RefusalLimits) -> str | None:
@@ -273,7 +286,7 @@ def _find_fault(f: RefusalFigures, limits: RefusalLimits) -> str | None:
         return "noise"
     if 1.0 / f.registration.probe.pixel < limits.small_radius:
         return "too small"
-    if f.registration.scale < limits.small_scale and f.likenesses[0] > limits.part_likeness:
+    if f.registration.scale < limits.small_scale and f.upright_likeness > limits.part_likeness:
         return "too small"  # but a single dot is not
     if f.relative_height < limits.outline_height:
         new, gained = f.filling if f.hollowness <= limits.outline_hollowness else (1.0, 0.0)
@@ -282,24 +295,25 @@ def _find_fault(f: RefusalFigures, limits: RefusalLimits) -> str | None:
     return "cut off" if f.share_beyond_border > limits.cut_off_share else None
 
 
-def _find_misfit(f: RefusalFigures, limits: RefusalLimits) -> str | None:
-    """The code of what else was written, of a copy that neither fits nor stands in its place."""
+def _find_misfit(f: RefusalFigures, limits: RefusalLimits) -> Refusal | None:
+    """What else was written, or how it is turned, of a copy that neither fits nor stands in its place."""
     if f.clearness >= limits.clean:
         part, gain = f.best_part
         if gain > limits.part_gain and part > limits.part_likeness:
-            return "several characters"
-    as_it_is, behind, half_turn = f.likenesses
-    code, reversed_likeness = ("mirrored", behind) if behind > half_turn else ("upside down", half_turn)
-    if reversed_likeness - as_it_is > limits.reversed_gain and reversed_likeness > limits.reversed_likeness:
-        return code
-    if f.clearness >= limits.clean and f.strangeness > limits.refuse_strangeness:
-        return "another character"
-    return None
+            return refusal_of("several characters")
+    unfit = f.clearness >= limits.clean and f.strangeness > limits.refuse_strangeness
+    least = limits.unfit_likeness if unfit else limits.reversed_likeness
+    return _find_reversal(f, limits, least=least) or (refusal_of("another character") if unfit else None)
 
 
-def refusal_of(code: str) -> Refusal:
-    """The sentences of a code; those of what holds no writing for a code that is not known."""
-    return Refusal(code, *_SENTENCES.get(code, _SENTENCES["blank"]))
+def _find_reversal(f: RefusalFigures, limits: RefusalLimits, *, least: float) -> Refusal | None:
+    """The refusal of a copy that is clearly more like the master mirrored or turned; least: likeness."""
+    degrees, reversed_likeness = max(f.turned_likenesses.items(), key=itemgetter(1))
+    if f.mirrored_likeness > reversed_likeness:
+        degrees, reversed_likeness = 0, f.mirrored_likeness
+    if reversed_likeness <= max(least, f.upright_likeness + limits.reversed_gain):
+        return None
+    return turned_refusal(degrees) if degrees else refusal_of("mirrored")
 
 
 def _covered(points: FloatArray, ink: FloatArray, reach: float) -> float:
@@ -342,51 +356,3 @@ def _bands(ink: BoolArray, *, axis: int) -> list[BoolArray]:
         band[where] = ink[where]
         bands.append(band)
     return bands
-
-
-_SENTENCES = {
-    "blank": (
-        "畫面上沒有字。",
-        "nothing is written in the picture",
-    ),
-    "black": (
-        "畫面一片黑，看不到紙。",
-        "the picture is black and shows no paper",
-    ),
-    "noise": (
-        "畫面裏是噪點或雜物，不是寫在紙上的字。",
-        "the picture holds noise or other things and no writing on paper",
-    ),
-    "flat": (
-        "這個曲面是平的，沒有可比的起伏；請改用一張字的圖片。",
-        "the surface is flat and holds no relief to compare; mark the ink of one image instead",
-    ),
-    "too small": (
-        "字太小，看不清筆畫；請靠近些再拍，讓字佔畫面一半以上。",
-        "the writing is too small to see its strokes; let it fill more than half of the picture",
-    ),
-    "cut off": (
-        "字被畫面的邊切掉了一部分；請把整個字拍進畫面。",
-        "a part of the character is cut off by the edge of the picture; show all of it",
-    ),
-    "several characters": (
-        "畫面裏不止一個字；請只留與範字相同的那一個。",
-        "there are several characters in the picture; leave only the one that the master shows",
-    ),
-    "mirrored": (
-        "這個字左右反了；請檢查照片是不是鏡像。",
-        "the character is mirrored; see whether the photo was flipped",
-    ),
-    "upside down": (
-        "這個字上下顛倒了；請把照片轉正。",
-        "the character is upside down; turn the photo",
-    ),
-    "outline only": (
-        "只描了筆畫的輪廓，裏面是空的；請用毛筆寫實。",
-        "only the outline of the strokes is drawn and they are hollow; write them with the brush",
-    ),
-    "another character": (
-        "寫的不是範字上的那個字，或者看不出是字；請核對範字。",
-        "this is not the master's character, or no character at all; see whether the master is the right one",
-    ),
-}

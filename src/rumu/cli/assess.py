@@ -185,7 +185,7 @@ def mark_facts(mark: Assessment) -> dict[str, Any]:
     return (
         {name: getattr(mark, name) for name in names}
         | {"pose": pose and {name: getattr(pose, name) for name in of_pose}}
-        | {name: getattr(mark, name) for name in ("source", "refused", "refused_zh")}
+        | {name: getattr(mark, name) for name in ("source", "refused", "refused_zh", "turned_by")}
     )
 
 

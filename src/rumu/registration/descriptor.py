@@ -125,9 +125,12 @@ def mirror(points: PointSet) -> PointSet:
     return replace(points, xyz=points.xyz * (-1.0, 1.0, 1.0), direction=points.direction * (1.0, -1.0))
 
 
-def turn_upside_down(points: PointSet) -> PointSet:
-    """The same ink after half a turn in its plane, which leaves directions as they are."""
-    return replace(points, xyz=points.xyz * (-1.0, -1.0, 1.0))
+def turn(points: PointSet, *, degrees: int) -> PointSet:
+    """The same ink turned clockwise in its plane by 0, 90, 180 or 270 degrees."""
+    xyz, direction = points.xyz, points.direction
+    for _ in range(degrees // 90):  # a direction is twice an angle: a quarter turn reverses it
+        xyz, direction = xyz[:, (1, 0, 2)] * (1.0, -1.0, 1.0), -direction
+    return replace(points, xyz=xyz, direction=direction)
 
 
 @lru_cache(maxsize=1)

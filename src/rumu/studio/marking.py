@@ -169,11 +169,12 @@ def _pose_facts(registration: Registration) -> dict[str, Any]:
     }
 
 
-def _refusal(mark: Assessment) -> dict[str, str] | None:
+def _refusal(mark: Assessment) -> dict[str, Any] | None:
     if mark.refused is None:
         return None
     code, _, sentence = mark.refused.partition(": ")
-    return {"code": code, "zh": mark.refused_zh or sentence, "en": sentence}
+    words = {"code": code, "zh": mark.refused_zh or sentence, "en": sentence}
+    return words | {"turned_by": mark.turned_by}
 
 
 def _interval_note(mark: Assessment) -> dict[str, str] | None:

@@ -41,6 +41,11 @@ class RefusalRead(BilingualText):
     """Why there is no mark."""
 
     code: str = Field(examples=["blank"])
+    turned_by: Literal[90, 180, 270] | None = Field(
+        default=None,
+        examples=[90],
+        description="Degrees clockwise that turn the picture upright; null where that is not what it needs.",
+    )
 
 
 class PoseRead(Schema):

@@ -155,13 +155,16 @@ def write_table(marks: Sequence[ImpostorMark], path: Path) -> None:
 
 
 def _is_its_own(trial: Trial) -> bool:
-    from rumu.registration.descriptor import describe, likeness, mirror, turn_upside_down
+    from rumu.registration.descriptor import describe, likeness, mirror, turn
 
-    change = {"mirrored": mirror, "upside_down": turn_upside_down}.get(trial.kind)
-    if change is None:
-        return False
     points = master_at(trial.master).points
-    return float(likeness(describe(change(points)), describe(points))) >= ITSELF
+    if trial.kind == "mirrored":
+        changed = mirror(points)
+    elif trial.kind == "upside_down":
+        changed = turn(points, degrees=180)
+    else:
+        return False
+    return float(likeness(describe(changed), describe(points))) >= ITSELF
 
 
 def _count(marks: list[ImpostorMark]) -> dict[str, Any]:

@@ -150,7 +150,7 @@ def measure_pair(pair: CharacterPair) -> PairMeasures:
         "mark": mark,
         "similarity": similarity(m.registration),
         "position": -figures.plane_residual,
-        "likeness": figures.likenesses[0],
+        "likeness": figures.upright_likeness,
         "beyond others": figures.likeness_beyond_others,
         "familiarity": -figures.strangeness,
     }
