@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-import pytest
+from datetime import timedelta
 
-from rumu.database.tables import Person
+import pytest
+from sqlalchemy import update
+
+from rumu.database.tables import LoginSession, Person, now
 from rumu.studio import people
 from rumu.studio.errors import Clash, Missing, NotAllowed, Unusable
+from rumu.studio.tickets import DAYS_VALID, Ticket
 
 PASSWORD = "a long password"  # of everybody in these tests, see conftest
 
@@ -18,7 +22,7 @@ def test_a_password_is_stored_as_an_argon2_hash(gallery, person):
     assert held.startswith("$argon2id$") and PASSWORD not in held
 
 
-@pytest.mark.parametrize("name", ["Lin", "LIN", "Ｌｉｎ", "  lin "])
+@pytest.mark.parametrize("name", ["Lin", "LIN", "Ｌｉｎ", "  lin ", "\u3000ＬＩＮ"])
 def test_width_case_and_spaces_do_not_distinguish_people(gallery, person, name):
     person("Lin")
     with gallery.database.reading() as session:
@@ -51,12 +55,48 @@ def test_a_short_password_is_refused(gallery):
 def test_a_new_password_ends_older_sessions(gallery, person):
     lin = person("林")
     with gallery.database.writing() as session:
-        assert people.identify_session(session, person_id=lin.id, epoch=0) == lin
-        people.set_password(session, lin.id, old=PASSWORD, new="quite another one")
-        assert people.identify_session(session, person_id=lin.id, epoch=0) is None
-        assert people.identify_session(session, person_id=lin.id, epoch=1) == lin
+        old = people.start_session(session, session.get_one(Person, lin.id))
+        assert people.identify_session(session, old) == lin
+        changed = people.set_password(session, lin.id, old=PASSWORD, new="quite another one")
+        assert people.identify_session(session, old) is None
+        assert people.identify_session(session, people.start_session(session, changed)) == lin
         with pytest.raises(NotAllowed):
             people.set_password(session, lin.id, old=PASSWORD, new="a third password")
+
+
+def test_sessions_end_one_by_one_and_all_at_once(gallery, person):
+    lin, wu = person("林"), person("吳")
+    with gallery.database.writing() as session:
+        row, other = session.get_one(Person, lin.id), session.get_one(Person, wu.id)
+        one, two, three = (people.start_session(session, row) for _ in range(3))
+        others = people.start_session(session, other)
+        people.end_session(session, one)
+        alive = [people.identify_session(session, ticket) for ticket in (one, two, three, others)]
+        assert alive == [None, lin, lin, wu]
+        people.end_sessions(session, lin.id)
+        alive = [people.identify_session(session, ticket) for ticket in (two, three, others)]
+        assert alive == [None, None, wu]
+
+
+def test_a_session_is_of_the_person_in_its_ticket_who_is_not_disabled(gallery, person):
+    lin, wu = person("林"), person("吳")
+    with gallery.database.writing() as session:
+        ticket = people.start_session(session, session.get_one(Person, lin.id))
+        assert people.identify_session(session, Ticket(wu.id, ticket.serial)) is None
+        assert people.identify_session(session, Ticket(lin.id)) is None  # signed, but never started
+        people.change_person(session, lin.id, {"active": False})
+        people.change_person(session, lin.id, {"active": True})
+        assert people.identify_session(session, ticket) is None
+
+
+def test_rows_of_expired_sessions_are_deleted(gallery, person):
+    lin = person("林")
+    with gallery.database.writing() as session:
+        row = session.get_one(Person, lin.id)
+        people.start_session(session, row)
+        session.execute(update(LoginSession).values(created=now() - timedelta(days=DAYS_VALID, minutes=1)))
+        people.start_session(session, row)
+        assert session.query(LoginSession).count() == 1
 
 
 def test_the_last_owner_cannot_go(gallery, person):

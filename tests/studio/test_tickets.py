@@ -10,7 +10,7 @@ from rumu.studio.tickets import Ticket, Tickets, open_tickets
 
 def test_a_ticket_is_read_as_it_was_written():
     tickets = Tickets("key")
-    ticket = Ticket(person_id="p", epoch=3)
+    ticket = Ticket(person_id="p")
     assert tickets.read(tickets.serialise(ticket)) == ticket
 
 

@@ -14,11 +14,10 @@ from starlette.testclient import TestClient
 from rumu.database.tables import Membership, Person
 from rumu.gallery.starter import starter_samples
 from rumu.studio.classes import create_class
-from rumu.studio.people import create_person, identity
+from rumu.studio.people import create_person, identity, start_session
 from rumu.studio.storage import Storage
-from rumu.studio.tickets import Ticket
+from rumu.web.addresses import COOKIE
 from rumu.web.app import create_app
-from rumu.web.security import COOKIE
 from rumu.web.settings import ServiceSettings
 
 PASSWORD = "a long password"
@@ -35,16 +34,23 @@ class Browser:
         headers = {"X-CSRF-Token": self.facts["csrf"]} | more.pop("headers", {})
         return self.client.request(method, url, headers=headers, follow_redirects=False, **more)
 
-    def log_in(self, tickets: Any, person_id: str) -> Browser:
+    def log_in(self, service: Any, person_id: str) -> Browser:
         """Log in by a session that the service makes: passwords take long, and have a test of their own."""
+        with service.gallery.database.writing() as session:
+            ticket = start_session(session, session.get_one(Person, person_id))
         self.client.cookies.clear()
-        self.client.cookies.set(COOKIE, tickets.serialise(Ticket(person_id=person_id)))
+        self.client.cookies.set(cookie_name(service), service.tickets.serialise(ticket))
         self.facts = self.client.get("/api/session").json()
         assert self.facts["person"]["id"] == person_id
         return self
 
     def marked(self, picture: bytes, *, work: str = "regular-tian", **more: Any) -> Any:
         return self("POST", "/api/marks", data={"work": work} | more, files={"picture": ("a.png", picture)})
+
+
+def cookie_name(service: Any) -> str:
+    """The name of the session's cookie without HTTPS."""
+    return f"{COOKIE}_{service.tickets.fingerprint}"
 
 
 @dataclasses.dataclass
@@ -58,9 +64,13 @@ class World:
     def service(self) -> Any:
         return self.app.state.service
 
+    @property
+    def cookie(self) -> str:
+        return cookie_name(self.service)
+
     def browser(self, name: str | None = None) -> Browser:
         browser = Browser(TestClient(self.app, raise_server_exceptions=False))
-        return browser if name is None else browser.log_in(self.service.tickets, self.ids[name])
+        return browser if name is None else browser.log_in(self.service, self.ids[name])
 
 
 def make_settings(folder: Path, **more: Any) -> ServiceSettings:

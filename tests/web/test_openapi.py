@@ -10,7 +10,6 @@ from hypothesis import HealthCheck, Phase, settings
 from starlette.testclient import TestClient
 
 from rumu.web.openapi import example, render_docs
-from rumu.web.security import COOKIE
 from rumu.web.settings import RateLimitSettings
 
 UNLIMITED = RateLimitSettings(
@@ -43,7 +42,7 @@ def test_nothing_that_can_be_asked_ends_in_a_fault(new_world, who):
         @_given(operation)
         def ask(case):
             client.cookies.clear()
-            client.cookies.set(COOKIE, browser.client.cookies[COOKIE])
+            client.cookies.set(world.cookie, browser.client.cookies[world.cookie])
             request = case.as_transport_kwargs(base_url="http://testserver")
             request["headers"] = {**dict(request.get("headers") or {}), "X-CSRF-Token": browser.facts["csrf"]}
             request.pop("cookies", None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from starlette.testclient import TestClient
 
-from rumu.web.security import COOKIE
+from rumu.studio.tickets import Ticket, Tickets
 from rumu.web.settings import BodyLimits, RateLimitSettings
 
 UNSAFE = [
@@ -123,9 +123,9 @@ def test_a_forged_or_damaged_cookie_is_a_visitor(world):
     for cookie in ("x", "W10.x.y", '"', "a b;c", "\xff"):
         client = TestClient(world.app)
         assert (
-            client.get("/api/session", headers={"Cookie": f"{COOKIE}={cookie}".encode("latin-1")}).json()[
-                "person"
-            ]
+            client.get(
+                "/api/session", headers={"Cookie": f"{world.cookie}={cookie}".encode("latin-1")}
+            ).json()["person"]
             is None
         )
 
@@ -144,3 +144,201 @@ def test_rates(new_world, code_of):
     assert code_of(answers[-1]) == "too_often" and int(answers[-1].headers["retry-after"]) >= 1
     statuses = [browser.client.get("/api/works").status_code for _ in range(40)]
     assert statuses[0] == 200 and statuses[-1] == 429
+
+
+# --- logins and sessions ---------------------------------------------------------------------------
+
+
+def start_login(world, name="林", password="a long password"):
+    browser = world.browser()
+    answer = browser("POST", "/api/login", json={"name": name, "password": password})
+    assert answer.status_code == 200, answer.text
+    browser.facts = answer.json()
+    return browser
+
+
+def copy_cookies(browser):
+    """A thief's browser, with the cookies as they are now."""
+    thief = TestClient(browser.client.app, raise_server_exceptions=False)
+    thief.cookies.update(dict(browser.client.cookies))
+    return thief
+
+
+def test_a_logout_ends_the_session_wherever_its_cookie_was_copied(world):
+    browser, elsewhere = start_login(world), start_login(world)
+    thief = copy_cookies(browser)
+    assert thief.get("/api/attempts").status_code == 200
+    assert browser("POST", "/api/logout").json()["person"] is None
+    assert thief.get("/api/attempts").status_code == 401
+    assert thief.get("/api/session").json()["person"] is None
+    assert elsewhere("GET", "/api/attempts").status_code == 200
+
+
+def test_logging_out_everywhere_ends_all_sessions_of_this_person(world):
+    one, two, other = start_login(world), start_login(world), start_login(world, "吳")
+    assert one("POST", "/api/logout?everywhere=true").status_code == 200
+    assert two("GET", "/api/attempts").status_code == 401
+    assert other("GET", "/api/attempts").status_code == 200
+
+
+def test_a_new_password_ends_all_other_sessions(world):
+    one, two = start_login(world, "周"), start_login(world, "周")
+    thief = copy_cookies(one)
+    words = {"old": "a long password", "new": "quite another one"}
+    answer = one("POST", "/api/password", json=words)
+    assert answer.json()["person"]["name"] == "周"
+    assert one("GET", "/api/attempts").status_code == 200
+    assert two("GET", "/api/attempts").status_code == thief.get("/api/attempts").status_code == 401
+    three = start_login(world, "周", "quite another one")
+    weak = world.browser("館主")(
+        "PATCH", f"/api/people/{three.facts['person']['id']}", json={"password": "12345678"}
+    )
+    assert weak.json()["error"]["code"] == "weak_password"
+    assert three("GET", "/api/attempts").status_code == 200  # nothing was changed
+    back = {"password": "a long password"}
+    world.browser("館主")("PATCH", f"/api/people/{three.facts['person']['id']}", json=back)
+    assert three("GET", "/api/attempts").status_code == 401
+
+
+@pytest.mark.parametrize("names", [("Ｌｉｎ", "lin", "LIN", "ＬＩＮ"), ("林", " 林", "林\u3000", "林 ")])
+def test_one_limit_for_all_ways_to_write_a_name(new_world, code_of, names):
+    world = new_world(people=False, rate_limits=RateLimitSettings(login_name="3/minute"))
+    browser = world.browser()
+    codes = [
+        code_of(browser("POST", "/api/login", json={"name": name, "password": "wrong password"}))
+        for name in names
+    ]
+    assert codes == ["wrong_login"] * 3 + ["too_often"]
+
+
+def test_a_weak_password_cannot_join(world, code_of):
+    owner = world.browser("館主")
+    link = owner("POST", "/api/invitations", json={"role": "teacher"}).json()["link"]
+    joining = f"/api/invitations/{link.rsplit('/', 1)[1]}"
+    for password, code in (("12345678", "weak_password"), ("王老師王老師王老師", "weak_password")):
+        answer = world.browser()("POST", joining, json={"name": "王老師", "password": password})
+        assert code_of(answer) == code
+    answer = world.browser()("POST", joining, json={"name": "王老師", "password": "tiger bamboo"})
+    assert answer.status_code == 201  # the link was not used up
+
+
+@pytest.mark.parametrize(
+    "others",
+    [
+        "{name}=broken; {own}",
+        "{own}; {name}=broken",
+        '{name}="; {own}',
+        "{name}=; {own}; {name}=W10.x.y",
+        "{foreign}; {own}",
+        "{own}; {foreign}",
+        "{visitor}; {own}",
+        "{own}; {visitor}",
+        "{ended}; {own}",
+        "a; =b; ; c=d=e; {own}",
+        "\xff\xfe=\xe9; {own}",
+        'theme={{"a": [1,2]}}; {own}',
+        "x\x01y=1; {own}",
+        "{many}; {own}",
+        "{own}; {many}",
+    ],
+)
+def test_other_cookies_of_the_host_end_no_login(world, others):
+    browser, ended = world.browser("林"), world.browser("林")
+    own, name = f"{world.cookie}={browser.client.cookies[world.cookie]}", world.cookie
+    parts = {
+        "own": own,
+        "name": name,
+        "ended": f"{name}={ended.client.cookies[name]}",
+        "foreign": f"{name}=" + Tickets("another key").serialise(Ticket("x")),
+        "visitor": f"{name}=" + world.service.tickets.serialise(Ticket()),
+        "many": "; ".join(f"c{k}={'x' * 100}" for k in range(500)),
+    }
+    ended("POST", "/api/logout")
+    client = TestClient(world.app, raise_server_exceptions=False)
+    headers = {"Cookie": others.format(**parts).encode("latin-1")}
+    facts = client.get("/api/session", headers=headers)
+    assert facts.status_code == 200 and facts.json()["person"]["name"] == "林", facts.text
+    client.cookies.clear()
+    changed = client.patch(
+        "/api/session", json={"language": "en"}, headers=headers | {"X-CSRF-Token": facts.json()["csrf"]}
+    )
+    assert changed.status_code == 200, changed.text
+
+
+def test_with_https_no_other_host_or_path_can_set_the_cookie(new_world):
+    client = TestClient(new_world().app, base_url="https://testserver")
+    cookie = client.get("/api/session").headers["set-cookie"]
+    assert cookie.startswith("__Host-") and "Path=/;" in cookie and "Secure" in cookie
+    assert "Domain" not in cookie
+
+
+# --- other sites -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("base", "headers", "status"),
+    [
+        ("http://testserver", {"Origin": "http://testserver"}, 200),
+        ("http://testserver", {"Origin": "https://testserver", "Host": "testserver"}, 200),
+        ("http://testserver:8000", {"Origin": "http://testserver:8000"}, 200),
+        ("http://testserver", {"Sec-Fetch-Site": "same-origin", "Origin": "https://outside.example"}, 200),
+        ("http://testserver", {}, 200),
+        ("http://testserver", {"Origin": "http://evil.example"}, 403),
+        ("http://testserver", {"Origin": "http://testserver.evil.example"}, 403),
+        ("http://testserver", {"Origin": "http://testserver:81"}, 403),
+        ("http://testserver", {"Origin": "null"}, 403),
+        ("http://testserver", {"Origin": "http://[::1"}, 403),
+        ("http://testserver", {"Origin": "file://"}, 403),
+        ("http://testserver", {"Sec-Fetch-Site": "cross-site"}, 403),
+        ("http://testserver", {"Sec-Fetch-Site": "same-site", "Origin": "http://testserver"}, 403),
+        ("https://testserver", {"Origin": "http://testserver"}, 403),
+    ],
+)
+def test_requests_of_other_sites_change_nothing(world, code_of, base, headers, status):
+    client = TestClient(world.app, base_url=base)
+    token = client.get("/api/session").json()["csrf"]
+    answer = client.post("/api/logout", headers={"X-CSRF-Token": token} | headers)
+    assert answer.status_code == status
+    assert status == 200 or code_of(answer) == "origin"
+
+
+def test_what_other_sites_may_embed(world):
+    client = TestClient(world.app)
+    work = client.get("/api/works/regular-shui").json()
+    for url in ("/", "/api/works", "/api/session", "/nowhere", "/api/docs"):
+        assert client.get(url).headers["cross-origin-resource-policy"] == "same-origin", url
+    for url in (
+        work["files"]["glb"],
+        work["thumb"],
+        work["files"]["manifest"],
+        "/iiif/image/none/info.json",
+        "/iiif/image/regular-shui/full/max/0/default.jpg",
+    ):
+        headers = client.get(url).headers
+        assert headers["cross-origin-resource-policy"] == "cross-origin", url
+        assert headers["access-control-allow-origin"] == "*", url
+
+
+def test_https_is_kept_to_once_it_is_used(new_world):
+    app = new_world(https=True).app
+    assert "max-age=31536000" in TestClient(app).get("/").headers["strict-transport-security"]
+    facts = TestClient(app).get("/iiif/works/regular-shui/manifest.json").json()
+    assert facts["id"].startswith("https://testserver/iiif/")
+
+
+def test_https_is_not_claimed_without_it(world):
+    assert "strict-transport-security" not in TestClient(world.app).get("/").headers
+    safe = TestClient(world.app, base_url="https://testserver").get("/api/nowhere").headers
+    assert safe["strict-transport-security"] == "max-age=31536000"
+
+
+def test_an_unexpected_error_has_the_headers_too(new_world, monkeypatch, code_of):
+    world = new_world()
+    monkeypatch.setattr(
+        "rumu.web.routes.iiif.manifest", lambda *_, **__: (_ for _ in ()).throw(RuntimeError("/srv/x"))
+    )
+    client = TestClient(world.app, raise_server_exceptions=False)
+    answer = client.get("/iiif/works/regular-shui/manifest.json")
+    assert (answer.status_code, code_of(answer)) == (500, "unexpected") and "/srv" not in answer.text
+    assert answer.headers["access-control-allow-origin"] == "*"
+    assert "content-security-policy" in answer.headers

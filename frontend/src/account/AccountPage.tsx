@@ -1,10 +1,10 @@
-// A person's own account: change the password.
+// A person's own account: change the password, end the sessions on all devices.
 
 import { useState } from "preact/hooks";
 import { post, refreshSession, session } from "../api";
 import { common } from "../i18n";
 import { t } from "../i18n/account";
-import type { PageProps } from "../router";
+import { navigate, type PageProps } from "../router";
 import { RequireLogin } from "./RequireLogin";
 import { ErrorMessage, Field } from "../ui";
 import { NewPassword, passwordProblem } from "./NewPassword";
@@ -14,6 +14,7 @@ export default function AccountPage(_: PageProps) {
   return (
     <RequireLogin reason={t("accountNeeds")}>
       <ChangePassword />
+      <LogOutEverywhere />
     </RequireLogin>
   );
 }
@@ -60,5 +61,25 @@ function ChangePassword() {
       </p>
       <p class="note">{t("changeNote")}</p>
     </form>
+  );
+}
+
+function LogOutEverywhere() {
+  const [error, setError] = useState<unknown>(null);
+  const end = () =>
+    post("api/logout?everywhere=true")
+      .then(refreshSession)
+      .then(() => navigate("/login"), setError);
+  return (
+    <section class="account panel">
+      <h2>{t("everywhere")}</h2>
+      <p class="note">{t("everywhereNote")}</p>
+      {error !== null && <ErrorMessage error={error} />}
+      <p class="row">
+        <button type="button" class="quiet" onClick={end}>
+          {t("everywhere")}
+        </button>
+      </p>
+    </section>
   );
 }

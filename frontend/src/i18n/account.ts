@@ -32,6 +32,11 @@ export const t = translator({
   changePassword: { zh: "改密碼", en: "Change the password" },
   changed: { zh: "密碼已改。", en: "The password is changed." },
   changeNote: { zh: "改了密碼，其他裝置上的登入會結束。", en: "Logins on other devices end when the password changes." },
+  everywhere: { zh: "登出所有裝置", en: "Log out everywhere" },
+  everywhereNote: {
+    zh: "這個帳號在每一部裝置上的登入都會結束，這裡也是。在別人的電腦上忘了登出時用。",
+    en: "Ends the logins of this account on every device, this one too: for when you left one open elsewhere.",
+  },
   peopleTitle: { zh: "人員", en: "People" },
   peopleNeeds: { zh: "館主登入後才看得到。", en: "The owner sees this after a login." },
   role: { zh: "身分", en: "Role" },

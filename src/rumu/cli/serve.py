@@ -39,10 +39,35 @@ def serve(
     processes: Annotated[
         int | None, typer.Option(min=0, help="Processes that mark (default: all cores, at most 4).")
     ] = None,
+    root_path: Annotated[
+        str,
+        typer.Option(
+            metavar="PATH",
+            envvar="RUMU_ROOT_PATH",
+            help="Path on the host under which a reverse proxy shows the service, such as /calligraphy.",
+        ),
+    ] = "",
+    https: Annotated[
+        bool,
+        typer.Option(
+            "--https",
+            envvar="RUMU_HTTPS",
+            help="Browsers come by HTTPS, even where the proxy sends no X-Forwarded-Proto.",
+        ),
+    ] = False,
+    proxy: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESSES",
+            envvar="RUMU_PROXY",
+            help="IP addresses or networks of reverse proxies to trust, with commas (default: this machine).",
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> Outcome:
     """Serve the gallery, the viewer and the studio to browsers until Ctrl-C."""
     from rumu.studio.storage import Storage
+    from rumu.web.addresses import check_root_path
     from rumu.web.server import serve as run
     from rumu.web.settings import ServiceSettings
 
@@ -53,8 +78,16 @@ def serve(
     storage = Storage.chosen(
         database=database, files=files, calibration=calibration and calibration.resolve()
     )
-    settings = ServiceSettings(storage, processes=processes)
-    run(settings, host=host, port=port, on_listen=lambda address: announce(address, as_json=as_json))
+    settings = ServiceSettings(
+        storage, processes=processes, root_path=check_root_path(root_path), https=https
+    )
+    run(
+        settings,
+        host=host,
+        port=port,
+        on_listen=lambda address: announce(address, as_json=as_json),
+        proxies=proxy,
+    )
     raise typer.Exit
 
 

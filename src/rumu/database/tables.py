@@ -1,7 +1,7 @@
 """All tables of the database. Pictures, surfaces and other files lie in the store; a table holds their keys.
 
 Works and texts about them: collections, works, annotations, tours.
-People and what they do: people, invitations, classes, memberships, tasks, attempts, teacher_marks,
+People and what they do: people, sessions, invitations, classes, memberships, tasks, attempts, teacher_marks,
 comparisons.
 The service: jobs, settings.
 
@@ -185,8 +185,8 @@ class Tour(Base):
 class Person(Base):
     """A user with a login.
 
-    role: owner, teacher or pupil. password: an Argon2 hash, None before one is chosen. epoch: increases when
-    the password changes or the person signs out everywhere, which ends older sessions.
+    name_key: the name as it is compared. role: owner, teacher or pupil. password: an Argon2 hash, None before
+    one is chosen.
     """
 
     __tablename__ = "people"
@@ -197,8 +197,20 @@ class Person(Base):
     role: Mapped[str] = mapped_column(String(16))
     password: Mapped[str | None] = mapped_column(String(200), default=None)
     language: Mapped[str] = mapped_column(String(8), default="zh")
-    epoch: Mapped[int] = mapped_column(Integer, default=0)
     active: Mapped[bool] = mapped_column(default=True)
+    created: Mapped[datetime] = mapped_column(default=now)
+
+
+class LoginSession(Base):
+    """A session of a person who is logged in; it ends when this row is deleted.
+
+    id: SHA-256 of the serial in the session's cookie, so that the table alone opens no session.
+    """
+
+    __tablename__ = "sessions"
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True)
+    person_id: Mapped[str] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"), index=True)
     created: Mapped[datetime] = mapped_column(default=now)
 
 

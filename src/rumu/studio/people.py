@@ -1,31 +1,23 @@
-"""People with a login: names, roles, and passwords as Argon2id hashes.
-
-Passwords are hashed two at a time, so that many logins at once do not take all the memory.
-"""
+"""People with a login: names, roles, and sessions, which the server can end."""
 
 from __future__ import annotations
 
-import functools
-import threading
 import unicodedata
 from dataclasses import dataclass
+from datetime import timedelta
 from typing import Any, Literal
 
-from argon2 import PasswordHasher
-from argon2.exceptions import InvalidHashError, VerificationError
-from sqlalchemy import func, select
+from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 
-from rumu.database.tables import Person
+from rumu.database.tables import LoginSession, Person, now
 from rumu.studio.errors import Clash, Missing, NotAllowed, Unusable
+from rumu.studio.passwords import HASHER, check_new_password, hash_password, verify_password
+from rumu.studio.tickets import DAYS_VALID, Ticket
 
 Role = Literal["owner", "teacher", "pupil"]
 LANGUAGES = ("zh", "en")
 _MAX_NAME = 80  # characters
-MIN_PASSWORD, MAX_PASSWORD = 8, 200  # characters
-
-HASHER = PasswordHasher()  # RFC 9106, low memory: 64 MiB each
-_TWO_AT_A_TIME = threading.BoundedSemaphore(2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +44,9 @@ def identity(person: Person) -> Identity:
 
 
 def create_person(session: Session, *, name: str, password: str, role: Role) -> Person:
-    """Add a login. Raises Clash when the name is taken, Unusable for an invalid name or password."""
+    """Add a login. Raises Clash when the name is taken, Unusable for an invalid name or weak password."""
     shown, key = _check_name(session, name)
+    check_new_password(password, role=role, known=[shown])
     person = Person(name=shown, name_key=key, role=role, password=hash_password(password))
     session.add(person)
     session.flush()
@@ -77,7 +70,13 @@ def normalise_name(name: str) -> tuple[str, str]:
             zh=f"名字要有一到 {_MAX_NAME} 個字。",
             en=f"A name has 1 to {_MAX_NAME} printable characters, got {len(shown)}.",
         )
-    return shown, unicodedata.normalize("NFKC", shown).casefold()[:_MAX_NAME]
+    return shown, name_key(shown)
+
+
+def name_key(name: str) -> str:
+    """Return what two names of one person have in common: width, case and spaces do not count."""
+    folded = unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
+    return " ".join(folded.split())[:_MAX_NAME]
 
 
 def authenticate(session: Session, *, name: str, password: str) -> Person | None:
@@ -97,12 +96,34 @@ def renew_hash(session: Session, person_id: str, *, password: str) -> None:
         person.password = hash_password(password)
 
 
-def identify_session(session: Session, *, person_id: str, epoch: int) -> Identity | None:
-    """Return the person of a session; None if they are deleted, disabled, or have ended all sessions."""
-    person = session.get(Person, person_id)
-    if person is None or not person.active or person.epoch != epoch:
-        return None
-    return identity(person)
+def start_session(session: Session, person: Person) -> Ticket:
+    """Return the ticket of a new session of this person; rows of expired sessions are deleted."""
+    ticket = Ticket(person_id=person.id)
+    expired = LoginSession.created < now() - timedelta(days=DAYS_VALID)
+    session.execute(delete(LoginSession).where(expired))
+    session.add(LoginSession(id=ticket.session_id, person_id=person.id))
+    session.flush()
+    return ticket
+
+
+def end_session(session: Session, ticket: Ticket) -> None:
+    """End the session of a ticket, wherever its cookie has been copied."""
+    session.execute(delete(LoginSession).where(LoginSession.id == ticket.session_id))
+
+
+def end_sessions(session: Session, person_id: str) -> None:
+    """End every session of a person."""
+    session.execute(delete(LoginSession).where(LoginSession.person_id == person_id))
+
+
+def identify_session(session: Session, ticket: Ticket) -> Identity | None:
+    """Return the person of a ticket; None if the session has ended or the person is disabled."""
+    person = session.scalar(
+        select(Person)
+        .join(LoginSession, LoginSession.person_id == Person.id)
+        .where(LoginSession.id == ticket.session_id, Person.id == ticket.person_id, Person.active)
+    )
+    return None if person is None else identity(person)
 
 
 def set_password(session: Session, person_id: str, *, new: str, old: str | None = None) -> Person:
@@ -113,8 +134,9 @@ def set_password(session: Session, person_id: str, *, new: str, old: str | None 
     person = find_person(session, person_id)
     if old is not None and not verify_password(old, person.password):
         raise NotAllowed(zh="舊密碼不對。", en="The old password is wrong.")
+    check_new_password(new, role=person.role, known=[person.name, *([old] if old else [])])
     person.password = hash_password(new)
-    person.epoch += 1
+    end_sessions(session, person.id)
     return person
 
 
@@ -128,7 +150,7 @@ def change_person(session: Session, person_id: str, changes: dict[str, Any]) -> 
         if changes.get(field) is not None:
             setattr(person, field, changes[field])
     if not person.active:
-        person.epoch += 1
+        end_sessions(session, person.id)
     session.flush()
     if was_owner and not owner_exists(session):
         raise NotAllowed(zh="至少要留一位館主。", en="There must be an owner left.")
@@ -147,30 +169,3 @@ def find_person(session: Session, person_id: str) -> Person:
     if person is None:
         raise Missing(zh="沒有這個人。", en="There is no such person.")
     return person
-
-
-def hash_password(password: str) -> str:
-    """Return the Argon2id hash of a new password. Raises Unusable when it is too short or too long."""
-    if not MIN_PASSWORD <= len(password) <= MAX_PASSWORD:
-        raise Unusable(
-            "password",
-            zh=f"密碼要有 {MIN_PASSWORD} 到 {MAX_PASSWORD} 個字元，現在有 {len(password)} 個。",
-            en=f"A password has {MIN_PASSWORD} to {MAX_PASSWORD} characters, got {len(password)}.",
-        )
-    with _TWO_AT_A_TIME:
-        return HASHER.hash(password)
-
-
-def verify_password(password: str, hashed: str | None) -> bool:
-    """Whether a password has this hash; as slow without one, so that response times reveal no names."""
-    try:
-        with _TWO_AT_A_TIME:
-            HASHER.verify(hashed or _placeholder_hash(), password[: 2 * MAX_PASSWORD])
-    except (VerificationError, InvalidHashError):
-        return False
-    return hashed is not None
-
-
-@functools.cache
-def _placeholder_hash() -> str:
-    return HASHER.hash("a password that nobody has")

@@ -1,4 +1,8 @@
-"""Sessions as signed tickets in a cookie: the server stores only the key; each ticket has its CSRF token."""
+"""Sessions as signed tickets in a cookie, each with its CSRF token.
+
+A visitor's session is its ticket alone. That of a person who is logged in has a row in the database, too
+(`rumu.studio.people.start_session`), so that the server can end it.
+"""
 
 from __future__ import annotations
 
@@ -23,35 +27,39 @@ DAYS_VALID = 30
 class Ticket:
     """The content of a session's cookie.
 
-    person_id: None for a visitor. epoch: the person's, when the ticket was made; a later epoch ends the
-    session. serial: random, one for each session.
+    person_id: None for a visitor. serial: random, one for each session.
     """
 
     person_id: str | None = None
-    epoch: int = 0
-    serial: str = field(default_factory=lambda: secrets.token_urlsafe(12))
+    serial: str = field(default_factory=lambda: secrets.token_urlsafe(18))
+
+    @property
+    def session_id(self) -> str:
+        """The id of the session's row, from which nobody can make the ticket."""
+        return hashlib.sha256(self.serial.encode()).hexdigest()
 
 
 class Tickets:
-    """Signs and reads tickets with one key."""
+    """Signs and reads tickets with one key. fingerprint: tells services apart, and nothing of the key."""
 
     def __init__(self, key: str) -> None:
         self._key = key.encode()
+        self.fingerprint = hashlib.sha256(b"name:" + self._key).hexdigest()[:8]
         self._signer = URLSafeTimedSerializer(
             key, salt=_SALT, signer_kwargs={"digest_method": hashlib.sha256}
         )
 
     def serialise(self, ticket: Ticket) -> str:
         """Return the signed text of a ticket, for the cookie."""
-        return self._signer.dumps([ticket.serial, ticket.person_id, ticket.epoch])
+        return self._signer.dumps([ticket.serial, ticket.person_id])
 
     def read(self, text: str | None) -> Ticket | None:
         """Return the ticket, None for a forged, damaged or expired one."""
         if not text or len(text) > 1000:
             return None
         try:
-            serial, person_id, epoch = self._signer.loads(text, max_age=DAYS_VALID * 86400)
-            return Ticket(None if person_id is None else str(person_id), int(epoch), str(serial))
+            serial, person_id = self._signer.loads(text, max_age=DAYS_VALID * 86400)
+            return Ticket(None if person_id is None else str(person_id), str(serial))
         except (BadData, ValueError, TypeError):
             return None
 

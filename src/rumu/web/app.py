@@ -11,9 +11,11 @@ from starlette.middleware.gzip import GZipMiddleware
 
 from rumu import __version__
 from rumu.web import openapi, pages
+from rumu.web.addresses import AddressMiddleware
 from rumu.web.caching import ETagMiddleware
 from rumu.web.dependencies import ERROR_RESPONSES
 from rumu.web.error_handlers import EXCEPTION_HANDLERS
+from rumu.web.methods import MethodsMiddleware
 from rumu.web.routes import (
     attempts,
     classes,
@@ -75,5 +77,7 @@ def create_app(settings: ServiceSettings) -> FastAPI:
     pages.register(app, settings.static)
     app.add_middleware(GZipMiddleware, minimum_size=800, compresslevel=5)
     app.add_middleware(ETagMiddleware)  # outside of gzip, so that it keeps compressed responses
+    app.add_middleware(MethodsMiddleware)
     app.add_middleware(SecurityMiddleware, service=service)
+    app.add_middleware(AddressMiddleware, root_path=settings.root_path, https=settings.https)
     return app

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from rumu.web.addresses import route_path
 from rumu.web.responses import REVALIDATE, requested_etags
 
 _MAX_AGE = 1.0  # seconds; a list may be this old when another process has changed the gallery
@@ -46,7 +47,7 @@ class ETagMiddleware:
         elif scope["method"] != "GET":
             await self._app(scope, receive, send)
             self._responses.clear()
-        elif scope["path"].startswith(self.OPEN):
+        elif route_path(scope).startswith(self.OPEN):
             await self._get(scope, receive, send)
         else:
             await self._app(scope, receive, send)

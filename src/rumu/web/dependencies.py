@@ -11,8 +11,8 @@ from pydantic import AfterValidator, StringConstraints
 from rumu.studio.errors import NotAllowed
 from rumu.studio.people import Identity
 from rumu.studio.tickets import DAYS_VALID, Ticket
-from rumu.web.security import COOKIE
-from rumu.web.service import Service
+from rumu.web.addresses import SessionCookie
+from rumu.web.service import CurrentSession, Service
 
 ID_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$"
 
@@ -26,22 +26,38 @@ async def get_service(request: Request) -> Service:
 ServiceDep = Annotated[Service, Depends(get_service)]
 
 
-async def get_user(request: Request, service: ServiceDep) -> Identity | None:
-    """The person who is logged in, or None for a visitor."""
-    ticket: Ticket | None = request.state.ticket
-    if ticket is None or ticket.person_id is None:
+async def find_session(request: Request, service: ServiceDep) -> CurrentSession | None:
+    """The session of the person who is logged in, or None for a visitor."""
+    tickets: list[Ticket] = request.state.tickets
+    if all(ticket.person_id is None for ticket in tickets):
         return None  # most requests of the gallery: neither a thread nor a query
-    return await run_sync(service.identify, ticket)
+    return await run_sync(service.identify, tickets)
+
+
+OptionalSession = Annotated[CurrentSession | None, Depends(find_session)]
+
+
+async def get_user(session: OptionalSession) -> Identity | None:
+    """The person who is logged in, or None for a visitor."""
+    return None if session is None else session.user
 
 
 OptionalUser = Annotated[Identity | None, Depends(get_user)]
 
 
-async def require_login(user: OptionalUser) -> Identity:
-    """The person who is logged in. Raises HTTPException for a visitor."""
-    if user is None:
+async def require_session(session: OptionalSession) -> CurrentSession:
+    """The session of the person who is logged in. Raises HTTPException for a visitor."""
+    if session is None:
         raise HTTPException(401, "login")
-    return user
+    return session
+
+
+RequiredSession = Annotated[CurrentSession, Depends(require_session)]
+
+
+async def require_login(session: RequiredSession) -> Identity:
+    """The person who is logged in. Raises HTTPException for a visitor."""
+    return session.user
 
 
 CurrentUser = Annotated[Identity, Depends(require_login)]
@@ -69,12 +85,13 @@ OwnerUser = Annotated[Identity, Depends(require_owner)]
 
 def set_session_cookie(request: Request, response: Response, service: Service, ticket: Ticket) -> None:
     """Set the cookie of a session; neither scripts nor forms of other sites can use it."""
+    cookie = SessionCookie.of(request, service.tickets.fingerprint)
     response.set_cookie(
-        COOKIE,
+        cookie.name,
         service.tickets.serialise(ticket),
         max_age=DAYS_VALID * 86400,
-        path="/",
-        secure=service.settings.secure or request.url.scheme == "https",
+        path=cookie.path,
+        secure=cookie.secure,
         httponly=True,
         samesite="lax",
     )

@@ -28,6 +28,10 @@ _log = logging.getLogger(__name__)
 _TEXTS = {
     "bad_request": ("請求的格式不對。", "The request is malformed."),
     "csrf": ("頁面已過期，請重新載入。", "The page is out of date; load it again."),
+    "origin": (
+        "這個請求來自別的網站，沒有執行。若是經由反向代理，代理要傳送 Host 標頭。",
+        "The request comes from another site and was not carried out. A reverse proxy must pass on Host.",
+    ),
     "login": ("請先登入。", "Log in first."),
     "wrong_login": ("名字或密碼不對。", "The name or the password is wrong."),
     "not_allowed": ("您沒有這個權限。", "You may not do this."),

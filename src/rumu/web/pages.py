@@ -29,7 +29,7 @@ NOT_BUILT = """<!doctype html>
 <h1>rumu 入木</h1>
 <p>網頁尚未建置。請在原始碼資料夾執行 <code>scripts/install</code>，再重新啟動。</p>
 <p>The pages are not built. Run <code>scripts/install</code> in the source folder and start again.</p>
-<p><a href="/api/docs">API</a></p>
+<p><a href="api/docs">API</a></p>
 </body></html>
 """
 

@@ -10,8 +10,9 @@ from pydantic import AliasPath, BaseModel, ConfigDict, Field, field_validator, m
 
 from rumu.database.tables import Work
 from rumu.gallery.assets import VERSION
-from rumu.studio.people import MAX_PASSWORD
+from rumu.studio.passwords import MAX_PASSWORD
 from rumu.values import Script
+from rumu.web.addresses import service_url
 from rumu.web.dependencies import Id, LongText, ShortText
 
 RoleName = Literal["owner", "teacher", "pupil"]
@@ -161,7 +162,7 @@ def file_version(work: Work) -> str:
 def file_urls(work: Work, kinds: Iterable[str]) -> list[str]:
     """The URLs of files of a work, with their version, so that clients may keep the files for ever."""
     version = file_version(work)
-    return [f"/api/works/{work.id}/files/{kind}?v={version}" for kind in kinds]
+    return [service_url(f"/api/works/{work.id}/files/{kind}?v={version}") for kind in kinds]
 
 
 class WorkSummary(Schema):
@@ -243,7 +244,7 @@ class WorkRead(WorkSummary):
     @classmethod
     def _add_files(cls, work: Any) -> Any:
         files = dict(zip(_FILES, file_urls(work, _FILES.values()), strict=True))
-        files["manifest"] = f"/iiif/works/{work.id}/manifest.json"
+        files["manifest"] = service_url(f"/iiif/works/{work.id}/manifest.json")
         return Extended(work, files=files)
 
 

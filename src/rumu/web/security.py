@@ -5,18 +5,22 @@ It is pure ASGI, so that a body is counted while it streams in, and a request is
 
 from __future__ import annotations
 
+import logging
+
 from anyio.to_thread import run_sync
 from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rumu.studio.errors import NotAllowed, StudioError
+from rumu.studio.errors import NotAllowed
 from rumu.studio.tickets import Ticket
+from rumu.web.addresses import SessionCookie, client_address, is_from_another_site, route_path
 from rumu.web.error_handlers import error_response
+from rumu.web.methods import cross_origin_headers
 from rumu.web.service import Service
 
-COOKIE = "rumu_session"
+_log = logging.getLogger(__name__)
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 CONTENT_SECURITY_POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self'; script-src 'self'; "
@@ -33,8 +37,11 @@ SECURITY_HEADERS = {
 _LARGE_UPLOADS = ("/api/works", "/api/imports")  # by teachers only, who are known before the body is read
 
 
+_HSTS = "max-age=31536000"  # a year, for this host alone: others of its domain may be without HTTPS
+
+
 class SecurityMiddleware:
-    """Wraps the whole application; routes find the session's ticket in the request's state."""
+    """Wraps the whole application; routes find the session's tickets in the request's state."""
 
     def __init__(self, app: ASGIApp, *, service: Service) -> None:
         self._app, self._service = app, service
@@ -43,46 +50,70 @@ class SecurityMiddleware:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        connection = HTTPConnection(scope)
-        ticket = self._service.tickets.read(connection.cookies.get(COOKIE))
-        scope.setdefault("state", {})["ticket"] = ticket
-        send = _add_headers(send, is_api=scope["path"].startswith("/api/"))
-        try:
-            await self._check(connection, ticket)
-        except (StudioError, HTTPException) as error:
-            response = error_response(error)
-            response.headers["Connection"] = "close"  # the rest of the body is not read
-            await response(scope, receive, send)
-        else:
-            await self._app(scope, _limit_body(receive, self._max_body(scope["path"])), send)
+        path = route_path(scope)
+        started = False
 
-    async def _check(self, connection: HTTPConnection, ticket: Ticket | None) -> None:
-        """Raise the error of a request that the application must not see."""
-        scope, headers, service = connection.scope, connection.headers, self._service
-        service.rate_limiter.hit(service.settings.rate_limits.all, "all", client_address(connection))
-        if scope["method"] in SAFE_METHODS:
+        async def send_and_note(message: Message) -> None:
+            nonlocal started
+            started = True
+            await send(message)
+
+        send_safely = _add_headers(send_and_note, path, is_https=scope["scheme"] == "https")
+        try:
+            tickets = await self._check(HTTPConnection(scope))
+        except Exception as error:
+            response = error_response(error)
+            if response.status_code == 500:
+                _log.exception("%s %s", scope["method"], scope["path"])
+            response.headers["Connection"] = "close"  # the rest of the body is not read
+            await response(scope, receive, send_safely)
             return
-        if ticket is None or not service.tickets.has_csrf_token(ticket, headers.get("x-csrf-token")):
+        scope.setdefault("state", {})["tickets"] = tickets
+        try:
+            await self._app(scope, _limit_body(receive, self._max_body(path)), send_safely)
+        except Exception as error:  # an error that routes expect was answered further in
+            if started:
+                raise
+            _log.exception("%s %s", scope["method"], scope["path"])
+            await error_response(error)(scope, receive, send_safely)
+
+    async def _check(self, connection: HTTPConnection) -> list[Ticket]:
+        """The tickets of a request; the cookie of another path of the host may have brought some.
+
+        Raises the error of a request that the application must not see.
+        """
+        headers, service = connection.headers, self._service
+        method, path = connection.scope["method"], route_path(connection.scope)
+        service.rate_limiter.hit(service.settings.rate_limits.all, "all", client_address(connection))
+        tickets = self._read_tickets(connection)
+        if method in SAFE_METHODS:
+            return tickets
+        if is_from_another_site(connection):
+            raise HTTPException(403, "origin")
+        token = headers.get("x-csrf-token")
+        tickets = [ticket for ticket in tickets if service.tickets.has_csrf_token(ticket, token)]
+        if not tickets:
             raise HTTPException(403, "csrf")
-        if scope["method"] == "POST" and scope["path"] in _LARGE_UPLOADS:
-            user = await run_sync(service.identify, ticket)
-            if user is None:
+        if method == "POST" and path in _LARGE_UPLOADS:
+            session = await run_sync(service.identify, tickets)
+            if session is None:
                 raise HTTPException(401, "login")
-            if not user.teaches:
+            if not session.user.teaches:
                 raise NotAllowed
         length = headers.get("content-length", "0")
-        if not length.isdecimal() or int(length) > self._max_body(scope["path"]):
+        if not length.isdecimal() or int(length) > self._max_body(path):
             raise HTTPException(413, "too_large")
+        return tickets
+
+    def _read_tickets(self, connection: HTTPConnection) -> list[Ticket]:
+        tickets = self._service.tickets
+        cookie = SessionCookie.of(connection, tickets.fingerprint)
+        return [ticket for text in cookie.values(connection) if (ticket := tickets.read(text)) is not None]
 
     def _max_body(self, path: str) -> int:
         limits = self._service.settings.body_limits
         sizes = {"/api/marks": limits.mark, "/api/works": limits.work, "/api/imports": limits.zip}
         return sizes.get(path, limits.default)
-
-
-def client_address(connection: HTTPConnection) -> str:
-    """The IP address of the client. uvicorn trusts the forwarding headers of this machine's proxy only."""
-    return connection.client.host if connection.client else "unknown"
 
 
 def _limit_body(receive: Receive, max_bytes: int) -> Receive:
@@ -101,16 +132,19 @@ def _limit_body(receive: Receive, max_bytes: int) -> Receive:
     return limited
 
 
-def _add_headers(send: Send, *, is_api: bool) -> Send:
+def _add_headers(send: Send, path: str, *, is_https: bool) -> Send:
     """`send` that adds the security headers to every response."""
+    added = SECURITY_HEADERS | cross_origin_headers(path)
+    if is_https:
+        added["Strict-Transport-Security"] = _HSTS
+    if path.startswith("/api/"):  # a response that does not say it is public is for this client alone
+        added["Cache-Control"] = "private, no-cache"
 
     async def send_with_headers(message: Message) -> None:
         if message["type"] == "http.response.start":
             headers = MutableHeaders(scope=message)
-            for name, value in SECURITY_HEADERS.items():
+            for name, value in added.items():
                 headers.setdefault(name, value)
-            if is_api:  # a response that does not say it is public is for this client alone
-                headers.setdefault("Cache-Control", "private, no-cache")
         await send(message)
 
     return send_with_headers

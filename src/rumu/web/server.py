@@ -34,8 +34,11 @@ def serve(
     port: int,
     on_listen: Callable[[ServerAddress], object],
     on_ready: Callable[[ServerAddress], object] | None = None,
+    proxies: str | None = None,
 ) -> None:
     """Serve until Ctrl-C or SIGTERM. port: 0 for any that is free.
+
+    proxies: addresses, separated by commas, whose X-Forwarded headers are believed; None for this machine.
 
     on_listen: called once the port is ours. on_ready: called, in a thread, once requests are answered.
     Raises RumuError when the port is taken, or when others could reach a service that has no owner yet.
@@ -54,13 +57,19 @@ def serve(
                 "run rumu serve without --host once, open the link that it prints and choose a name"
             )
         name = f"[{host}]" if ":" in host else host
-        url = f"http://{name}:{listener.getsockname()[1]}"
+        url = f"http://{name}:{listener.getsockname()[1]}{settings.root_path}"
         link = service.owner_link()
         address = ServerAddress(f"{url}/", link and f"{url}{link}")
         on_listen(address)
         server = uvicorn.Server(
             uvicorn.Config(
-                app, log_level="warning", access_log=False, timeout_graceful_shutdown=5, timeout_keep_alive=65
+                app,
+                log_level="warning",
+                access_log=False,
+                server_header=False,
+                forwarded_allow_ips=proxies,
+                timeout_graceful_shutdown=5,
+                timeout_keep_alive=65,
             )
         )
         if on_ready is not None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 from anyio import CapacityLimiter
 from sqlalchemy import select
@@ -20,6 +22,14 @@ from rumu.web.rate_limits import RateLimiter
 from rumu.web.settings import ServiceSettings
 
 MAX_MARKING_THREADS = 48  # threads that wait for marks; further requests wait without a thread
+
+
+@dataclass(frozen=True, slots=True)
+class CurrentSession:
+    """The session of a request by a person who is logged in."""
+
+    ticket: Ticket
+    user: Identity
 
 
 class Service:
@@ -72,12 +82,14 @@ class Service:
         self.runner.wake()
         return job_id
 
-    def identify(self, ticket: Ticket | None) -> Identity | None:
-        """The person of a ticket; None for a visitor's, and for one that has ended."""
-        if ticket is None or ticket.person_id is None:
-            return None
+    def identify(self, tickets: Iterable[Ticket]) -> CurrentSession | None:
+        """The first session among tickets that has not ended; None for visitors."""
         with self.gallery.database.reading() as session:
-            return identify_session(session, person_id=ticket.person_id, epoch=ticket.epoch)
+            for ticket in tickets:
+                user = None if ticket.person_id is None else identify_session(session, ticket)
+                if user is not None:
+                    return CurrentSession(ticket, user)
+        return None
 
     def has_owner(self) -> bool:
         """Whether somebody owns this service."""

@@ -27,14 +27,16 @@ class ServiceSettings:
 
     storage: the gallery's database and files.
     processes: that make marks; 0 makes them in threads, None as many as there are cores, 4 at most.
-    secure: whether cookies are sent over https only.
+    root_path: path on the host under which a proxy shows the service, such as '/calligraphy'; '' for none.
+    https: whether clients use HTTPS even where the proxy does not say so.
     prepare: whether thumbnails and samples are made at the first start.
     static: folder of the built pages.
     """
 
     storage: Storage
     processes: int | None = None
-    secure: bool = False
+    root_path: str = ""
+    https: bool = False
     prepare: bool = True
     rate_limits: RateLimitSettings = field(default_factory=RateLimitSettings)
     body_limits: BodyLimits = field(default_factory=BodyLimits)

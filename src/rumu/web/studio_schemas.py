@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
+from rumu.web.addresses import service_url
 from rumu.web.dependencies import Id, LongText, ShortText
 from rumu.web.schemas import BilingualText, Extended, PersonRead, Reference, Schema, WorkSummary
 
@@ -131,7 +132,7 @@ class AttemptRead(Schema):
     def _flatten(cls, shown: Any) -> Any:
         """From AttemptDetails; one that is Extended may have `residual`, which lists leave out."""
         attempt = shown.attempt
-        url = f"/api/attempts/{attempt.id}"
+        url = service_url(f"/api/attempts/{attempt.id}")
         return Extended(
             attempt,
             work=shown.work,

@@ -155,6 +155,7 @@ def test_every_route_is_in_one_of_these_lists(world):
             "/api/jobs/{x}/events",
             "/iiif/image/{x}/info.json",
         ),
+        "/iiif/works/{x}/{x}",
         *("/iiif/collections/{x}.json", "/iiif/image/{x}/{x}/{x}/{x}/{x}", "/api/works/{x}/export.html"),
     }
     files = {"/api/works/{x}/files/{x}", "/api/attempts/{x}/files/{x}"}

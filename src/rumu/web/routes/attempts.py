@@ -16,6 +16,7 @@ from rumu.studio.access import find_visible_attempt
 from rumu.studio.errors import Missing
 from rumu.studio.people import Identity
 from rumu.studio.pictures import MEDIA_TYPES
+from rumu.web.addresses import service_url
 from rumu.web.dependencies import CurrentUser, Limit, Offset, PathId, QueryId, ServiceDep, TeacherUser
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
@@ -84,7 +85,7 @@ def get_surface(service: ServiceDep, user: CurrentUser, attempt_id: PathId) -> d
     return viewer_facts_of(
         service.gallery.store,
         picture_assets(service.gallery.store, key),
-        url=lambda kind, tag: f"/api/attempts/{attempt_id}/files/{kind}?v={tag}",
+        url=lambda kind, tag: service_url(f"/api/attempts/{attempt_id}/files/{kind}?v={tag}"),
     )
 
 

@@ -13,13 +13,13 @@ from rumu.gallery.iiif import collection_manifest, manifest
 from rumu.gallery.iiif_image import BadImageRequest, image_info
 from rumu.studio import worker_tasks
 from rumu.studio.errors import Missing
+from rumu.web.addresses import base_url, service_url
 from rumu.web.dependencies import PathId, ServiceDep
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
 from rumu.web.routes.works import find_work
 
 router = APIRouter(tags=["iiif"])
-CORS = {"Access-Control-Allow-Origin": "*"}
 PathWord = Annotated[str, Path(max_length=80)]
 
 
@@ -27,14 +27,27 @@ PathWord = Annotated[str, Path(max_length=80)]
 def get_manifest(request: Request, service: ServiceDep, work_id: PathId) -> Response:
     """The manifest of a work."""
     find_work(service, work_id)
-    return _iiif_response(manifest(service.gallery, work_id, base=_base_url(request)), "presentation")
+    return _iiif_response(manifest(service.gallery, work_id, base=base_url(request)), "presentation")
+
+
+@router.get("/iiif/works/{work_id}/{part:path}", response_class=JSONResponse)
+def get_part(
+    request: Request, service: ServiceDep, work_id: PathId, part: Annotated[str, Path(max_length=200)]
+) -> Response:
+    """The canvas of a manifest, one of its pages of annotations, or one annotation, by its id."""
+    find_work(service, work_id)
+    facts = manifest(service.gallery, work_id, base=base_url(request))
+    found = _find_part(facts, f"{base_url(request)}/iiif/works/{work_id}/{part}")
+    if found is None:
+        raise Missing(zh="這件作品沒有這個部分。", en="The work has no such part.")
+    return _iiif_response({"@context": facts["@context"]} | found, "presentation")
 
 
 @router.get("/iiif/collections/{collection_id}.json", response_class=JSONResponse)
 def get_collection_manifest(request: Request, service: ServiceDep, collection_id: PathId) -> Response:
     """The manifests of a collection's works."""
     try:
-        facts = collection_manifest(service.gallery, collection_id, base=_base_url(request))
+        facts = collection_manifest(service.gallery, collection_id, base=base_url(request))
     except GalleryError as error:
         raise Missing(zh="沒有這個集子。", en="There is no such collection.") from error
     return _iiif_response(facts, "presentation")
@@ -43,14 +56,14 @@ def get_collection_manifest(request: Request, service: ServiceDep, collection_id
 @router.get("/iiif/image/{work_id}", include_in_schema=False)
 def redirect_to_info(work_id: PathId) -> Response:
     """The Image API redirects the base URI of a picture to its description."""
-    return RedirectResponse(f"/iiif/image/{work_id}/info.json", 303, headers=CORS)
+    return RedirectResponse(service_url(f"/iiif/image/{work_id}/info.json"), 303)
 
 
 @router.get("/iiif/image/{work_id}/info.json", response_class=JSONResponse)
 def get_image_info(request: Request, service: ServiceDep, work_id: PathId) -> Response:
     """In what sizes and parts a picture is served."""
     find_work(service, work_id)
-    facts = image_info(service.gallery, work_id, base=f"{_base_url(request)}/iiif/image")
+    facts = image_info(service.gallery, work_id, base=f"{base_url(request)}/iiif/image")
     return _iiif_response(facts, "image")
 
 
@@ -80,17 +93,19 @@ def get_image_part(
             )
         except BadImageRequest as error:
             facts = {"error": {"code": "image_request", "zh": "圖像請求不合規範。", "en": str(error)}}
-            return JSONResponse(facts, 400, headers=CORS)
-    response = file_response(request, FileContent(data, None, kind, etag))
-    response.headers.update(CORS)
-    return response
+            return JSONResponse(facts, 400)
+    return file_response(request, FileContent(data, None, kind, etag))
+
+
+def _find_part(facts: Any, part_id: str) -> dict[str, Any] | None:
+    """The object with this id among the values of JSON."""
+    if isinstance(facts, dict) and facts.get("id") == part_id:
+        return facts
+    values = facts.values() if isinstance(facts, dict) else facts if isinstance(facts, list) else ()
+    return next((part for value in values if (part := _find_part(value, part_id)) is not None), None)
 
 
 def _iiif_response(facts: dict[str, Any], api: str) -> Response:
     """api: 'presentation' or 'image'."""
     profile = f"http://iiif.io/api/{api}/3/context.json"
-    return JSONResponse(facts, media_type=f'application/ld+json;profile="{profile}"', headers=CORS)
-
-
-def _base_url(request: Request) -> str:
-    return str(request.base_url).rstrip("/")
+    return JSONResponse(facts, media_type=f'application/ld+json;profile="{profile}"')

@@ -12,10 +12,10 @@ from rumu.database.tables import Attempt, Person, now
 from rumu.studio import attempts, worker_tasks
 from rumu.studio.people import Identity
 from rumu.studio.pictures import MAX_BYTES, check_picture
+from rumu.web.addresses import client_address
 from rumu.web.dependencies import Id, OptionalUser, ServiceDep
 from rumu.web.routes.works import find_work
 from rumu.web.schemas import Extended
-from rumu.web.security import client_address
 from rumu.web.service import Service
 from rumu.web.studio_schemas import AttemptRead
 

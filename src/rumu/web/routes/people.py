@@ -5,15 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-from fastapi import APIRouter, HTTPException, Path, Request, Response
+from fastapi import APIRouter, HTTPException, Path, Query, Request, Response
 from sqlalchemy import select
 
 from rumu import __version__
 from rumu.database.tables import Person
 from rumu.studio import invitations, people
-from rumu.studio.people import HASHER, LANGUAGES
+from rumu.studio.passwords import HASHER
+from rumu.studio.people import LANGUAGES
 from rumu.studio.tickets import Ticket
-from rumu.web.dependencies import CurrentUser, OwnerUser, PathId, ServiceDep, set_session_cookie
+from rumu.web.addresses import client_address, service_url
+from rumu.web.dependencies import (
+    CurrentUser,
+    OptionalSession,
+    OwnerUser,
+    PathId,
+    RequiredSession,
+    ServiceDep,
+    set_session_cookie,
+)
 from rumu.web.schemas import (
     Credentials,
     InvitationCreate,
@@ -25,7 +35,6 @@ from rumu.web.schemas import (
     SessionRead,
     SessionUpdate,
 )
-from rumu.web.security import COOKIE, client_address
 from rumu.web.service import Service
 
 router = APIRouter(tags=["session"])
@@ -34,13 +43,17 @@ Token = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{10,80}$", description="The 
 
 
 @router.get("/api/session", response_model=SessionRead)
-def get_session(request: Request, response: Response, service: ServiceDep) -> dict[str, Any]:
+def get_session(
+    request: Request, response: Response, service: ServiceDep, session: OptionalSession
+) -> dict[str, Any]:
     """Who is logged in, and the token that every change needs; a visitor gets a session too."""
-    ticket = request.state.ticket
     response.headers["Cache-Control"] = "no-store"
-    if ticket is None or (ticket.person_id is not None and service.identify(ticket) is None):
-        return _start_session(request, response, service)
-    return _session_facts(service, ticket)
+    if session is not None:
+        return _session_facts(service, session.ticket)
+    visitors = [ticket for ticket in request.state.tickets if ticket.person_id is None]
+    if visitors:
+        return _session_facts(service, visitors[0])
+    return _start_session(request, response, service)
 
 
 @router.post("/api/login", response_model=SessionRead)
@@ -60,20 +73,32 @@ def log_in(
 
 
 @router.post("/api/logout", response_model=SessionRead)
-def log_out(request: Request, response: Response, service: ServiceDep) -> dict[str, Any]:
-    """Log out on this device."""
-    response.delete_cookie(COOKIE, path="/")
+def log_out(
+    *,
+    request: Request,
+    response: Response,
+    service: ServiceDep,
+    session: OptionalSession,
+    everywhere: Annotated[
+        bool, Query(description="Also end this person's sessions on other devices.")
+    ] = False,
+) -> dict[str, Any]:
+    """Log out: the session ends on the server, so that no copy of its cookie opens it any more."""
+    if session is not None:
+        with service.gallery.database.writing() as database:
+            if everywhere:
+                people.end_sessions(database, session.user.id)
+            else:
+                people.end_session(database, session.ticket)
     return _start_session(request, response, service)
 
 
 @router.patch("/api/session", response_model=SessionRead)
-def update_session(
-    request: Request, service: ServiceDep, user: CurrentUser, changes: SessionUpdate
-) -> dict[str, Any]:
+def update_session(service: ServiceDep, session: RequiredSession, changes: SessionUpdate) -> dict[str, Any]:
     """Change one's own language."""
-    with service.gallery.database.writing() as session:
-        people.change_person(session, user.id, {"language": changes.language})
-    return _session_facts(service, request.state.ticket)
+    with service.gallery.database.writing() as database:
+        people.change_person(database, session.user.id, {"language": changes.language})
+    return _session_facts(service, session.ticket)
 
 
 @router.post("/api/password", response_model=SessionRead)
@@ -92,7 +117,7 @@ def add_invitation(service: ServiceDep, user: CurrentUser, invitation: Invitatio
     """A link that makes one login; a teacher invites pupils into a class of theirs, an owner anybody."""
     with service.gallery.database.writing() as session:
         token, row = invitations.invite(session, user, role=invitation.role, class_id=invitation.class_id)
-    return {"link": f"/#/join/{token}", "token": token, "role": row.role, "expires": row.expires}
+    return {"link": service_url(f"/#/join/{token}"), "token": token, "role": row.role, "expires": row.expires}
 
 
 @router.get("/api/invitations/{token}", response_model=InvitationRead, response_model_by_alias=True)
@@ -137,15 +162,18 @@ def update_person(service: ServiceDep, user: OwnerUser, person_id: PathId, chang
 def _limit_logins(request: Request, service: Service, credentials: Credentials) -> None:
     limits = service.settings.rate_limits
     service.rate_limiter.hit(limits.login, "login", client_address(request))
-    service.rate_limiter.hit(limits.login_name, "name", credentials.name.casefold())
+    service.rate_limiter.hit(limits.login_name, "name", people.name_key(credentials.name))
 
 
 def _start_session(
     request: Request, response: Response, service: Service, person: Person | None = None
 ) -> dict[str, Any]:
     """A new session. person: None for a visitor's."""
-    person_id, epoch = (None, 0) if person is None else (person.id, person.epoch)
-    ticket = Ticket(person_id=person_id, epoch=epoch)
+    if person is None:
+        ticket = Ticket()
+    else:
+        with service.gallery.database.writing() as session:
+            ticket = people.start_session(session, person)
     set_session_cookie(request, response, service, ticket)
     return _session_facts(service, ticket)
 

@@ -17,6 +17,7 @@ from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.single_page import single_page
 from rumu.studio.errors import Missing, Unusable
 from rumu.values import SCRIPTS
+from rumu.web.addresses import service_url
 from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
@@ -129,7 +130,11 @@ def get_work(service: ServiceDep, work_id: PathId) -> Extended:
 def get_surface(service: ServiceDep, work_id: PathId) -> dict[str, Any]:
     """What the viewer needs of a work; the files at the URLs in it never change."""
     service.files.get(find_work(service, work_id), "facts")
-    return viewer_facts(service.gallery, work_id)
+    return viewer_facts(
+        service.gallery,
+        work_id,
+        url=lambda kind, tag: service_url(f"/api/works/{work_id}/files/{kind}?v={tag}"),
+    )
 
 
 @router.get("/api/works/{work_id}/files/{kind}", response_class=Response)
