@@ -155,7 +155,9 @@ def add(
             ),
         )
     lines = [f"{one.id}: {'added' if one.new else 'was there already'}" for one in added]
-    return Outcome({"works": [{"id": one.id, "new": one.new} for one in added]}, "\n".join(lines))
+    lines += [f"  note: {note.en}" for one in added for note in one.notes]
+    works = [{"id": one.id, "new": one.new, "notes": [note._asdict() for note in one.notes]} for one in added]
+    return Outcome({"works": works}, "\n".join(lines))
 
 
 @app.command("import")

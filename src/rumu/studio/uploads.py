@@ -114,7 +114,9 @@ def import_zip(
         added = add_capture(
             gallery, folder, metadata=metadata_of(facts), collection=collection, within=unpacked.folder
         )
-        return assumed | {"work": added.id, "added": int(added.new), "there": int(not added.new)}
+        notes = [note._asdict() for note in added.notes]
+        counts = {"added": int(added.new), "there": int(not added.new)}
+        return assumed | {"work": added.id, **counts, "notes": notes}
 
 
 def _find_content(top: Path) -> tuple[Path, bool]:
