@@ -103,6 +103,7 @@ def import_zip(
                 "collections": list(done.collections),
                 "added": done.added,
                 "there": done.existing,
+                "read_as": done.read_as,
                 "left_out": [
                     [file, without_folders(reason.en), without_folders(reason.zh)]
                     for file, reason in done.left_out[:_MAX_LISTED]
