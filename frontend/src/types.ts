@@ -92,7 +92,8 @@ export type Mark = {
   similarity: number | null;
   sim_paper: number | null;
   pose: { angle: number; scale: number; shift: [number, number] } | null;
-  refused: null | (Bilingual & { code: string });
+  /** turned_by: degrees clockwise by which the picture is to be turned to be upright, if that is why it was refused. */
+  refused: null | (Bilingual & { code: string; turned_by?: number | null });
   source: [HeightSource, HeightSource] | null;
   source_text: Bilingual | null;
   /** Maps fractions of the copy's cell to fractions of the master's, origin top left: x' = a x + c y + e, y' = b x + d y + f. */

@@ -39,7 +39,7 @@ def test_a_lesson(as_person: LogIn, arrive: Arrive) -> None:
 
     pupil = arrive()
     joined(pupil.page, link, "Amy")
-    pupil.page.goto(task)
+    pupil.page.wait_for_url(task)  # a pupil who joins is led to what is to be written
     pupil.page.get_by_role("link", name="Write it").click()
     expect(pupil.page.locator(".cell")).to_be_visible()
     pupil.page.wait_for_load_state("networkidle")
@@ -49,6 +49,13 @@ def test_a_lesson(as_person: LogIn, arrive: Arrive) -> None:
     attempt = coming.value.json()
     assert attempt["task"] and task.endswith(attempt["task"])
     assert attempt["mark"]["score"] is not None, attempt["mark"]["refused"]
+    handed_in = pupil.page.locator(".handed-in")
+    expect(handed_in).to_contain_text("Handed in: First week")
+    expect(handed_in).to_contain_text("This one counts")
+    handed_in.get_by_role("link", name="To the task").click()
+    expect(pupil.page.locator(".attempt-counts")).to_have_count(1)
+    pupil.page.locator(".attempt-card").click()
+    expect(pupil.page.locator("main")).to_contain_text("this is the one that counts")
 
     page.reload()
     row = page.locator("tbody tr").filter(has_text="Amy")
@@ -59,7 +66,8 @@ def test_a_lesson(as_person: LogIn, arrive: Arrive) -> None:
     page.reload()
     expect(page.locator("tbody tr").filter(has_text="Amy")).to_contain_text("71")
 
-    pupil.page.goto(f"{pupil.url}/#/attempts/{attempt['id']}")
+    assert pupil.page.url.endswith(f"#/attempts/{attempt['id']}")
+    pupil.page.reload()
     expect(pupil.page.locator("main")).to_contain_text("Teacher Ouyang")
     expect(pupil.page.locator("svg title", has_text="Teacher's mark: 71")).to_have_count(1)
     pupil.page.goto(f"{pupil.url}/#/practice")

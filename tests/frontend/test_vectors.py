@@ -9,13 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from conftest import FRONTEND
+from conftest import DATA, FRONTEND
 
 ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
 def vectors() -> Path:
+    """Reference values, and real copies to crop where there are any."""
+    if DATA.is_dir():
+        runpy.run_path(str(ROOT / "scripts" / "measure_crops.py"))["write"](DATA)
     path = FRONTEND / "tests" / "vectors" / "viewer.json"
     runpy.run_path(str(ROOT / "scripts" / "write_vectors.py"))["main"](path)
     return path

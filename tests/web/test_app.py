@@ -7,6 +7,7 @@ import io
 import zipfile
 
 import pytest
+from PIL import Image
 
 from rumu.database.tables import Work
 from rumu.studio.job_handlers import add_samples
@@ -106,7 +107,6 @@ def test_pictures_that_are_none_and_copies_that_are_refused(world, copy_of, code
     body = browser.marked(copy_of(work="regular-shui"), keep="false", work="seal-tian").json()["mark"]
     assert body["refused"] is None or body["refused"]["zh"]
     import numpy as np
-    from PIL import Image
 
     blank = io.BytesIO()
     Image.fromarray(np.full((200, 200), 255, np.uint8)).save(blank, "PNG")
@@ -127,6 +127,19 @@ def test_a_photograph_on_its_side_is_refused_with_the_degrees_that_turn_it(world
     assert attempt["mark"]["refused"]["code"] == "turned left" and "90" in attempt["mark"]["refused"]["en"]
     kept = browser("GET", f"/api/attempts/{attempt['id']}").json()
     assert kept["mark"]["refused"]["turned_by"] == 90
+
+
+def test_a_copy_that_cannot_be_marked_is_kept_unless_the_request_says_no(new_world):
+    world = new_world()
+    pupil = world.browser("吳")
+    blank = io.BytesIO()
+    Image.new("L", (200, 200), 255).save(blank, "PNG")
+    before = pupil("GET", "/api/attempts").json()["total"]
+    answer = pupil.marked(blank.getvalue(), keep_unmarked="false").json()
+    assert answer["id"] is None and answer["mark"]["refused"]["code"]
+    assert pupil("GET", "/api/attempts").json()["total"] == before
+    answer = pupil.marked(blank.getvalue()).json()
+    assert answer["id"] and pupil("GET", "/api/attempts").json()["total"] == before + 1
 
 
 def test_from_the_owner_s_link_to_the_marks_of_a_class(new_world, copy_of):
@@ -268,7 +281,6 @@ def test_a_teacher_adds_a_work(new_world, copy_of):
 
 def _blank() -> bytes:
     import numpy as np
-    from PIL import Image
 
     stream = io.BytesIO()
     Image.fromarray(np.full((80, 80), 255, np.uint8)).save(stream, "PNG")

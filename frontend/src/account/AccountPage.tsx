@@ -6,7 +6,7 @@ import { common } from "../i18n";
 import { t } from "../i18n/account";
 import { navigate, type PageProps } from "../router";
 import { RequireLogin } from "./RequireLogin";
-import { ErrorMessage, Field } from "../ui";
+import { ErrorMessage, Facts, Field } from "../ui";
 import { NewPassword, passwordProblem } from "./NewPassword";
 import "./account.css";
 
@@ -44,7 +44,7 @@ function ChangePassword() {
     <form class="account panel" noValidate onSubmit={change}>
       <h1>{t("accountTitle")}</h1>
       <p>
-        {person.name} · {t(`role_${person.role}`)}
+        <Facts items={[person.name, t(`role_${person.role}`)]} />
       </p>
       <h2>{t("changePassword")}</h2>
       <input type="text" autocomplete="username" value={person.name} readOnly hidden />

@@ -29,6 +29,23 @@ export default function JoinPage({ params }: PageProps) {
   return loaded.value ? <JoinForm url={url} invitation={loaded.value} /> : <Loading />;
 }
 
+/** Where a pupil begins: at the newest task of the class that is not over, else at the class, else in the studio. */
+async function firstPage(classId: string | undefined): Promise<string> {
+  if (!classId) return "/studio";
+  try {
+    const { tasks } = await get<{ tasks: { id: string; due: string | null }[] }>(`api/classes/${classId}`);
+    return firstTask(tasks, new Date()) ?? `/classes/${classId}`;
+  } catch {
+    return "/classes"; // they have joined; only the list of tasks is missing
+  }
+}
+
+/** The page of the first task that is not over; tasks: the newest first. */
+export function firstTask(tasks: readonly { id: string; due: string | null }[], now: Date): string | null {
+  const open = tasks.find((task) => !task.due || new Date(task.due) >= now);
+  return open ? `/tasks/${open.id}` : null;
+}
+
 function JoinForm({ url, invitation }: { url: string; invitation: Invitation }) {
   const [name, setName] = useState("");
   const [password, setPassword] = useState<[string, string]>(["", ""]);
@@ -44,7 +61,7 @@ function JoinForm({ url, invitation }: { url: string; invitation: Invitation }) 
     try {
       await post(url, { name, password: password[0] });
       await refreshSession();
-      navigate(invitation.role === "owner" ? "/people" : invitation.role === "teacher" ? "/classes" : to ? "/classes" : "/studio");
+      navigate(invitation.role === "owner" ? "/people" : invitation.role === "teacher" ? "/classes" : await firstPage(invitation.class?.id));
     } catch (reason) {
       setError(reason);
       setBusy(false);

@@ -3,7 +3,7 @@ import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import type { PageProps } from "../router";
 import type { Bilingual, Page, WorkCard } from "../types";
-import { ErrorPage, Loading, useLoaded } from "../ui";
+import { ErrorPage, Facts, Loading, useLoaded } from "../ui";
 import { RelitThumb } from "./GalleryCard";
 import { licenceName } from "./labels";
 import { TextWithLinks } from "./WorkFacts";
@@ -50,8 +50,7 @@ function CollectionItem({ item }: { item: Collection }) {
         <h2><a href={`#/?collection=${encodeURIComponent(item.id)}`}>{localize(item.title)}</a></h2>
         {item.note && localize(item.note) && <p>{localize(item.note)}</p>}
         <p class="note">
-          {count !== undefined && t(count === 1 ? "countOne" : "count", { n: count.toLocaleString() })}
-          {item.licence && ` · ${t("licence")}: ${licenceName(item.licence)}`}
+          <Facts items={[count !== undefined && t(count === 1 ? "countOne" : "count", { n: count.toLocaleString() }), item.licence && `${t("licence")}: ${licenceName(item.licence)}`]} />
         </p>
         {item.source && <p class="note"><TextWithLinks text={item.source} /></p>}
       </div>

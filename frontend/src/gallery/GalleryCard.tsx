@@ -2,6 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { common, localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import type { WorkCard } from "../types";
+import { Facts } from "../ui";
 import { lightAt } from "../viewer/state";
 import { type CardImage, loadCardImage, paintRelit } from "./relighting";
 import { scriptName } from "./labels";
@@ -11,14 +12,14 @@ const TURN_MS = 1400;
 
 export function GalleryCard({ work }: { work: WorkCard }) {
   const dynasty = dynasties.value.get(work.dynasty);
-  const about = [scriptName(work.script), localize(work.hand), dynasty ? localize(dynasty) : localize(work.period) || work.dynasty].filter(Boolean);
+  const about = [scriptName(work.script), localize(work.hand), dynasty ? localize(dynasty) : localize(work.period) || work.dynasty].filter((fact) => fact.trim());
   return (
     <li class="card">
       <a href={`#/works/${encodeURIComponent(work.id)}`}>
         <RelitThumb work={work} />
         <span class="card-title">{localize(work.title)}</span>
-        <span class="card-about">{about.slice(0, 2).join(" · ")}</span>
-        {about.length > 2 && <span class="card-about">{about.slice(2).join(" · ")}</span>}
+        <span class="card-about"><Facts items={about.slice(0, 2)} /></span>
+        {about.length > 2 && <span class="card-about"><Facts items={about.slice(2)} /></span>}
         <HeightMark work={work} />
       </a>
     </li>

@@ -4,7 +4,7 @@ import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import { type PageProps, replaceQuery } from "../router";
 import type { Tour, TourStep } from "../types";
-import { ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
+import { ErrorMessage, ErrorPage, Facts, Loading, useLoaded } from "../ui";
 import { Icon } from "../viewer/Icon";
 import { ViewerPanel } from "../viewer/ViewerPanel";
 import { DEFAULT_VIEW, stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
@@ -84,7 +84,7 @@ function StepViewer({ step, onViewer, onState }: { step: TourStep; onViewer: (vi
     <>
       <ViewerPanel surface={surface} initial={initial} onViewer={onViewer} onState={onState} />
       <p class="note">
-        <a href={`#/works/${encodeURIComponent(work.id)}`}>{localize(work.title)}</a> · {localize(work.hand)} · {licenceName(work.licence)} · {localize(surface.facts.source_text)}
+        <Facts items={[<a href={`#/works/${encodeURIComponent(work.id)}`}>{localize(work.title)}</a>, localize(work.hand), licenceName(work.licence), localize(surface.facts.source_text)]} />
       </p>
     </>
   );

@@ -6,10 +6,11 @@ import { common, formatDateTime, localize } from "../i18n";
 import { t } from "../i18n/studio";
 import { navigate, type PageProps } from "../router";
 import type { Attempt, TeacherMark } from "../types";
-import { ErrorMessage, ErrorPage, Field, Loading, useLoaded } from "../ui";
+import { ErrorMessage, ErrorPage, Facts, Field, Loading, useLoaded } from "../ui";
 import { MasterHeader } from "./cards";
 import { MarkView } from "./mark/MarkView";
 import { Replay } from "./Replay";
+import { TaskStanding } from "./tasks";
 import { gridName } from "./grids";
 import "./studio.css";
 
@@ -29,10 +30,9 @@ export default function AttemptPage({ params }: PageProps) {
       <MasterHeader work={attempt.work}>
         <h1>{localize(attempt.work.title)}</h1>
         <p class="note">
-          {[attempt.person?.name ?? (attempt.kind === "simulated" ? t("nobody") : ""), formatDateTime(attempt.created), t(`kind_${attempt.kind}`), attempt.kind === "pen" && t(gridName(attempt.grid))]
-            .filter(Boolean)
-            .join(" · ")}
+          <Facts items={[attempt.person?.name ?? (attempt.kind === "simulated" && t("nobody")), formatDateTime(attempt.created), t(`kind_${attempt.kind}`), attempt.kind === "pen" && t(gridName(attempt.grid))]} />
         </p>
+        <TaskStanding attempt={attempt} />
         <p class="row">
           <a class="button quiet" href={`#/studio/${attempt.work.id}${attempt.task ? `?task=${attempt.task}` : ""}`}>
             {t("writeAgain")}

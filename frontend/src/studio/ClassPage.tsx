@@ -6,12 +6,12 @@ import { formatDay, localize } from "../i18n";
 import { t } from "../i18n/studio";
 import { navigate, type PageProps } from "../router";
 import type { Page, WorkCard } from "../types";
-import { ErrorMessage, ErrorPage, Field, Loading, useLoaded } from "../ui";
+import { ErrorMessage, ErrorPage, Facts, Field, Loading, useLoaded } from "../ui";
 import { InvitationLink } from "../account/InvitationLink";
 import { ClassHeader } from "./ClassHeader";
+import { type TaskCard, taskTitle } from "./tasks";
 import { RequireLogin } from "../account/RequireLogin";
 
-export type TaskCard = { id: string; title: string; note: string; due: string | null; work: WorkCard };
 type Pupil = { id: string; name: string };
 type SchoolClass = { id: string; name: string; pupils: Pupil[]; tasks: TaskCard[]; invitations: { expires: string }[] };
 
@@ -87,10 +87,9 @@ function Tasks({ tasks }: { tasks: TaskCard[] }) {
           <a class="task-card" href={`#/tasks/${task.id}`}>
             <img src={task.work.thumb} alt="" width="64" height="64" />
             <span>
-              <b>{task.title || localize(task.work.title)}</b>
+              <b>{taskTitle(task)}</b>
               <small class="note">
-                {localize(task.work.title)}
-                {task.due && ` · ${t("due", { day: formatDay(task.due) })}`}
+                <Facts items={[localize(task.work.title), task.due && t("due", { day: formatDay(task.due) })]} />
               </small>
             </span>
           </a>

@@ -5,15 +5,12 @@ import { get, query, remove, session } from "../api";
 import { formatDay, localize } from "../i18n";
 import { t } from "../i18n/studio";
 import { navigate, type PageProps } from "../router";
-import type { Attempt, Bilingual, Page } from "../types";
-import { Dialog, ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
+import type { Attempt, Page } from "../types";
+import { Dialog, ErrorMessage, ErrorPage, Facts, Loading, useLoaded } from "../ui";
 import { GiveMark } from "./AttemptPage";
 import { AttemptCard, MasterHeader, MasterPicture } from "./cards";
-import type { TaskCard } from "./ClassPage";
+import { type TaskCard, type TaskData, type TaskRow, taskTitle } from "./tasks";
 import { RequireLogin } from "../account/RequireLogin";
-
-type Row = { person: { id: string; name: string }; attempts: number; best: number | null; last: number | null; last_attempt: string | null; teacher_mark: number | null };
-type TaskData = { task: TaskCard & { class_id: string }; rows: Row[]; common: (Bilingual & { kind: string; count: number })[] };
 
 export default function TaskPage({ params }: PageProps) {
   return (
@@ -35,10 +32,9 @@ function TaskView({ id }: { id: string }) {
         <a href={`#/classes/${task.class_id}`}>← {t("toClass")}</a>
       </p>
       <MasterHeader work={task.work}>
-        <h1>{task.title || localize(task.work.title)}</h1>
+        <h1>{taskTitle(task)}</h1>
         <p class="note">
-          {localize(task.work.title)}
-          {task.due && ` · ${t("due", { day: formatDay(task.due) })}`}
+          <Facts items={[localize(task.work.title), task.due && t("due", { day: formatDay(task.due) })]} />
         </p>
         {task.note && <p>{task.note}</p>}
         <p class="row">{teaches ? <WithdrawTask task={task} /> : <WriteLink task={task} />}</p>
@@ -69,7 +65,7 @@ function WithdrawTask({ task }: { task: TaskCard & { class_id: string } }) {
 }
 
 function MarksTable({ data, onChange }: { data: TaskData; onChange: () => void }) {
-  const [marking, setMarking] = useState<Row | null>(null);
+  const [marking, setMarking] = useState<TaskRow | null>(null);
   const { task, rows, common } = data;
   return (
     <div class="two-columns wide-first">
@@ -190,11 +186,11 @@ function OwnCopies({ task }: { task: TaskCard }) {
   return (
     <section class="panel">
       <h2>{t("allAttempts", { count: loaded.value.total })}</h2>
-      {!loaded.value.total && <p class="note">{t("nothingYet")}</p>}
+      <p class="note">{t(loaded.value.total ? "countsLast" : "nothingYet")}</p>
       <ul class="attempts">
-        {loaded.value.items.map((attempt) => (
+        {loaded.value.items.map((attempt, k) => (
           <li key={attempt.id}>
-            <AttemptCard attempt={attempt} />
+            <AttemptCard attempt={attempt} counts={k === 0} />
           </li>
         ))}
       </ul>

@@ -2,13 +2,13 @@
 
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { get, session } from "../api";
-import { common, localize } from "../i18n";
+import { common, formatDateTime, localize } from "../i18n";
 import { t } from "../i18n/studio";
 import type { PageProps } from "../router";
 import type { Attempt, Work } from "../types";
-import { ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
+import { ErrorMessage, ErrorPage, Facts, Loading, useLoaded } from "../ui";
 import { MasterHeader } from "./cards";
-import { CropPhoto } from "./CropPhoto";
+import { CropPhoto, type MakeCell } from "./CropPhoto";
 import { addStroke, canRedo, canUndo, clearStrokes, type History, historyOf, redo, serializeStrokes, undo } from "./ink/strokes";
 import { strokesPicture } from "./ink/painting";
 import { MarkView } from "./mark/MarkView";
@@ -16,6 +16,7 @@ import { loginLink } from "../account/RequireLogin";
 import { AUTO_MARK_DELAY_MS, type Copy, type MarkingState, useMarking } from "./marking";
 import { addRecentWork, loadDraft, loadSettings, saveDraft, saveSettings, type WritingSettings } from "./settings";
 import { Tabs } from "./Tabs";
+import { taskTitle, useTask } from "./tasks";
 import { BrushTools } from "./BrushTools";
 import { WritingCell } from "./WritingCell";
 import "./studio.css";
@@ -39,6 +40,8 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
   // only a pupil's copy counts for the task; for a teacher the task is just a link back
   const pupil = session.value?.person?.role === "pupil";
   const { marked, requestMark, discard } = useMarking(work.id, pupil ? task : null);
+  const turnPhoto = useRef<((degrees: number) => void) | null>(null);
+  const markNext = useRef(false); // as soon as the turned photograph has been cropped
   const [writing, setWriting] = useState(false);
   const strokes = history.done;
   const change = (step: (history: History) => History) => {
@@ -48,6 +51,17 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
   const adjust = (part: Partial<WritingSettings>) => setSettings((old) => ({ ...old, ...part }));
   const make = copyMaker(medium, strokes, cell.make, settings);
   const mark = (automatic = false) => void (make && requestMark(make, { automatic }));
+  const turnAndMark = (degrees: number) => {
+    markNext.current = true;
+    turnPhoto.current?.(degrees);
+  };
+  const changeCell = (next: MakeCell | null) => {
+    discard();
+    setCell({ make: next });
+    const cropped = markNext.current && copyMaker("photo", [], next, settings);
+    markNext.current = false;
+    if (cropped) void requestMark(cropped, { automatic: false });
+  };
   useEffect(() => addRecentWork(work.id), [work.id]);
   useEffect(() => saveSettings(settings), [settings]);
   useLayoutEffect(() => saveDraft(work.id, strokes), [strokes]); // before the page can change
@@ -64,7 +78,7 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
               onStroke={(stroke) => change((old) => addStroke(old, stroke))}
             />
           ) : (
-            <CropPhoto grid={settings.grid} onCell={(next) => (discard(), setCell({ make: next }))} />
+            <CropPhoto grid={settings.grid} work={work} onCell={changeCell} onTurnable={(turn) => (turnPhoto.current = turn)} />
           )}
         </Tabs>
         <div class="row desk-actions">
@@ -86,7 +100,10 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
       </section>
       <section class="desk-mark" aria-label={t("mark")}>
         <MarkAnnouncement marked={marked} />
-        <Result marked={marked} work={work} forTask={pupil && task !== null} onAgain={() => mark()} />
+        <Result
+          marked={marked} work={work} task={pupil ? task : null} onAgain={() => mark()} onTurn={medium === "photo" ? turnAndMark : null}
+          onKeep={() => marked.state === "done" && void requestMark(async () => marked.copy, { automatic: false, unmarked: true })}
+        />
       </section>
     </div>
   );
@@ -102,15 +119,16 @@ function copyMaker(
 }
 
 function Heading({ work, task }: { work: Work; task: string | null }) {
+  const data = useTask(session.value?.person ? task : null);
   return (
     <MasterHeader work={work}>
       <h1>{localize(work.title)}</h1>
       <p class="note">
-        {localize(work.hand)} <span class="period">· {localize(work.period)} </span>· <a href="#/studio">{t("otherMaster")}</a>
+        <Facts items={[localize(work.hand), localize(work.period), <a href="#/studio">{t("otherMaster")}</a>]} />
       </p>
-      {task && (
+      {data && (
         <p>
-          <a href={`#/tasks/${task}`}>{t("forTask")}</a>
+          <a href={`#/tasks/${data.task.id}`}>{t("forTask", { title: taskTitle(data.task) })}</a>
         </p>
       )}
     </MasterHeader>
@@ -150,14 +168,27 @@ function MarkAnnouncement({ marked }: { marked: MarkingState }) {
   );
 }
 
-function spokenMark({ mark }: Attempt): string {
+function spokenMark({ id, mark }: Attempt): string {
+  if (mark.refused && id) return t("keptUnmarked");
   if (mark.refused) return `${t("refusedTitle")} ${localize(mark.refused)}`;
   const [low, high] = mark.interval ?? [0, 0];
   const score = mark.score?.toFixed(0) ?? "";
   return t("spoken", { score, level: localize(mark.level_text), low: low.toFixed(0), high: high.toFixed(0), count: mark.remarks.length });
 }
 
-function Result({ marked, work, forTask, onAgain }: { marked: MarkingState; work: Work; forTask: boolean; onAgain: () => void }) {
+type ResultProps = {
+  marked: MarkingState;
+  work: Work;
+  /** The task that a pupil's copy is for. */
+  task: string | null;
+  onAgain: () => void;
+  /** Turns the photograph by degrees clockwise and marks it; null if the copy is none. */
+  onTurn: ((degrees: number) => void) | null;
+  /** Keeps a copy that cannot be marked. */
+  onKeep: () => void;
+};
+
+function Result({ marked, work, task, onAgain, onTurn, onKeep }: ResultProps) {
   const result = useRef<HTMLDivElement>(null);
   useEffect(() => {
     // on a phone the mark is below the cell; an automatic mark must not scroll the page under the pen
@@ -171,17 +202,49 @@ function Result({ marked, work, forTask, onAgain }: { marked: MarkingState; work
         <p class="note">{marked.state === "asking" ? t("marking") : t("beginHint")}</p>
       </div>
     );
+  const { attempt, copy, automatic } = marked;
+  const { refused } = attempt.mark;
+  const degrees = refused?.turned_by;
+  const canKeep = !attempt.id && !automatic && Boolean(session.value?.person);
   return (
     <div ref={result}>
-      {marked.attempt.id ? (
-        <p class="note kept">
-          {t(forTask && !marked.attempt.task ? "keptLoose" : "kept")} <a href={`#/attempts/${marked.attempt.id}`}>{t("open")}</a> · <a href="#/practice">{common("practice")}</a>
-        </p>
-      ) : (
-        session.value?.person && <p class="note kept">{t("tried")}</p>
+      {attempt.id && attempt.task ? <HandedIn attempt={attempt} /> : attempt.id ? <Kept attempt={attempt} withdrawn={task !== null} /> : session.value?.person && !refused && <p class="note kept">{t("tried")}</p>}
+      {attempt.id && refused ? null : (
+        <MarkView
+          attempt={attempt} picture={copy.picture}
+          remedy={
+            <p class="row">
+              {degrees && onTurn ? <button type="button" onClick={() => onTurn(degrees)}>↻ {t("turnAndMark")}</button> : null}
+              {canKeep && <button type="button" class="quiet" onClick={onKeep}>{t(task ? "handInUnmarked" : "keepUnmarked")}</button>}
+            </p>
+          }
+        />
       )}
-      <MarkView attempt={marked.attempt} picture={marked.picture} />
     </div>
+  );
+}
+
+/** withdrawn: the copy was for a task that its teacher has taken back. */
+function Kept({ attempt, withdrawn }: { attempt: Attempt; withdrawn: boolean }) {
+  return (
+    <p class="note kept">
+      {t(withdrawn ? "keptLoose" : attempt.mark.refused ? "keptUnmarked" : "kept")}{" "}
+      <Facts items={[<a href={`#/attempts/${attempt.id}`}>{t("open")}</a>, <a href="#/practice">{common("practice")}</a>]} />
+    </p>
+  );
+}
+
+function HandedIn({ attempt }: { attempt: Attempt }) {
+  const data = useTask(attempt.task);
+  return (
+    <section class="handed-in panel" role="status">
+      <h2>{t(attempt.mark.refused ? "handedInUnmarked" : "handedIn", { title: data ? taskTitle(data.task) : localize(attempt.work.title) })}</h2>
+      <p>{t("handedInCounts", { when: formatDateTime(attempt.created) })}</p>
+      <p class="row">
+        <a class="button quiet" href={`#/tasks/${attempt.task}`}>{t("toTask")}</a>
+        <a class="button quiet" href={`#/attempts/${attempt.id}`}>{t("open")}</a>
+      </p>
+    </section>
   );
 }
 

@@ -3,6 +3,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { RefObject } from "preact";
 import type { WorkCard } from "../types";
+import type { MasterShape } from "./firstCrop";
 
 const OVERSAMPLING = 2; // canvas pixels per pixel of a low-resolution screen: otherwise edges of many stamps in one path are jagged
 
@@ -84,3 +85,24 @@ function loaded(source: string | Blob): Promise<HTMLImageElement> {
 
 export const masterInkLayer = (work: WorkCard, colour: string): Promise<HTMLCanvasElement> =>
   inkLayer(`api/works/${encodeURIComponent(work.id)}/files/mask`, { ink: "white", colour });
+
+const MASK_SIDE = 256; // pixels of the longer side in which the master's ink is measured
+const INKED = 128; // of 255: a pixel of the mask from here on is ink
+
+/** Where the master's ink is, in fractions of the square around its cell; null where that cannot be seen. */
+export async function masterShape(work: WorkCard): Promise<MasterShape | null> {
+  try {
+    const mask = await inkLayer(`api/works/${encodeURIComponent(work.id)}/files/mask`, { ink: "white", colour: "#000", side: MASK_SIDE });
+    const { data, width, height } = mask.getContext("2d")!.getImageData(0, 0, mask.width, mask.height);
+    const inked = Array.from({ length: width * height }, (_, k) => k).filter((k) => data[4 * k + 3]! >= INKED);
+    if (!inked.length) return null;
+    const [xs, ys] = [inked.map((k) => k % width), inked.map((k) => Math.floor(k / width))];
+    const longer = Math.max(width, height);
+    const least = (values: number[]) => values.reduce((a, b) => Math.min(a, b));
+    const most = (values: number[]) => values.reduce((a, b) => Math.max(a, b)) + 1;
+    const [dx, dy] = [(longer - width) / 2, (longer - height) / 2];
+    return { x0: (least(xs) + dx) / longer, y0: (least(ys) + dy) / longer, x1: (most(xs) + dx) / longer, y1: (most(ys) + dy) / longer };
+  } catch {
+    return null;
+  }
+}

@@ -7,11 +7,6 @@ export const HANDLES: Handle[] = ["nw", "ne", "sw", "se"];
 
 const MIN_SIDE = 32; // pixels; a smaller cell cannot be marked
 
-export function initialSquare({ width, height }: Size): Square {
-  const side = Math.round(Math.min(width, height) * 0.9);
-  return { x: (width - side) / 2, y: (height - side) / 2, side };
-}
-
 export function moveSquare(square: Square, dx: number, dy: number, size: Size): Square {
   const clamp = (value: number, max: number) => Math.min(Math.max(0, value), Math.max(0, max));
   return {

@@ -5,10 +5,12 @@ import { post, ServiceError, session } from "../api";
 import type { Attempt, Grid } from "../types";
 
 export type Copy = { kind: "pen" | "photo"; picture: Blob; strokes?: string; grid: Grid };
+/** keep: store the copy with its mark. unmarked: store it even if it cannot be marked. */
+export type Keeping = { keep: boolean; unmarked: boolean };
 export type MarkingState =
   | { state: "none" }
   | { state: "asking" }
-  | { state: "done"; attempt: Attempt; picture: Blob; automatic: boolean }
+  | { state: "done"; attempt: Attempt; copy: Copy; automatic: boolean }
   | { state: "failed"; error: unknown };
 
 export const AUTO_MARK_DELAY_MS = 800; // ms after the last stroke
@@ -22,13 +24,13 @@ export function useMarking(work: string, task: string | null) {
     turn.current++;
     setMarked((old) => (old.state === "none" ? old : { state: "none" }));
   };
-  const requestMark = async (make: () => Promise<Copy>, options: { automatic: boolean }) => {
+  const requestMark = async (make: () => Promise<Copy>, options: { automatic: boolean; unmarked?: boolean }) => {
     const mine = ++turn.current;
     setMarked({ state: "asking" });
     try {
       const copy = await make();
-      const attempt = await sendCopy(copy, work, task, !options.automatic && Boolean(session.value?.person));
-      if (mine === turn.current) setMarked({ state: "done", attempt, picture: copy.picture, automatic: options.automatic });
+      const attempt = await sendCopy(copy, work, task, { keep: !options.automatic && Boolean(session.value?.person), unmarked: options.unmarked ?? false });
+      if (mine === turn.current) setMarked({ state: "done", attempt, copy, automatic: options.automatic });
     } catch (error) {
       if (mine === turn.current) setMarked({ state: "failed", error });
     }
@@ -37,16 +39,16 @@ export function useMarking(work: string, task: string | null) {
 }
 
 /** Sends the copy; if its task has been withdrawn meanwhile, sends it without, so that it is not lost. */
-async function sendCopy(copy: Copy, work: string, task: string | null, keep: boolean): Promise<Attempt> {
+async function sendCopy(copy: Copy, work: string, task: string | null, keeping: Keeping): Promise<Attempt> {
   try {
-    return await post<Attempt>("api/marks", markForm(copy, work, task, keep));
+    return await post<Attempt>("api/marks", markForm(copy, work, task, keeping));
   } catch (error) {
     if (!task || !(error instanceof ServiceError) || error.status !== 404) throw error;
-    return await post<Attempt>("api/marks", markForm(copy, work, null, keep));
+    return await post<Attempt>("api/marks", markForm(copy, work, null, keeping));
   }
 }
 
-export function markForm(copy: Copy, work: string, task: string | null, keep: boolean): FormData {
+export function markForm(copy: Copy, work: string, task: string | null, { keep, unmarked }: Keeping): FormData {
   const form = new FormData();
   form.set("work", work);
   form.set("kind", copy.kind);
@@ -55,5 +57,6 @@ export function markForm(copy: Copy, work: string, task: string | null, keep: bo
   form.set("grid", copy.grid);
   if (task) form.set("task", task);
   form.set("keep", String(keep));
+  form.set("keep_unmarked", String(unmarked));
   return form;
 }

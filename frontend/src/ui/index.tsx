@@ -59,6 +59,12 @@ export function useLoaded<T>(load: (signal: AbortSignal) => Promise<T>, key: str
   return { ...state, fresh: state.key === key, retry: () => setRun((n) => n + 1) };
 }
 
+/** Facts in a row with dots between them; those that are empty or false are left out, with their dots. */
+export function Facts({ items }: { items: readonly ComponentChildren[] }) {
+  const there = items.filter((item) => item !== null && item !== undefined && typeof item !== "boolean" && !(typeof item === "string" && !item.trim()));
+  return <>{there.map((item, k) => (k ? [" · ", item] : item))}</>;
+}
+
 /** A labelled input. The hint is the input's description for screen readers, not a part of its name. */
 export function Field({ label, children, hint }: { label: string; children: ComponentChildren; hint?: string }) {
   const id = useId();

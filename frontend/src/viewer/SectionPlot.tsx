@@ -2,6 +2,7 @@
 
 import { useState } from "preact/hooks";
 import { t } from "../i18n/viewer";
+import { Facts } from "../ui";
 import { formatLength, layoutPlot, type Unit } from "./scales";
 import type { ProfilePoint } from "./heightfield";
 
@@ -50,7 +51,7 @@ export function SectionPlot({ points, unit, note }: { points: ProfilePoint[]; un
       <figcaption>
         <span>
           {point
-            ? `${t("distance")} ${formatLength(point.distance, unit)} · ${t("height")} ${formatLength(point.height, unit)}`
+            ? <Facts items={[`${t("distance")} ${formatLength(point.distance, unit)}`, `${t("height")} ${formatLength(point.height, unit)}`]} />
             : t("profileLabel", { length: formatLength(points.at(-1)?.distance ?? 0, unit), rise: formatLength(rise, unit) })}
         </span>
         <small>{note}</small>

@@ -5,6 +5,7 @@ import { worksToCompare } from "../../src/studio/ComparePage";
 import type { Attempt } from "../../src/types";
 import type { Stroke } from "../../src/studio/ink/strokes";
 import { returnPath } from "../../src/account/RequireLogin";
+import { firstTask } from "../../src/account/JoinPage";
 import { markForm } from "../../src/studio/marking";
 import { replayDuration, strokesUntil } from "../../src/studio/Replay";
 
@@ -60,6 +61,14 @@ describe("a replay", () => {
   });
 });
 
+describe("a pupil who has joined a class", () => {
+  it("begins with the newest task that is not over", () => {
+    const now = new Date("2026-03-01T12:00:00Z");
+    const [over, open, always] = [{ id: "a", due: "2026-02-28T16:00:00Z" }, { id: "b", due: "2026-03-02T16:00:00Z" }, { id: "c", due: null }];
+    expect([[over, open, always], [over, always], [over], []].map((tasks) => firstTask(tasks, now))).toEqual(["/tasks/b", "/tasks/c", null, null]);
+  });
+});
+
 describe("works to compare", () => {
   it("have at least two marked copies, and are listed once", () => {
     const one = (id: string, score: number | null) => ({ work: { id }, mark: { score } }) as Attempt;
@@ -71,9 +80,9 @@ describe("works to compare", () => {
 describe("the form of a copy", () => {
   const copy = { kind: "pen" as const, picture: new Blob(["x"], { type: "image/png" }), strokes: "{}", grid: "mi" as const };
   it("has the work, whether to save, and the task if there is one", () => {
-    const form = markForm(copy, "regular-shui", null, false);
-    expect([form.get("work"), form.get("keep"), form.get("grid"), form.has("task")]).toEqual(["regular-shui", "false", "mi", false]);
-    expect(markForm(copy, "regular-shui", "t1", true).get("task")).toBe("t1");
-    expect(markForm({ kind: "photo", picture: copy.picture, grid: "" }, "w", null, true).has("strokes")).toBe(false);
+    const form = markForm(copy, "regular-shui", null, { keep: false, unmarked: false });
+    expect([form.get("work"), form.get("keep"), form.get("keep_unmarked"), form.get("grid"), form.has("task")]).toEqual(["regular-shui", "false", "false", "mi", false]);
+    expect(markForm(copy, "regular-shui", "t1", { keep: true, unmarked: true }).get("task")).toBe("t1");
+    expect(markForm({ kind: "photo", picture: copy.picture, grid: "" }, "w", null, { keep: true, unmarked: false }).has("strokes")).toBe(false);
   });
 });

@@ -88,10 +88,10 @@ def _draw_heading(canvas: Any, sheet: PracticeSheet) -> float:
     canvas.setFillColorRGB(*_INK)
     draw_text(canvas, _MARGIN, y, f"{_word('title', sheet)} · {title}", 19, bold=True)
     scores = sheet.curve.scores
-    best = f"  ·  {_word('best', sheet)} {max(scores):.0f}" if scores else ""
+    best = f"{_word('best', sheet)} {max(scores):.0f}" if scores else ""
     canvas.setFillColorRGB(*_GREY)
-    label = f"{sheet.name}  ·  {hand}  ·  {len(sheet.curve.attempts)} {_word('copies', sheet)}{best}"
-    draw_text(canvas, _MARGIN, y - 20, label, 10)
+    facts = (sheet.name, hand.strip(), f"{len(sheet.curve.attempts)} {_word('copies', sheet)}", best)
+    draw_text(canvas, _MARGIN, y - 20, "  ·  ".join(filter(None, facts)), 10)
     return y - 36
 
 

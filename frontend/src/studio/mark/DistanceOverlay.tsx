@@ -4,6 +4,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { t } from "../../i18n/studio";
 import type { Attempt } from "../../types";
+import { Facts } from "../../ui";
 import { clearedContext, cssVariable, inkLayer, masterInkLayer, useCanvasSide } from "../canvas";
 import { centroid, compose, fitInSquare, interpolate, type Matrix, transformPoint } from "./alignment";
 import { poseWords } from "./Verdict";
@@ -46,7 +47,7 @@ export function DistanceOverlay({ attempt, picture }: { attempt: Attempt; pictur
           />
           <span>{t("aligned")}</span>
         </label>
-        {pose && <p class="note">{t("poseShort", poseWords(pose))} · {t("colourNote")}</p>}
+        {pose && <p class="note"><Facts items={[t("poseShort", poseWords(pose)), t("colourNote")]} /></p>}
         <DistanceLegend />
       </figcaption>
     </figure>

@@ -1,6 +1,7 @@
 // A whole mark: the verdict, and beside it remarks, overlay and surfaces in tabs.
 
 import { useEffect, useState } from "preact/hooks";
+import type { ComponentChildren } from "preact";
 import { t } from "../../i18n/studio";
 import type { Attempt } from "../../types";
 import { Tabs } from "../Tabs";
@@ -11,14 +12,14 @@ import { Verdict } from "./Verdict";
 
 const VIEWS = ["remarks", "overlay", "surfaces"] as const;
 
-/** picture: of the copy, if the service has not saved it, as for a visitor. */
-export function MarkView({ attempt, picture }: { attempt: Attempt; picture?: Blob | null }) {
+/** picture: of the copy, if the service has not saved it, as for a visitor. remedy: what can be done about a copy that was refused. */
+export function MarkView({ attempt, picture, remedy }: { attempt: Attempt; picture?: Blob | null; remedy?: ComponentChildren }) {
   const [view, setView] = useState<(typeof VIEWS)[number]>("remarks");
   const objectUrl = useObjectUrl(picture ?? null);
   const pictureUrl = objectUrl ?? attempt.picture;
   return (
     <div class="mark-view">
-      <Verdict attempt={attempt} />
+      <Verdict attempt={attempt} remedy={remedy} />
       {attempt.mark.refused ? null : (
         <section class="panel" aria-label={t("views")}>
           <Tabs names={VIEWS} chosen={view} onChoose={setView} label={t("views")} title={(name) => t(name)}>

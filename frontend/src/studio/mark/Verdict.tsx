@@ -1,13 +1,14 @@
 // Level, score, parts of the mark and what it is based on; or why there is no mark.
 
+import type { ComponentChildren } from "preact";
 import { language, localize } from "../../i18n";
 import { t } from "../../i18n/studio";
 import type { Attempt, Mark } from "../../types";
 import { ScoreBand } from "./ScoreBand";
 
-export function Verdict({ attempt }: { attempt: Attempt }) {
+export function Verdict({ attempt, remedy }: { attempt: Attempt; remedy?: ComponentChildren }) {
   const { mark } = attempt;
-  if (mark.refused) return <Refused mark={mark} />;
+  if (mark.refused) return <Refused mark={mark} kept={attempt.id !== null} remedy={remedy} />;
   const teacher = attempt.teacher_marks.at(-1)?.mark ?? null;
   return (
     <section class="verdict panel" aria-labelledby="verdict-title">
@@ -95,12 +96,14 @@ export const poseWords = (pose: NonNullable<Mark["pose"]>) => ({
 
 const signed = (value: number, digits: number): string => `${value >= 0 ? "+" : "−"}${Math.abs(value).toFixed(digits)}`;
 
-function Refused({ mark }: { mark: Mark }) {
+/** kept: a copy that its writer has kept without a mark; there is nothing left to advise. */
+function Refused({ mark, kept, remedy }: { mark: Mark; kept: boolean; remedy: ComponentChildren }) {
   return (
     <section class="verdict refused panel" aria-labelledby="verdict-title">
-      <h2 id="verdict-title">{t("refusedTitle")}</h2>
+      <h2 id="verdict-title">{t(kept ? "unmarkedTitle" : "refusedTitle")}</h2>
       <p>{localize(mark.refused)}</p>
-      <p class="note">{t(mark.refused?.code === "another character" ? "refusedOther" : "refusedAdvice")}</p>
+      {!kept && !mark.refused?.turned_by && <p class="note">{t(mark.refused?.code === "another character" ? "refusedOther" : "refusedAdvice")}</p>}
+      {remedy}
     </section>
   );
 }

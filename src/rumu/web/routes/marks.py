@@ -24,7 +24,7 @@ router = APIRouter(tags=["marks"])
 
 @dataclass(frozen=True, slots=True)
 class MarkRequest:
-    """The fields of a request, as `add_mark` names them."""
+    """The fields of a request, as `add_mark` names them. keep_unmarked: keep it even if it is refused."""
 
     work: str
     picture: BinaryIO
@@ -33,6 +33,7 @@ class MarkRequest:
     strokes: str | None
     task: str | None
     keep: bool
+    keep_unmarked: bool
 
 
 @router.post("/api/marks", response_model=AttemptRead, response_model_by_alias=True, status_code=201)
@@ -48,6 +49,7 @@ async def add_mark(
     strokes: Annotated[str | None, Form(max_length=attempts.MAX_STROKES)] = None,
     task: Annotated[Id | None, Form()] = None,
     keep: Annotated[bool, Form()] = True,
+    keep_unmarked: Annotated[bool, Form(description="Keep a copy even if it cannot be marked.")] = True,
 ) -> Extended:
     """Mark a copy against a work. Without a login only with keep=false, and then nothing is kept."""
     if user is None and keep:
@@ -57,7 +59,7 @@ async def add_mark(
         service.rate_limiter.hit(limits.tries, "tries", client_address(request))
     else:
         service.rate_limiter.hit(limits.marks, "marks", user.id)
-    copy = MarkRequest(work, picture.file, kind, grid, strokes, task, keep)
+    copy = MarkRequest(work, picture.file, kind, grid, strokes, task, keep, keep_unmarked)
     # it waits for a worker in a thread of its own, not in those that answer readers
     return await run_sync(_mark, service, user, copy, limiter=service.marking_limiter)
 
@@ -73,7 +75,8 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
     marked = service.workers.call(
         worker_tasks.mark, data=data, work_id=master.id, digest=master.digest, script=master.script
     )
-    if not copy.keep or user is None:  # shown only: this attempt has no id and is never stored
+    kept = copy.keep and (copy.keep_unmarked or marked.facts["refused"] is None)
+    if not kept or user is None:  # shown only: this attempt has no id and is never stored
         attempt = Attempt(kind=copy.kind, grid=copy.grid, created=now(), mark=marked.facts)
         person = None if user is None else Person(id=user.id, name=user.name)
         return Extended(attempts.AttemptDetails(attempt, master, person, ()), residual=marked.residual)

@@ -1,0 +1,147 @@
+"""A pupil's photograph: the first crop, ink that it cuts off, turning, and what is kept of it."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PIL import Image, ImageDraw
+from playwright.sync_api import Page, expect
+from tests.e2e.conftest import Visitor
+
+from rumu.gallery.starter import starter_samples
+
+LogIn = Callable[..., Visitor]
+MARKS = re.compile("api/marks")
+
+
+def cell() -> Image.Image:
+    """A copy of 水 in its cell, 512 pixels wide."""
+    sample = next(sample for sample in starter_samples() if sample.work == "regular-shui")
+    return Image.open(sample.path).convert("L").resize((512, 512)).convert("RGB")
+
+
+def jpeg(picture: Image.Image, *, orientation: int = 1) -> bytes:
+    stream = io.BytesIO()
+    exif = Image.Exif()
+    exif[274] = orientation
+    picture.save(stream, "JPEG", quality=92, exif=exif)
+    return stream.getvalue()
+
+
+def choose(page: Page, data: bytes) -> None:
+    page.get_by_role("tab", name=re.compile("Send a photo|上傳照片")).click()
+    page.locator("input[type=file]").last.set_input_files(
+        {"name": "sheet.jpg", "mimeType": "image/jpeg", "buffer": data}
+    )
+    expect(page.locator(".crop img")).to_be_visible()
+
+
+def square(page: Page) -> dict[str, float]:
+    box = page.locator(".crop-square")
+    return {name: float(box.get_attribute(name) or 0) for name in ("x", "y", "width")}
+
+
+def marked(page: Page, name: str = "Mark it") -> dict[str, object]:
+    with page.expect_response(MARKS) as coming:
+        page.get_by_role("button", name=name).click()
+    answer: dict[str, object] = coming.value.json()
+    return answer
+
+
+def test_the_first_crop_is_the_cell_and_its_mark_that_of_the_cell(visitor: Visitor) -> None:
+    page = visitor.go("/studio/regular-shui")
+    scales = []
+    sheet = Image.new("RGB", (900, 1200), cell().getpixel((4, 4)))
+    sheet.paste(cell(), (200, 400))
+    ImageDraw.Draw(sheet).rectangle((200, 400, 712, 912), outline=(196, 60, 50), width=5)
+    for picture, reason in ((cell(), "whole picture"), (sheet, "printed on the sheet")):
+        choose(page, jpeg(picture))
+        expect(page.get_by_role("status").filter(has_text=reason)).to_be_visible()
+        pose = marked(page)["mark"]["pose"]  # type: ignore[index]
+        scales.append(pose["scale"])
+    assert scales[1] == pytest.approx(scales[0], rel=0.03)
+    found = square(page)
+    assert found["x"] == pytest.approx(200, abs=8) and found["y"] == pytest.approx(400, abs=8)
+    assert found["width"] == pytest.approx(512, abs=12)
+
+
+def test_ink_that_the_crop_cuts_off_is_red_and_said(visitor: Visitor) -> None:
+    page = visitor.go("/studio/regular-shui")
+    choose(page, jpeg(cell()))
+    said = page.locator(".crop-cuts")
+    expect(said).to_have_count(0)
+    page.locator(".crop svg").focus()
+    for _ in range(20):
+        page.keyboard.press("-")
+    for _ in range(12):
+        page.keyboard.press("ArrowRight")
+    expect(said).to_contain_text("beyond the frame")
+    assert page.locator(".crop-cut").evaluate("(e) => e.getBBox().width") > 3
+    page.get_by_role("button", name="中文").click()
+    expect(said).to_contain_text("會被切掉")
+    page.locator(".crop svg").focus()
+    for _ in range(20):
+        page.keyboard.press("+")
+    expect(said).to_have_count(0)
+
+
+def test_exif_is_honoured_and_a_photograph_can_be_turned(visitor: Visitor) -> None:
+    page = visitor.go("/studio/regular-shui")
+    choose(page, jpeg(cell().rotate(90, expand=True), orientation=6))  # a phone that was held upright
+    assert marked(page)["mark"]["refused"] is None  # type: ignore[index]
+    page.get_by_role("button", name="Turn left").click()
+    page.get_by_role("button", name="Turn right").click()
+    assert marked(page)["mark"]["refused"] is None  # type: ignore[index]
+    page.get_by_role("button", name="Turn right").click()
+    page.get_by_role("button", name="Turn right").click()
+    page.wait_for_timeout(300)
+    assert marked(page)["mark"]["refused"]  # type: ignore[index]
+
+
+def test_a_photograph_on_its_side_is_turned_by_one_click(as_person: LogIn) -> None:
+    """The service says by how much; here its first answer is made up, so that any master will do."""
+    page = as_person("pupil").go("/studio/regular-shui")
+    choose(page, jpeg(cell().rotate(90, expand=True)))
+    refused = {"code": "turned", "zh": "照片放倒了。", "en": "The picture lies on its side.", "turned_by": 90}
+
+    def refuse(route: object) -> None:
+        answer = route.fetch()  # type: ignore[attr-defined]
+        facts = answer.json()
+        facts["mark"] |= {"refused": refused, "score": None}
+        route.fulfill(response=answer, json=facts | {"id": None, "picture": None})  # type: ignore[attr-defined]
+
+    page.route(MARKS, refuse, times=1)
+    marked(page)
+    expect(page.locator(".verdict.refused")).to_contain_text("lies on its side")
+    answer = marked(page, "Turn it and mark again")
+    assert answer["mark"]["refused"] is None  # type: ignore[index]
+    expect(page.locator(".verdict-score")).to_be_visible()
+    expect(page.locator(".kept")).to_contain_text("Kept in your practice")
+
+
+def test_a_copy_that_cannot_be_marked_is_kept_only_if_its_writer_wants(as_person: LogIn) -> None:
+    page = as_person("other pupil").go("/studio/regular-shui")
+    sheet = Image.new("RGB", (600, 600), "white")
+    ImageDraw.Draw(sheet).line((80, 300, 520, 300), fill="black", width=30)
+    choose(page, jpeg(sheet))
+    before = page.evaluate("async () => (await (await fetch('api/attempts')).json()).total")
+    assert marked(page)["id"] is None
+    result = page.locator(".desk-mark")
+    expect(result).to_contain_text("cannot be marked yet")
+    expect(result).not_to_contain_text("Kept")
+    assert page.evaluate("async () => (await (await fetch('api/attempts')).json()).total") == before
+    assert marked(page, "Keep it without a mark")["id"]
+    expect(result).to_contain_text("Kept in your practice, without a mark")
+    expect(result).not_to_contain_text("cannot be marked")
+
+
+@pytest.mark.parametrize("name", ["copy-心1.jpeg", "copy-心2.jpeg"])
+def test_a_cell_in_a_phone_s_photograph_is_found(visitor: Visitor, data: Path, name: str) -> None:
+    page = visitor.go("/studio/regular-shui")
+    choose(page, (data / "pages" / "phone" / name).read_bytes())
+    expect(page.get_by_role("status").filter(has_text="printed on the sheet")).to_be_visible()
+    expect(page.locator(".crop-cuts")).to_have_count(0)
