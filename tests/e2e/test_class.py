@@ -73,7 +73,7 @@ def test_a_lesson(as_person: LogIn, arrive: Arrive) -> None:
     pupil.page.goto(f"{pupil.url}/#/practice")
     printed = pupil.page.get_by_role("link", name="Print (PDF)").first.get_attribute("href")
     assert printed
-    assert pupil.page.request.get(f"{pupil.url}{printed}").body().startswith(b"%PDF-")
+    assert pupil.page.request.get(f"{pupil.url}/{printed}").body().startswith(b"%PDF-")
 
 
 def test_a_class_ends_and_its_pupils_keep_what_they_wrote(as_person: LogIn, arrive: Arrive) -> None:
