@@ -15,7 +15,6 @@ Each message names what was given, what was expected and what came.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 
@@ -26,14 +25,18 @@ class RumuError(Exception):
     ----------
     message
         One clear line for a person: what was given, what was expected and what came.
+    name
+        The file that it is about. It stands before the message in the error's text, but not in `en`, which
+        the service shows: its readers must not see where files lie.
     zh
-        The same in Chinese, where it is known; the pages of the service show it.
+        The message in Chinese, where it is known; the pages of the service show it.
     """
 
     zh: str | None = None
 
-    def __init__(self, message: str = "", *, zh: str | None = None) -> None:
-        super().__init__(message)
+    def __init__(self, message: str = "", *, name: object = None, zh: str | None = None) -> None:
+        super().__init__(message if name is None else f"{name}: {message}")
+        self.en = message
         if zh is not None:
             self.zh = zh
 
@@ -57,12 +60,12 @@ class RegistrationError(RumuError):
 class RefusedImage(RumuError):  # noqa: N818  what it is, not that it went wrong
     """A picture that holds nothing to mark; `reason` is the short word for it."""
 
-    def __init__(self, message: str, *, reason: str, zh: str | None = None) -> None:
-        super().__init__(message, zh=zh)
+    def __init__(self, message: str, *, reason: str, name: object = None, zh: str | None = None) -> None:
+        super().__init__(message, name=name, zh=zh)
         self.reason = reason
 
     def __reduce__(self) -> Any:  # as it comes back from another process
-        return partial(type(self), reason=self.reason, zh=self.zh), self.args
+        return Exception.__new__, (type(self), *self.args), self.__dict__
 
 
 class CalibrationError(RumuError):

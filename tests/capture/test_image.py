@@ -251,7 +251,7 @@ def test_file_cut_short(tmp_path: Path, suffix: str, share: float) -> None:
 
 def test_one_pixel(tmp_path: Path) -> None:
     Image.new("L", (1, 1)).save(tmp_path / "a.png")
-    with pytest.raises(ImageError, match=r"a\.png: expected at least 8 x 8 pixels, got 1 x 1"):
+    with pytest.raises(ImageError, match=r"a\.png: too small: expected at least 8 x 8 pixels, got 1 x 1"):
         read_image(tmp_path / "a.png")
 
 

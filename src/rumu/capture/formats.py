@@ -1,110 +1,215 @@
 """One decoder per file format: a file becomes its stored samples, with nothing rescaled.
 
-The kind of a file is read from its first bytes, never from its name. The size is checked in the header,
-before a single pixel is decoded. Pillow reads everything of 8 bits and notices truncated files; it reads
-16-bit colour PNG as 8 bits, so those go to OpenCV; deep TIFF goes to tifffile, EXR to OpenEXR.
+The kind of a file is read from its first bytes, never from its name. Its size and the memory that it will
+take are counted from the header, before a single pixel is decoded. Pillow reads everything of 8 bits and
+notices truncated files; what has more is read in `deep_formats`. Colours come out as sRGB, whatever profile a
+file has.
 """
 
 from __future__ import annotations
 
 import io
-import logging
+import math
 import os
 import re
-import struct
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
-import numpy.typing as npt
 
-from rumu.errors import ImageError
+from rumu.capture import deep_formats as deep
+from rumu.capture.colours import ProfileWarning, cmyk_to_rgb, profile_of, to_srgb
+from rumu.capture.cut_jpeg import complete_jpeg, fill_missing_end
+from rumu.capture.decoded_size import FULL_SIZE, Header, Reduction, check_header, too_many_pixels
+from rumu.capture.stored import Stored, reduce_stored, split_alpha, turn_upright, valid_orientation
+from rumu.errors import ImageError, RumuError
 
-Samples = npt.NDArray[Any]
+Encoding = Literal["auto", "linear", "srgb"]
+ENCODINGS: tuple[Encoding, ...] = get_args(Encoding)
 
-MAX_PIXELS = 120_000_000
-"""Largest image that is decoded, in pixels: above any phone's frame, below what fills a small machine."""
-MIN_SIDE = 8
-"""Smallest side of an image that can hold anything, in pixels."""
-
-_PILLOW_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "GIF", "PPM", "TIFF")
-_DISPLAY_FORMATS = ("JPEG", "MPO", "WEBP")  # always written for a screen, so display-encoded
-_EXPECTED = "expected an image (PNG, JPEG, WebP, BMP, GIF, PPM, TIFF or EXR)"
+_PILLOW_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "GIF", "PPM")  # JPEG opens MPO, too
+_DISPLAY_FORMATS = ("JPEG", "MPO", "WEBP", "AVIF", "HEIF")  # always written for a screen: display-encoded
+_FORMATS = "PNG, JPEG, WebP, HEIC, AVIF, BMP, GIF, PPM, TIFF or EXR"
+_EXPECTED = f"expected an image ({_FORMATS})"
+_EXPECTED_ZH = f"需要圖片檔（{_FORMATS.replace(' or ', ', ').replace(', ', '、')}）"
 _RAW_SUFFIXES = (".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".orf", ".rw2", ".pef")
-_ORIENTATION_TAG = 0x0112
 _TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _EXR_MAGIC = b"v/1\x01"
 _PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
-_PILLOW_MAGIC = (_PNG_MAGIC, b"\xff\xd8\xff", b"RIFF")
+_JPEG_MAGIC = b"\xff\xd8\xff"
+_READ_MAGIC = (_PNG_MAGIC, _JPEG_MAGIC, b"RIFF", b"GIF8", *_TIFF_MAGIC, _EXR_MAGIC)
+_OTHER_KINDS = {
+    b"%PDF": "a PDF",
+    b"8BPS": "a Photoshop file",
+    b"PK\x03\x04": "a zip file",
+    b"\0\0\0\x0cjP  ": "a JPEG 2000 picture",
+    b"\0\0\0\x0cJXL ": "a JPEG XL picture",
+    b"\xff\x0a": "a JPEG XL picture",
+    b"<svg": "an SVG drawing",
+    b"<?xml": "an XML file",
+}
+_HEIF_BRANDS = frozenset(
+    {b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"hevm", b"hevs", b"mif1", b"msf1"}
+)
+_AVIF_BRANDS = frozenset({b"avif", b"avis"})
+_SAMPLE_BYTES = {"I": 4, "F": 4}  # by Pillow's mode; 'I;16' and its kin have 2, the others 1
+_DECODER_BYTES = {"WEBP": 8, "AVIF": 8, "HEIF": 8}  # of a pixel, that decoders need besides
+_MAX_SCANS = 100  # of a progressive JPEG; each goes over the whole picture, and cameras write ten
+_SCAN_OF_JPEG = b"\xff\xda"
 
-# What tifffile finds odd is in our error or does not matter; without this it prints to stderr.
-logging.getLogger("tifffile").addHandler(logging.NullHandler())
+Answer = TypeVar("Answer")
+Reading = tuple[Stored, int, bytes | None]
+"""Samples as they lie in the file, its orientation (EXIF) and its colour profile (ICC)."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Stored:
-    """The samples of a file.
-
-    values: (H, W) or (H, W, 3), uint8, uint16 or float32, R G B.
-    alpha: (H, W) float32 in [0, 1], straight (colours are not multiplied by it); None when opaque.
-    display: True when the format is always display-encoded (JPEG, WebP).
-    orientation: how the samples are still to be turned, as EXIF numbers it; 1 when they are upright.
-    """
-
-    values: Samples
-    alpha: Samples | None = None
-    display: bool = False
-    orientation: int = 1
-
-
-def decode(path: str | os.PathLike[str], *, upright: bool = True) -> Stored:
+def decode(
+    path: str | os.PathLike[str],
+    *,
+    upright: bool = True,
+    encoding: Encoding = "srgb",
+    reduction: Reduction = FULL_SIZE,
+) -> Stored:
     """The stored samples of an image file, turned as its orientation says unless `upright` is False.
 
+    encoding: by which samples are taken as colours for a screen, which a colour profile then brings to sRGB:
+        'srgb' all, 'auto' those of formats that are always written for a screen, 'linear' none.
+    reduction: a large picture is reduced by area averaging, and a JPEG already while it is decoded.
     Raises ImageError, naming the file, when it is missing, a folder, empty, cut short, no image, a camera's
-    raw file, smaller than MIN_SIDE or larger than MAX_PIXELS.
+    raw file, smaller than MIN_SIDE, larger than MAX_PIXELS or than RUMU_MAX_DECODED_MB once decoded.
     """
     path = Path(path)
+
+    def read(head: bytes) -> Stored:
+        stored, orientation, profile = _read(path, head, reduction)
+        if not all(stored.whole):
+            stored = replace(stored, whole=stored.values.shape[1::-1])
+        stored = replace(stored, orientation=valid_orientation(orientation))
+        if encoding == "srgb" or (encoding == "auto" and stored.display):
+            stored = replace(stored, values=to_srgb(stored.values, profile, name=path))
+        stored = reduce_stored(stored, reduction)
+        return turn_upright(stored) if upright else stored
+
+    return _without_surprises(path, read)
+
+
+def read_header(path: str | os.PathLike[str], *, reduction: Reduction = FULL_SIZE) -> Header:
+    """What the header of an image file says; nothing is decoded. Raises ImageError as `decode` does."""
+    path = Path(path)
+
+    def read(head: bytes) -> Header:
+        header = _header(path, head)
+        check_header(header, path, reduction=reduction)
+        return header
+
+    return _without_surprises(path, read)
+
+
+def _without_surprises(path: Path, read: Callable[[bytes], Answer]) -> Answer:
+    """What `read` makes of a file, given its first bytes; whatever goes wrong with it is an ImageError."""
     head = _first_bytes(path)
     try:
         with warnings.catch_warnings():
             # Pillow warns of sizes and odd metadata: the size is judged here, metadata is not the picture.
             warnings.simplefilter("ignore")
-            stored = _decoder(head)(path)
-            return _turn_upright(stored) if upright else stored
-    except ImageError:
+            warnings.simplefilter("default", ProfileWarning)
+            return read(head)
+    except RumuError:
         raise
     except Exception as error:  # decoders raise nearly anything on broken files
         raise _as_image_error(path, head, error) from error
 
 
+# --- which file it is ------------------------------------------------------------------------------
+
+
 def _first_bytes(path: Path) -> bytes:
     try:
         if path.is_dir():
-            raise ImageError(f"{path}: expected an image file, found a folder")
+            raise ImageError(
+                "expected an image file, found a folder", name=path, zh="需要圖片檔，這是資料夾。"
+            )
         if path.exists() and not path.is_file():  # reading a pipe would wait for ever
-            raise ImageError(f"{path}: expected an image file, found a device or a pipe")
+            raise ImageError(
+                "expected an image file, found a device or a pipe",
+                name=path,
+                zh="需要圖片檔，這是裝置或管道。",
+            )
         with path.open("rb") as file:
-            head = file.read(32)
+            head = file.read(64)
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
         reason = error.strerror if isinstance(error, OSError) else error
-        raise ImageError(f"{path}: {_EXPECTED}, cannot open it ({reason})") from error
+        raise ImageError(
+            f"{_EXPECTED}, cannot open it ({reason})", name=path, zh=f"{_EXPECTED_ZH}，打不開（{reason}）。"
+        ) from error
     if not head:
-        raise ImageError(f"{path}: {_EXPECTED}, the file is empty")
+        raise ImageError(f"{_EXPECTED}, the file is empty", name=path, zh=f"{_EXPECTED_ZH}，這個檔案是空的。")
     if path.suffix.lower() in _RAW_SUFFIXES:
-        raise ImageError(f"{path}: camera raw is not read; develop it to a linear 16-bit TIFF first")
+        raise ImageError(
+            "camera raw is not read; develop it to a linear 16-bit TIFF first",
+            name=path,
+            zh="不讀相機原始檔；請先轉成線性的 16 位 TIFF。",
+        )
     return head
 
 
-def _decoder(head: bytes) -> Callable[[Path], Stored]:
+def _container_format(head: bytes) -> str | None:
+    """HEIF or AVIF, by the brands of an ISO container; None for what is none or holds something else."""
+    if head[4:8] != b"ftyp":
+        return None
+    size = min(int.from_bytes(head[:4], "big"), len(head))
+    brands = [head[8:12], *(head[at : at + 4] for at in range(16, size, 4))]
+    if _AVIF_BRANDS.intersection(brands):
+        return "AVIF"
+    return "HEIF" if _HEIF_BRANDS.intersection(brands) else None
+
+
+def _pillow_formats(path: Path, head: bytes) -> tuple[str, ...]:
+    """The formats that Pillow is to try. Raises ImageError where it lacks what the file needs."""
+    container = _container_format(head)
+    if container is None:
+        return _PILLOW_FORMATS
+    from PIL import features
+
+    if container == "AVIF" and not features.check("avif"):
+        raise ImageError(
+            "this is an AVIF picture, which needs Pillow 11.3 or newer with AVIF; "
+            "install that, or save it as a JPEG",
+            name=path,
+            zh="這是 AVIF 圖片，需要支援 AVIF 的 Pillow 11.3 以上；請安裝，或把圖片另存為 JPEG。",
+        )
+    if container == "HEIF":
+        try:
+            from pillow_heif import register_heif_opener
+        except ImportError as error:
+            raise ImageError(
+                "this is an HEIC picture, which needs pillow-heif: pip install 'rumu[heif]'; or save it as a "
+                "JPEG (on an iPhone: Settings, Camera, Formats, Most Compatible)",
+                name=path,
+                zh="這是 HEIC 圖片，需要 pillow-heif：pip install 'rumu[heif]'；或另存為 JPEG"
+                "（iPhone：設定、相機、格式、最相容）。",
+            ) from error
+        register_heif_opener()
+    return (container,)
+
+
+def _is_deep_png(head: bytes) -> bool:
+    return head.startswith(_PNG_MAGIC) and head[24:25] == b"\x10" and head[25] in (2, 4, 6)
+
+
+def _header(path: Path, head: bytes) -> Header:
     if head.startswith(_EXR_MAGIC):
-        return _read_exr
+        return deep.exr_header(path)
     if head.startswith(_TIFF_MAGIC):
-        return _read_tiff
-    is_deep_colour = head.startswith(_PNG_MAGIC) and head[24:25] == b"\x10" and head[25] in (2, 4, 6)
-    return _read_deep_png if is_deep_colour else _read_pillow
+        return deep.tiff_header(path)
+    if _is_deep_png(head):
+        return deep.deep_png_header(path)
+    from PIL import Image
+
+    with Image.open(path, formats=_pillow_formats(path, head)) as image:
+        return _pillow_header(image)
 
 
 def _as_image_error(path: Path, head: bytes, error: Exception) -> ImageError:
@@ -112,215 +217,125 @@ def _as_image_error(path: Path, head: bytes, error: Exception) -> ImageError:
 
     if isinstance(error, Image.DecompressionBombError):
         pixels = re.search(r"\((\d+) pixels\)", str(error))
-        return _too_large(path, int(pixels[1]) if pixels else 2 * MAX_PIXELS)
-    if isinstance(error, UnidentifiedImageError) and not head.startswith(_PILLOW_MAGIC):
-        return ImageError(f"{path}: {_EXPECTED}, found something else (it starts with {head[:12]!r})")
+        return too_many_pixels(path, int(pixels[1]) if pixels else 2 * Image.MAX_IMAGE_PIXELS)
+    is_known = head.startswith(_READ_MAGIC) or _container_format(head)
+    if isinstance(error, UnidentifiedImageError) and not is_known:
+        found = next((kind for magic, kind in _OTHER_KINDS.items() if head.startswith(magic)), None)
+        found = found or f"something else (it starts with {head[:12]!r})"
+        return ImageError(f"{_EXPECTED}, found {found}", name=path, zh=f"{_EXPECTED_ZH}，這個檔案不是。")
     detail = f"{type(error).__name__}: {error}".splitlines()[0].replace(str(path), path.name)
-    return ImageError(f"{path}: the image is cut short or broken ({detail})")
-
-
-def _too_large(path: Path, pixels: int) -> ImageError:
+    kind = {"HEIF": "HEIC ", "AVIF": "AVIF "}.get(_container_format(head) or "", "")
     return ImageError(
-        f"{path}: expected at most {MAX_PIXELS / 1e6:.0f} megapixels, the header says {pixels / 1e6:.0f}"
+        f"the {kind}image is cut short or broken ({detail})",
+        name=path,
+        zh=f"{kind}圖片檔不完整或已損壞；請重新傳送或另存一次。",
     )
 
 
-def check_size(name: object, *, width: int, height: int) -> None:
-    """Raise ImageError when no image of this size is accepted; `name` stands in front of the message."""
-    if width * height > MAX_PIXELS:
-        raise _too_large(Path(str(name)), width * height)
-    if min(width, height) < MIN_SIDE:
-        raise ImageError(f"{name}: expected at least {MIN_SIDE} x {MIN_SIDE} pixels, got {width} x {height}")
+# --- decoders ----------------------------------------------------------------------------------------
 
 
-# --- Pillow: everything of 8 bits ------------------------------------------------------------------
+def _read(path: Path, head: bytes, reduction: Reduction) -> Reading:
+    """The samples of a file, once its header is found to be in order."""
+    is_tiff = head.startswith(_TIFF_MAGIC)
+    if not (is_tiff or head.startswith(_EXR_MAGIC) or _is_deep_png(head)):
+        return _read_pillow(path, formats=_pillow_formats(path, head), reduction=reduction)
+    check_header(_header(path, head), path, reduction=reduction)
+    if is_tiff and not deep.is_deep_tiff(path):
+        source, orientation = deep.upright_tiff(path)
+        stored, _, profile = _read_pillow(path, formats=("TIFF",), reduction=reduction, source=source)
+        return stored, orientation, profile
+    if is_tiff:
+        return deep.read_deep_tiff(path)
+    return deep.read_deep_png(path) if _is_deep_png(head) else deep.read_exr(path)
 
 
-def _read_pillow(path: Path, *, source: io.BytesIO | None = None) -> Stored:
+def _read_pillow(
+    path: Path, *, formats: tuple[str, ...], reduction: Reduction, source: io.BytesIO | None = None
+) -> Reading:
     from PIL import Image
 
-    with Image.open(source or path, formats=_PILLOW_FORMATS) as image:
-        check_size(path, width=image.width, height=image.height)
-        display = image.format in _DISPLAY_FORMATS
-        image.load()
-        orientation = image.getexif().get(_ORIENTATION_TAG, 1)
-        samples = _pillow_samples(path, image)
-    return replace(_split_alpha(samples), display=display, orientation=_valid(orientation))
+    with Image.open(source or path, formats=formats) as image:
+        header = _pillow_header(image)
+        is_jpeg = header.format in ("JPEG", "MPO")
+        if is_jpeg:
+            _check_scans(path, image)
+            factor = reduction.factor(*image.size)
+            image.draft(None, tuple(math.ceil(side * factor) for side in image.size))
+            drawn = image.width * image.height / max(header.width * header.height, 1)
+            header = replace(header, sample_bytes=drawn)
+        check_header(header, path, reduction=reduction)
+        try:
+            image.load()
+        except OSError:
+            if not is_jpeg:
+                raise
+            return _read_cut_jpeg(path)
+        stored, orientation, profile = _pillow_samples(path, image)
+    whole = (header.width, header.height)
+    return replace(stored, display=header.format in _DISPLAY_FORMATS, whole=whole), orientation, profile
 
 
-def _pillow_samples(path: Path, image: Any) -> Samples:
+def _read_cut_jpeg(path: Path) -> Reading:
+    """A JPEG that lacks a few bytes at its end."""
+    from PIL import Image
+
+    readings = []
+    for data in complete_jpeg(path.read_bytes()):
+        with Image.open(io.BytesIO(data), formats=("JPEG",)) as image:
+            image.load()
+            readings.append(_pillow_samples(path, image))
+    (stored, orientation, profile), (other, _, _) = readings
+    values = fill_missing_end(stored.values, other.values)
+    return replace(stored, values=values, display=True), orientation, profile
+
+
+def _pillow_header(image: Any) -> Header:
+    bands = len(image.getbands())
+    overhead = _DECODER_BYTES.get(image.format, 0) * image.width * image.height
+    if image.info.get("progressive"):
+        overhead = 2 * bands * image.width * image.height  # its coefficients stay in memory to the end
+    sample_bytes = _SAMPLE_BYTES.get(image.mode, 2 if image.mode.startswith("I;16") else 1)
+    channels = 4 if image.has_transparency_data else 3 if image.mode in ("P", "PA") else bands
+    return Header(
+        image.format,
+        image.width,
+        image.height,
+        channels=channels,
+        sample_bytes=sample_bytes,
+        overhead=overhead,
+    )
+
+
+def _check_scans(path: Path, image: Any) -> None:
+    if image.info.get("progressive") and (scans := path.read_bytes().count(_SCAN_OF_JPEG)) > _MAX_SCANS:
+        raise ImageError(
+            f"expected a JPEG of at most {_MAX_SCANS} scans, got {scans}",
+            name=path,
+            zh=f"JPEG 最多 {_MAX_SCANS} 次掃描，這個檔案有 {scans} 次。",
+        )
+
+
+def _pillow_samples(path: Path, image: Any) -> Reading:
     mode: str = image.mode
+    orientation, profile = image.getexif().get(deep.ORIENTATION, 1), profile_of(image)
+    if mode == "CMYK":
+        return Stored(cmyk_to_rgb(np.asarray(image), profile, name=path)), orientation, None
     if mode.startswith("I"):
         samples = np.asarray(image)
         low, high = int(samples.min()), int(samples.max())
         if low < 0 or high > 65535:
             raise ImageError(
-                f"{path}: expected 8-bit, 16-bit or float samples, got values from {low} to {high}"
+                f"expected 8-bit, 16-bit or float samples, got values from {low} to {high}",
+                name=path,
+                zh=f"樣本應為 8 位、16 位或浮點數，這個檔案的值從 {low} 到 {high}。",
             )
-        return samples.astype(np.uint16)
+        return Stored(samples.astype(np.uint16)), orientation, profile
     if mode == "F":
-        return np.asarray(image, dtype=np.float32)
+        return Stored(np.asarray(image, dtype=np.float32)), orientation, profile
     if mode in ("1", "L", "LA", "La"):
         wanted = "LA" if "A" in image.getbands() or mode == "La" or "transparency" in image.info else "L"
     else:
         wanted = "RGBA" if image.has_transparency_data else "RGB"
-    return np.asarray(image if mode == wanted else image.convert(wanted))
-
-
-# --- PNG of 16 bits in colour or with alpha --------------------------------------------------------
-
-
-def _read_deep_png(path: Path) -> Stored:
-    from PIL import Image
-
-    with Image.open(path, formats=("PNG",)) as image:
-        check_size(path, width=image.width, height=image.height)
-        orientation = image.getexif().get(_ORIENTATION_TAG, 1)
-    with Image.open(path, formats=("PNG",)) as image:
-        image.verify()  # checksums; OpenCV would return what it got of a file cut short
-    return replace(_split_alpha(_read_opencv(path)), orientation=_valid(orientation))
-
-
-def _read_opencv(path: Path) -> Samples:
-    import cv2
-
-    samples = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
-    if samples is None:
-        raise ValueError("it cannot be decoded")
-    if samples.ndim == 3 and samples.shape[2] >= 3:
-        samples = samples[:, :, [2, 1, 0, 3][: samples.shape[2]]]  # B G R (A) to R G B (A)
-    return np.asarray(samples)
-
-
-# --- TIFF ------------------------------------------------------------------------------------------
-
-
-def _read_tiff(path: Path) -> Stored:
-    import tifffile
-
-    with tifffile.TiffFile(path) as tiff:
-        page = tiff.pages[0]
-        check_size(path, width=page.imagewidth, height=page.imagelength)
-        bits = page.bitspersample if isinstance(page.bitspersample, int) else max(page.bitspersample)
-        tag = page.tags.get(_ORIENTATION_TAG)
-        orientation = int(tag.value) if tag else 1
-        if bits <= 8:
-            stored = _read_pillow(path, source=_without_orientation(path, tiff))
-            return replace(stored, orientation=_valid(orientation))
-        if page.dtype is None or page.dtype.name not in ("uint16", "float16", "float32", "float64"):
-            raise ImageError(f"{path}: expected 8-bit, 16-bit or float samples, got {bits}-bit {page.dtype}")
-        stored = _tiff_colours(path, page, _tiff_samples(path, page))
-    return replace(stored, orientation=_valid(orientation))
-
-
-def _without_orientation(path: Path, tiff: Any) -> io.BytesIO | None:
-    """The file with its orientation set to upright, or None when it is: Pillow 13 turns a TIFF twice."""
-    tag = tiff.pages[0].tags.get(_ORIENTATION_TAG)
-    if tag is None or tag.value == 1:
-        return None
-    data = bytearray(path.read_bytes())
-    struct.pack_into(f"{tiff.byteorder}H", data, tag.valueoffset, 1)
-    return io.BytesIO(data)
-
-
-def _tiff_samples(path: Path, page: Any) -> Samples:
-    ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=True)]
-    if max(ends, default=0) > path.stat().st_size:
-        raise ValueError("its samples lie beyond its end")
-    try:
-        samples = page.asarray()
-    except (ValueError, KeyError) as error:
-        if "imagecodecs" not in str(error):
-            raise
-        samples = _read_opencv(path)  # LZW and PackBits need a 26 MB wheel in tifffile; OpenCV has them
-    samples = np.asarray(samples)
-    if samples.ndim == 3 and samples.shape[-1] != page.samplesperpixel:
-        samples = np.moveaxis(samples, 0, -1)  # planes stored one after the other
-    return samples.astype(np.float32) if samples.dtype.kind == "f" else samples
-
-
-def _tiff_colours(path: Path, page: Any, samples: Samples) -> Stored:
-    kind = getattr(page.photometric, "name", str(page.photometric))
-    colours = {"MINISBLACK": 1, "MINISWHITE": 1, "RGB": 3, "SEPARATED": 4}.get(kind)
-    if colours is None:
-        raise ImageError(f"{path}: expected a gray, RGB or CMYK TIFF, got {kind}")
-    channels = samples if samples.ndim == 3 else samples[:, :, None]
-    inks, extra = channels[:, :, :colours], channels[:, :, colours:]
-    if kind == "MINISWHITE":
-        inks = _full_scale(inks) - inks
-    if kind == "SEPARATED":
-        cmyk = inks.astype(np.float32) / np.float32(_full_scale(inks))
-        inks = (1 - cmyk[:, :, :3]) * (1 - cmyk[:, :, 3:])
-    meanings = [int(m) for m in page.extrasamples]
-    if extra.shape[2] and meanings and meanings[0] in (1, 2):  # 1 premultiplied, 2 straight
-        joined = np.concatenate([inks, extra[:, :, :1]], axis=2)
-        return _split_alpha(joined, premultiplied=meanings[0] == 1)
-    return _split_alpha(inks)
-
-
-# --- EXR -------------------------------------------------------------------------------------------
-
-
-def _read_exr(path: Path) -> Stored:
-    import OpenEXR
-
-    with OpenEXR.File(str(path), header_only=True) as file:
-        low, high = file.header()["dataWindow"]
-    check_size(path, width=int(high[0] - low[0]) + 1, height=int(high[1] - low[1]) + 1)
-    with OpenEXR.File(str(path)) as file:
-        channels = {name: channel.pixels for name, channel in file.channels().items()}
-    for name in ("RGBA", "RGB", "Y"):
-        if name in channels:
-            samples = np.asarray(channels[name], dtype=np.float32)
-            return _split_alpha(samples, premultiplied=True)
-    raise ImageError(f"{path}: expected EXR channels R, G, B or Y, found {', '.join(sorted(channels))}")
-
-
-# --- alpha and orientation --------------------------------------------------------------------------------
-
-
-def _full_scale(samples: Samples) -> Any:
-    return samples.dtype.type(np.iinfo(samples.dtype).max if samples.dtype.kind == "u" else 1)
-
-
-def _split_alpha(samples: Samples, *, premultiplied: bool = False) -> Stored:
-    """(H, W), or (H, W, C) of 1 gray, 2 gray + alpha, 3 colour, 4 colour + alpha."""
-    if samples.ndim == 2:
-        return Stored(samples)
-    count = samples.shape[2]
-    values = samples[:, :, 0] if count < 3 else samples[:, :, :3]
-    if count in (1, 3):
-        return Stored(values)
-    alpha = samples[:, :, -1].astype(np.float32) / np.float32(_full_scale(samples))
-    if np.all(alpha == 1):
-        return Stored(values)
-    if premultiplied:
-        scale = _full_scale(samples)
-        cover = np.where(alpha > 0, alpha, 1) if count == 2 else np.where(alpha > 0, alpha, 1)[:, :, None]
-        values = (values.astype(np.float32) / np.float32(scale) / cover).astype(np.float32)
-    return Stored(values, alpha)
-
-
-def _valid(orientation: object) -> int:
-    """An EXIF orientation, 1 to 8; anything else is a broken tag and leaves the picture as it is."""
-    return orientation if isinstance(orientation, int) and 1 <= orientation <= 8 else 1
-
-
-def _turn_upright(stored: Stored) -> Stored:
-    alpha = None if stored.alpha is None else turn(stored.alpha, stored.orientation)
-    return replace(stored, values=turn(stored.values, stored.orientation), alpha=alpha, orientation=1)
-
-
-def turn(samples: Samples, orientation: int) -> Samples:
-    """The picture (H, W) or (H, W, C) as an EXIF orientation, 1 to 8, says it is to be shown; a view."""
-    transposed = samples.swapaxes(0, 1)
-    turns = {
-        2: samples[:, ::-1],
-        3: samples[::-1, ::-1],
-        4: samples[::-1],
-        5: transposed,
-        6: transposed[:, ::-1],
-        7: transposed[::-1, ::-1],
-        8: transposed[::-1],
-    }
-    return turns.get(orientation, samples)
+    samples = np.asarray(image if mode == wanted else image.convert(wanted))
+    return split_alpha(samples), orientation, profile

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.formats import Samples, Stored, check_size, decode, turn
+from rumu.capture.decoded_size import FULL_SIZE, Reduction, check_size
+from rumu.capture.formats import ENCODINGS, Encoding, decode
+from rumu.capture.stored import Samples, Stored, over_white, turn
 from rumu.errors import ImageError
 from rumu.values import BoolArray
 
@@ -17,32 +19,37 @@ Image = npt.NDArray[np.float32]
 Bytes = npt.NDArray[np.uint8]
 Box = tuple[int, int, int, int]
 """Rows y0:y1 and columns x0:x1 of a picture."""
-Encoding = Literal["auto", "linear", "srgb"]
-ENCODINGS: tuple[Encoding, ...] = get_args(Encoding)
 
 _REC709 = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 _ROUNDING = 1e-5  # a float image may overshoot [0, 1] by the rounding of the program that wrote it
 
 
-def read_image(path: str | os.PathLike[str]) -> Image:
+def read_image(path: str | os.PathLike[str], *, reduction: Reduction = FULL_SIZE) -> Image:
     """An image with its values as stored: the display encoding is kept.
 
-    PNG, JPEG, WebP, BMP, GIF (first frame), PPM, TIFF, EXR; 1, 8 and 16 bits and float. EXIF orientation is
-    applied, CMYK and palettes become RGB, alpha is composited over white.
+    PNG, JPEG, WebP, HEIC (with pillow-heif), AVIF, BMP, GIF (first frame), PPM, TIFF, EXR; 1, 8 and 16 bits
+    and float. EXIF orientation is applied, colours with a profile (ICC) become sRGB, CMYK and palettes become
+    RGB, alpha is composited over white. A large picture is reduced as `reduction` says.
     Returns (H, W) or (H, W, 3) float32 in [0, 1], contiguous.
     Raises ImageError naming the file: missing, a folder, empty, cut short, no image, below MIN_SIDE, above
-    MAX_PIXELS (refused from the header), float values that are NaN, infinite or outside [0, 1].
+    MAX_PIXELS or RUMU_MAX_DECODED_MB (refused from the header), float values that are NaN, infinite or
+    outside [0, 1].
     """
-    stored = decode(path)
-    values = _unit_range(stored.values, name=path)
-    return np.ascontiguousarray(_over_white(values, stored.alpha))
+    return image_of(decode(path, reduction=reduction), name=path)
+
+
+def image_of(stored: Stored, *, name: object) -> Image:
+    """Decoded samples as `read_image` returns them. Raises ImageError for float values outside [0, 1]."""
+    values = _unit_range(stored.values, name=name)
+    return np.ascontiguousarray(over_white(values, stored.alpha))
 
 
 def read_linear(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> Image:
     """An image as linear light, upright.
 
-    encoding: 'auto' decodes JPEG and WebP from sRGB and takes every other format as linear; 'linear' and
-        'srgb' say it outright. EXR and float TIFF are always linear.
+    encoding: 'auto' decodes JPEG, WebP, HEIC and AVIF from sRGB and takes every other format as linear;
+        'linear' and 'srgb' say it outright. EXR and float TIFF are always linear. A colour profile counts
+        where the samples are taken as display-encoded.
     Returns (H, W) or (H, W, 3) float32, at least 0. Integer formats end at 1; EXR and float TIFF may exceed
     it, so that the frames of one capture can be divided by one common peak. Their negative values, which
     dark subtraction leaves, become 0.
@@ -59,9 +66,9 @@ def read_frame(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> 
     """
     if encoding not in ENCODINGS:
         raise ImageError(f"encoding: expected one of {', '.join(ENCODINGS)}, got {encoding!r}")
-    stored = decode(path, upright=False)
+    stored = decode(path, upright=False, encoding=encoding)
     values = _linear(stored, name=path, encoding=encoding)
-    return _over_white(values, stored.alpha), stored.orientation
+    return over_white(values, stored.alpha), stored.orientation
 
 
 def read_mask(path: str | os.PathLike[str], *, upright: bool = True) -> BoolArray:
@@ -84,13 +91,13 @@ def as_image(array: npt.NDArray[Any], *, name: object = "array") -> Image:
     """
     samples = np.asarray(array)
     if samples.ndim not in (2, 3) or (samples.ndim == 3 and not 1 <= samples.shape[2] <= 4):
-        raise ImageError(f"{name}: expected an image of shape (H, W) or (H, W, 3), got {samples.shape}")
+        raise ImageError(f"expected an image of shape (H, W) or (H, W, 3), got {samples.shape}", name=name)
     check_size(name, width=samples.shape[1], height=samples.shape[0])
     values = _unit_range(samples, name=name)
     if values.ndim == 2 or values.shape[2] == 3:
         return np.ascontiguousarray(values)
     colours = values[:, :, 0] if values.shape[2] < 3 else values[:, :, :3]
-    return np.ascontiguousarray(_over_white(colours, values[:, :, -1] if values.shape[2] > 1 else None))
+    return np.ascontiguousarray(over_white(colours, values[:, :, -1] if values.shape[2] > 1 else None))
 
 
 def to_linear(image: Image) -> Image:
@@ -108,11 +115,15 @@ def luminance(image: Image) -> Image:
 def _check_values(samples: Samples, *, name: object) -> Samples:
     kind, size = samples.dtype.kind, samples.dtype.itemsize
     if kind != "f" and (kind, size) not in [("b", 1), ("u", 1), ("u", 2)]:
-        raise ImageError(f"{name}: expected bool, uint8, uint16 or float values, got {samples.dtype}")
+        raise ImageError(f"expected bool, uint8, uint16 or float values, got {samples.dtype}", name=name)
     if kind == "f":
         bad = samples.size - int(np.count_nonzero(np.isfinite(samples)))
         if bad:
-            raise ImageError(f"{name}: expected finite values, got {bad} that are NaN or infinite")
+            raise ImageError(
+                f"expected finite values, got {bad} that are NaN or infinite",
+                name=name,
+                zh=f"有 {bad} 個值不是有限的數。",
+            )
     return samples
 
 
@@ -122,7 +133,11 @@ def _unit_range(samples: Samples, *, name: object) -> Image:
         return _scale(samples)
     low, high = float(samples.min()), float(samples.max())
     if low < -_ROUNDING or high > 1 + _ROUNDING:
-        raise ImageError(f"{name}: expected float values in [0, 1], got values from {low:.6g} to {high:.6g}")
+        raise ImageError(
+            f"expected float values in [0, 1], got values from {low:.6g} to {high:.6g}",
+            name=name,
+            zh=f"浮點值應在 0 到 1 之間，這個檔案從 {low:.6g} 到 {high:.6g}。",
+        )
     return np.clip(samples, 0, 1).astype(np.float32, copy=False)
 
 
@@ -142,13 +157,6 @@ def _linear(stored: Stored, *, name: object, encoding: Encoding) -> Image:
     if values.dtype == np.uint8:  # 256 powers instead of one for each pixel
         return to_linear(_scale(np.arange(256, dtype=np.uint8)))[values]
     return to_linear(_scale(values))
-
-
-def _over_white(values: Image, alpha: Samples | None) -> Image:
-    if alpha is None:
-        return values
-    cover = alpha if values.ndim == 2 else alpha[:, :, None]
-    return np.asarray(values * cover + (1 - cover), dtype=np.float32)
 
 
 def shrink(picture: Bytes, *, side: int) -> Bytes:

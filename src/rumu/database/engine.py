@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sqlite3
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -48,17 +48,19 @@ def open_database(url: str | Path) -> Database:
     """
     from alembic.util.exc import CommandError
 
-    engine = make_engine(database_address(url))
+    engine = _engine(_address(url))
+    shown = str(url)
+    if "://" in shown:
+        shown = make_url(shown).render_as_string(hide_password=True)
     try:
-        with connect_error(url):
-            _upgrade(engine)
-    except GalleryError:
+        _upgrade(engine)
+    except DBAPIError as error:
         engine.dispose()
-        raise
+        raise GalleryError(f"{shown}: cannot be opened ({str(error.orig).strip()})") from error
     except CommandError as error:
         engine.dispose()
         raise GalleryError(
-            f"{shown_address(url)}: was written by a newer rumu or from before the first release; "
+            f"{shown}: was written by a newer rumu or from before the first release; "
             f"open it with that version, or start with a new database ({error})"
         ) from error
     writer = engine.execution_options(**{_WRITES: True})
@@ -66,27 +68,7 @@ def open_database(url: str | Path) -> Database:
     return Database(engine, *sessions)
 
 
-def shown_address(url: str | Path) -> str:
-    """The address of a database for messages, without its password."""
-    text = str(url)
-    return make_url(text).render_as_string(hide_password=True) if "://" in text else text
-
-
-@contextmanager
-def connect_error(url: str | Path) -> Iterator[None]:
-    """Raise what a database says against being opened as a GalleryError."""
-    try:
-        yield
-    except DBAPIError as error:
-        reason = str(error.orig).strip()
-        raise GalleryError(f"{shown_address(url)}: cannot be opened ({reason})") from error
-
-
-def database_address(url: str | Path) -> str:
-    """The URL of a database as SQLAlchemy reads it. The folder of an SQLite file is made.
-
-    Raises GalleryError when it cannot be made.
-    """
+def _address(url: str | Path) -> str:
     text = str(url)
     if "://" not in text:
         path = Path(text)
@@ -101,8 +83,7 @@ def database_address(url: str | Path) -> str:
     )
 
 
-def make_engine(address: str) -> Engine:
-    """The connections of a database. Raises GalleryError for another kind, or without a driver."""
+def _engine(address: str) -> Engine:
     try:
         name = make_url(address).get_backend_name()
         if name not in ("sqlite", "postgresql"):

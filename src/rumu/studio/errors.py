@@ -30,8 +30,7 @@ class StudioError(RumuError):
 
     def __init__(self, code: str | None = None, *, zh: str | None = None, en: str | None = None) -> None:
         self.code = code or self.code
-        self.en = en or self.en
-        super().__init__(self.en, zh=zh or self.zh)
+        super().__init__(en or self.en, zh=zh or self.zh)
 
     def __reduce__(self) -> Any:  # pickled between processes, whatever the arguments of a subclass
         return Exception.__new__, (type(self), self.en), self.__dict__

@@ -72,7 +72,7 @@ def error_response(error: Exception) -> JSONResponse:
                 headers["Retry-After"] = str(getattr(error, "seconds", _BUSY_SECONDS))
         case RumuError():
             status, code = 422, getattr(error, "reason", None) or "unusable"
-            en = without_folders(" ".join(str(error).split()))
+            en = without_folders(" ".join(error.en.split()))
             zh = without_folders(error.zh or f"無法使用：{en}")
         case RequestValidationError():
             first = error.errors()[0] if error.errors() else {"loc": (), "msg": "invalid"}
