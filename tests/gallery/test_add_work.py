@@ -52,6 +52,14 @@ def test_what_holds_no_writing_is_refused(bare, tmp_path):
     assert works(bare).total == 0 and list(bare.store.keys("pictures")) == []
 
 
+def test_a_whole_page_is_taken_and_its_characters_have_relief(bare, data):
+    file = data / "pages" / "printed" / "qianlong-80.jpg"
+    added = add_picture(bare, file, metadata=WorkMetadata(title=Bilingual("乾隆藏", "Qianlong canon")))
+    relief = surface(bare, added.id)
+    assert relief.height.shape == (1568, 1120)
+    assert relief.mask.mean() > 0.08 and (relief.height[relief.mask] > 0).all()
+
+
 @pytest.fixture
 def mound(tmp_path: Path):
     """A function of lamps (name to vector): a folder of photographs of a low mound, and lights.lp."""

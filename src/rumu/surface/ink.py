@@ -16,9 +16,17 @@ from rumu.surface.ink_cleaning import (
     ColourSettings,
     PositionSettings,
     close_cuts,
+    remove_beyond_lines,
     remove_by_colour,
     remove_by_position,
     remove_ruled_lines,
+)
+from rumu.surface.pages import (
+    character_size,
+    clean_page,
+    half_width_and_extent,
+    measure_sharpness,
+    side_judged,
 )
 from rumu.surface.paper import (
     PAPER_GRAY,
@@ -53,7 +61,8 @@ class Ink:
         'stain'; and 'frame', the pixels of a flat frame, or of the table, around the paper.
     figures: 'noise' (contrast over the paper's own spread), 'edge' (step across the outline over the
         contrast, 1 is sharp), 'between' (half-dark pixels for each pixel of outline), 'coherence' (share of
-        the ink's variance that survives averaging over 8 pixels).
+        the ink's variance that survives averaging over 8 pixels); of a page of many characters also
+        'character' (their side in pixels).
     """
 
     mask: BoolArray
@@ -75,13 +84,14 @@ class WritingLimits:
     blurred, torn: least and largest step across the outline.
     half_dark: most half-dark pixels for each pixel of a soft outline; soft: step below which it is soft.
     thick: half-width over the page's side from which a soft shape may have half as many.
-    hairline: half-width over the extent of the ink below which it is ruled lines.
+    hairline: half-width over the extent of the ink, of a page over its characters' side, below which it is
+        ruled lines.
     border: share of the picture's border that ink may cover. pixels: least ink.
     grain: mean change of a pixel (0-255) by a median filter above which a blank page is noise.
     speckle: share of dark pixels that makes it noise, too, when less than `written` of them are writing.
     only_red: share of the dark pixels that are red marks on a page with nothing else.
     side: longer side, in pixels, of the picture that sharpness is judged on, so that a large photo is judged
-        like a crop.
+        like a crop; of a page, the side of one character.
     """
 
     gray_range: int = 12
@@ -187,15 +197,20 @@ def find_ink(
     _refuse_flat(small, settings.writing)
     paper = fit_paper(small, polarity="dark" if off_sheet is not None else polarity)
     page = _separate(view, small, paper, off_sheet, settings)
-    mask, left_out = _clean(page, paper.polarity, settings)
-    figures = _figures(page, mask, side=settings.writing.side)
+    mask, left_out, character = _clean(page, paper.polarity, settings)
+    side = side_judged(mask, character, side=settings.writing.side)
+    figures = measure_sharpness(page.x, page.cut, mask, ink=page.ink, paper=page.paper, side=side)
+    figures |= {"noise": page.noise} | ({} if character is None else {"character": character})
     _refuse_unwritten(mask, page, figures, settings)
     # The figures above are those of all that is dark: a seal or a neighbour is as blurred, or grainy, as ink.
     density = np.subtract(1.0, page.x / np.float32(PAPER_GRAY), dtype=np.float32)
     # a frame was cut off all round; a strip along one side is cut off sharply
     framed = all(inner < outer for inner, outer in zip(view.shape[:2], picture.shape[:2], strict=True))
+    colour = (
+        replace(settings.colour, side_share=0.0) if character is not None else settings.colour
+    )  # no column is a neighbour
     mask, removed = remove_by_colour(
-        mask, density, redness=page.redness, noise=page.noise, framed=framed, settings=settings.colour
+        mask, density, redness=page.redness, noise=page.noise, framed=framed, settings=colour
     )
     for kind, pixels in removed.items():
         left_out[kind] = left_out.get(kind, 0) + pixels
@@ -291,46 +306,35 @@ def _widen_cut(page: _Page, polarity: Polarity, settings: InkMaskSettings) -> Bo
     return np.asarray(near & (page.cut | (page.x > (page.ink + page.threshold) / 2)))
 
 
-def _clean(page: _Page, polarity: Polarity, settings: InkMaskSettings) -> tuple[BoolArray, dict[str, int]]:
-    """The ink without red marks, ruled lines and what its position gives away; pixels of each kind."""
+def _clean(
+    page: _Page, polarity: Polarity, settings: InkMaskSettings
+) -> tuple[BoolArray, dict[str, int], float | None]:
+    """The ink without red marks, ruled lines and what its position gives away; pixels of each kind.
+
+    Last the side of the characters, in pixels, where there are many: see `character_size`.
+    """
     dark, position = page.dark, settings.position
     mask = dark
     if page.cut.any():
         mask = close_cuts(dark & ~page.cut, page.cut & dark, width=settings.cut_width)
-    unruled = remove_ruled_lines(mask, polarity=polarity)
     if page.noise < settings.clean:
         position = replace(
             position,
             speck=settings.clean_speck * position.speck,
             speck_share=settings.clean_speck_share * position.speck_share,
         )
-    kept, left_out = remove_by_position(unruled, settings=position)
-    left_out["grid"] = int(np.count_nonzero(mask & ~unruled))
+    unruled, lines = remove_ruled_lines(mask, polarity=polarity)
+    character = None
+    if page.noise >= settings.writing.noise:
+        character = character_size(unruled, grainy=page.noise < settings.clean)
+    if character is None:
+        unruled = remove_beyond_lines(unruled, lines, polarity=polarity)
+        kept, left_out = remove_by_position(unruled, settings=position)
+        left_out["grid"] = int(np.count_nonzero(mask & ~unruled))
+    else:
+        kept, left_out = clean_page(mask, character, polarity=polarity, settings=position)
     left_out["seal"] = int(np.count_nonzero(dark & ~mask))
-    return kept, left_out
-
-
-def _figures(page: _Page, mask: BoolArray, *, side: int) -> dict[str, float]:
-    """See `Ink.figures`."""
-    import cv2
-
-    x, cut = shrink(page.x, side=side), shrink(page.cut.astype(np.uint8), side=side) > 0
-    ink = shrink(mask.astype(np.uint8) * 255, side=side) > 127
-    outline, step = (
-        cv2.morphologyEx(a, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) for a in (ink.astype(np.uint8), x)
-    )
-    length = max(1, int(np.count_nonzero((outline > 0) & ink)))
-    depth = page.paper - page.ink
-    on_edge = step[outline > 0]
-    half = cv2.inRange(x, page.ink + 0.3 * depth, page.ink + 0.7 * depth) > 0
-    share = np.count_nonzero(ink) / ink.size
-    blocks = cv2.resize(ink.astype(np.float32), None, fx=1 / 8, fy=1 / 8, interpolation=cv2.INTER_AREA)
-    return {
-        "noise": float(page.noise),
-        "edge": float(np.median(on_edge)) / depth if len(on_edge) else 0.0,
-        "between": float(np.count_nonzero(half & ~cut)) / length,
-        "coherence": float(blocks.var()) / max(share * (1 - share), 1e-6),
-    }
+    return kept, left_out, character
 
 
 # --- refusals --------------------------------------------------------------------------------------
@@ -368,7 +372,9 @@ def _what_else(
     if page.contrast < limits.contrast or np.count_nonzero(mask) < limits.pixels:
         return "blank", "a page with nothing on it"
     rim = np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]])
-    half_width, extent = _half_width(mask, side=2 * limits.side // 3)
+    character = figures.get("character")
+    side = 2 * side_judged(mask, character, side=limits.side) // 3
+    half_width, extent = half_width_and_extent(mask, character, side=side)
     soft = figures["edge"] < limits.soft
     thick = half_width > limits.thick * min(mask.shape)
     # Grain of the paper is half-dark too: grainy paper may have more of it.
@@ -382,14 +388,3 @@ def _what_else(
         (soft and half_dark > (0.5 if thick else 1.0), "noise", "a picture without writing"),
     )
     return next(((reason, seen) for holds, reason, seen in tests if holds), None)
-
-
-def _half_width(mask: BoolArray, *, side: int) -> tuple[float, float]:
-    """Half-width of the thickest stroke, and the longer side of the box of all ink, in pixels."""
-    import cv2
-
-    y0, y1, x0, x1 = bounding_box(mask)
-    extent = max(y1 - y0, x1 - x0)
-    small = shrink(mask.astype(np.uint8) * 255, side=side) > 127
-    depth = cv2.distanceTransform(np.pad(small, 1).astype(np.uint8), cv2.DIST_L2, 3)
-    return float(depth.max()) * mask.shape[0] / small.shape[0], float(extent)

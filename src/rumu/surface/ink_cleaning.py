@@ -1,8 +1,8 @@
 """What is as dark as ink and is not the writing: ruled lines, specks, edges, seals, stains, neighbours.
 
 Ruled lines are recognised by their shape. All else is judged by connected parts of the ink: where they lie,
-how large they are, and how pale and how red they are beside the rest of the ink of the same picture. So a
-picture of one level of ink whose parts lie close together stays as it is.
+how large they are, and how pale and how red they are beside the rest of the ink. So a picture of one level
+of ink whose parts lie close together stays as it is.
 """
 
 from __future__ import annotations
@@ -27,14 +27,15 @@ Labels = npt.NDArray[np.int32]
 class RuledLineSettings:
     """When ink is a line that was printed or carved; lengths are shares of the shorter side.
 
-    thickness: of the thickest line. run: shortest piece, of the side it runs along. skew: how far a line may
-        leave its row. cover: share of the side that it runs along; margin_cover: the same within `margin` of
-        the border.
+    thickness: of the thickest line; of_character: the same over the side of a page's characters. run:
+        shortest piece, of the side it runs along. skew: how far a line may leave its row. cover: share of the
+        side that it runs along; margin_cover: the same within `margin` of the border.
     border: what lies farther out than a line in this outer band is left out, unless more ink than
         `crossing`, as a share of the line, crosses it, or the band holds more than `most_beyond` of all ink.
     """
 
     thickness: float = 0.012
+    of_character: float = 0.06
     run: float = 0.2
     skew: float = 0.012
     cover: float = 0.75
@@ -50,26 +51,37 @@ CARVED = RuledLineSettings(thickness=0.04, skew=0.025, run=0.1, cover=0.6, margi
 """Rubbings: column rules are broken, and strokes are never as thin as they are."""
 
 
-def remove_ruled_lines(mask: BoolArray, *, polarity: Polarity) -> BoolArray:
-    """The ink without straight lines along its rows and columns, and without what lies beyond a border line.
+Lines = tuple[tuple[int, slice], ...]  # the axis that each lies across, 0 along the rows, and its band there
 
-    A stroke that crosses a line is thicker than it, and stays; so a printed grid goes and the writing on it
-    stays. Beyond the border line of a stele or a ruled page there is no part of the character.
+
+def remove_ruled_lines(
+    mask: BoolArray, *, polarity: Polarity, character: float | None = None
+) -> tuple[BoolArray, Lines]:
+    """The ink without straight lines along its rows and columns, and these lines.
+
+    A stroke that crosses a line is thicker than it and stays, so the writing on a printed grid stays.
+    character: side of the characters of a page, in pixels; strokes of small ones are thin, too.
     """
     settings = CARVED if polarity == "light" else PRINTED
     small = shrink(mask.astype(np.uint8) * 255, side=256) > 64
-    thickness = max(2, round(settings.thickness * min(mask.shape)))
-    rest = mask.copy()
-    bands: list[tuple[BoolArray, slice]] = []  # the ink with a line along its rows, and the line's rows
-    for lines, across, kept in ((small, mask, rest), (small.T, mask.T, rest.T)):
+    thickest = settings.thickness * min(mask.shape)
+    thickness = max(2, round(min(thickest, settings.of_character * (character or np.inf))))
+    rest, found = mask.copy(), []
+    for axis, lines, across, kept in ((0, small, mask, rest), (1, small.T, mask.T, rest.T)):
         scale = across.shape[0] / lines.shape[0]
         thick = _open(across, (2 * thickness + 1, 1))
         for start, stop in _thin_lines(lines, settings):
             band = slice(int(start * scale), int(np.ceil(stop * scale)))
             kept[band] &= thick[band]
-            bands.append((kept, band))
-    for rows, band in bands:
-        _clear_beyond(rows, band, settings)
+            found.append((axis, band))
+    return rest, tuple(found)
+
+
+def remove_beyond_lines(mask: BoolArray, lines: Lines, *, polarity: Polarity) -> BoolArray:
+    """The ink without what lies beyond a border line: there is no part of the one character inside it."""
+    settings, rest = CARVED if polarity == "light" else PRINTED, mask.copy()
+    for axis, band in lines:
+        _clear_beyond(rest.T if axis else rest, band, settings)
     return rest
 
 
