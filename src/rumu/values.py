@@ -73,12 +73,12 @@ class Capture:
         not all in one plane.
     mask
         (H, W) bool, True where the object is; all True when none was given.
-    strengths
-        (N,) float64, relative strength of each lamp, mean 1; None when unknown.
-    spacing
-        Millimetres per pixel; None when unknown.
-    names
-        The file that each image came from, for messages.
+    strengths, spacing
+        (N,) float64, relative strength of each lamp, mean 1; millimetres per pixel; None when unknown.
+    names, notes
+        The file that each image came from; what was read otherwise than it was written there.
+    orientation
+        Whether images were turned as EXIF says ('exif') or not ('stored'); None where it says nothing.
 
     Raises
     ------
@@ -92,6 +92,8 @@ class Capture:
     strengths: FloatArray | None = None
     spacing: float | None = None
     names: tuple[str, ...] = ()
+    orientation: Literal["stored", "exif"] | None = None
+    notes: tuple[Bilingual, ...] = ()
 
     def __post_init__(self) -> None:
         require = partial(_require, CaptureError)
@@ -101,20 +103,18 @@ class Capture:
         require(gray_or_colour, "images of shape (N, H, W) or (N, H, W, 3)", images.shape)
         require(n >= 3, "at least 3 images", n)
         require(lights.shape == (n, 3), f"lights of shape ({n}, 3)", lights.shape)
-        is_mask = mask.shape == shape and mask.dtype == np.bool_
-        require(is_mask, f"a bool mask of shape {shape}", f"{mask.dtype} {mask.shape}")
-        require(bool(mask.any()), "a mask with at least one pixel", "an empty mask")
+        is_mask = mask.shape == shape and mask.dtype == np.bool_ and bool(mask.any())
+        require(is_mask, f"a bool mask of shape {shape}, not empty", f"{mask.dtype} {mask.shape}")
         _require_finite(CaptureError, images, "images")
         require(float(images.min()) >= 0, "images of 0 or more", images.min())
         require(spacing is None or (np.isfinite(spacing) and spacing > 0), "spacing > 0", spacing)
         _require_finite(CaptureError, lights, "lights")
-        lengths = np.linalg.norm(lights, axis=1)
-        require(bool(np.allclose(lengths, 1.0, atol=1e-6)), "unit light vectors", lengths)
+        require(np.allclose(np.linalg.norm(lights, axis=1), 1, atol=1e-6), "unit light vectors", lights)
         rank_3 = float(np.linalg.svd(lights, compute_uv=False)[-1]) > 1e-3
         require(rank_3, "lamps that do not all lie in one plane", f"{n} directions of rank below 3")
         if self.strengths is not None:
-            require(self.strengths.shape == (n,), f"{n} strengths", self.strengths.shape)
-            require(bool((self.strengths > 0).all()), "positive strengths", self.strengths)
+            right = self.strengths.shape == (n,) and bool((self.strengths > 0).all())
+            require(right, f"{n} positive strengths", self.strengths)
 
     @property
     def gray(self) -> FloatArray:

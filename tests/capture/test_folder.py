@@ -218,7 +218,7 @@ def test_mask_of_other_photographs_one_folder_up_is_not_ours(tmp_path: Path) -> 
     ("text", "message"),
     [
         ("", r"lights\.lp line 1: expected the number of images, got an empty file"),
-        ("a.png 1 0 1\n", r"lights\.lp line 1: expected the number of images, got 'a\.png 1 0 1'"),
+        ("hello\n", r"lights\.lp line 1: expected 'name x y z', got 'hello': 0 numbers follow the name"),
         (LP.replace("3\n", "5\n"), r"lights\.lp: line 1 promises 5 images, 3 lines follow"),
         (
             LP.replace("b.png 0 2 2", "b.png 0 2"),
@@ -255,8 +255,9 @@ def test_bad_lp(tmp_path: Path, text: str, message: str) -> None:
             "1 2\n3 4\n",
             r"light_directions\.txt: expected a table of 3 x N or N x 3 finite numbers, got \(2, 2\)",
         ),
-        ("1 0 one\n", r"light_directions\.txt: expected a table of 3 x N or N x 3 numbers"),
-        ("1 0 1\n0 1\n", r"light_directions\.txt: expected a table of 3 x N or N x 3 numbers"),
+        ("1 0 one\n", r"light_directions\.txt line 1: expected a table of 3 x N .* got 'one'"),
+        ("1 0 1\n0 1\n", r"light_directions\.txt line 2: expected a table .* 2 of them after lines of 3"),
+        ("1 0 1\na.png 0 1 1\n", r"light_directions\.txt line 2: .* must end in \.lp"),
         ("0 0 1\n1 0 1\n0 1 1\n0 2 1\n", r"light_directions\.txt: holds 4 lamps, but 3 images lie beside it"),
         ("9 0 1\n0 9 1\n1 1 9\n", r"light_directions\.txt: 3 x 3 numbers may be read by rows or by columns"),
         ("0 0 0\n1 0 1\n0 1 1\n0 2 1\n", r"light_directions\.txt lamp 1: .* got a zero vector"),

@@ -93,7 +93,7 @@ def test_uw_chrome_sphere_is_near_the_published_lights(data: Path) -> None:
     radius = (np.ptp(rows) + 1) / 2
     errors = [
         degrees_between(from_sphere(read_image(folder / line.name), centre=centre, radius=radius), line.light)
-        for line in read_lp(folder / "lights.lp")
+        for line in read_lp(folder / "lights.lp").lamps
     ]
     # Two of the twelve published lights lie beside the highlight that is seen, by 6 and 8 degrees.
     assert np.median(errors) < 2.5 and max(errors) < 9

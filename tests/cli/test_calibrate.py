@@ -167,7 +167,7 @@ def test_a_row_survives_a_fault_of_ours(monkeypatch, desk):
 def test_a_table_from_a_spreadsheet(desk):
     path = desk / "marks.csv"
     path.write_bytes(b"\xef\xbb\xbfpupil, image ,mark,reference\r\nLi,a copy.png, 71.5 ,m.png\r\n\r\n")
-    assert read_marks(path) == [MarkedRow("a copy.png", "m.png", 71.5, 2)]
+    assert read_marks(path)[1] == [MarkedRow("a copy.png", "m.png", 71.5, 2)]
 
 
 @pytest.mark.parametrize(
@@ -241,3 +241,15 @@ def test_what_is_written_is_what_ships_in_form(rumu, desk, unseen):
 
     shipped = json.loads((Path(calibration.__file__).parent / "panel.json").read_text("utf-8"))
     assert json.loads((desk / "mine.json").read_text("utf-8")).keys() == shipped.keys()
+
+
+def test_marks_of_a_spreadsheet_in_china_and_in_europe(desk):
+    (desk / "marks.csv").write_bytes(
+        "圖片;範本;分數\r\n張三.png;m.png;７１,5\r\nb.png;m.png;80分\r\n".encode("cp950")
+    )
+    table, rows = read_marks(desk / "marks.csv")
+    assert (table.encoding, table.separator) == ("Big5", ";")
+    assert rows == [MarkedRow("張三.png", "m.png", 71.5, 2), MarkedRow("b.png", "m.png", 80.0, 3)]
+    (desk / "marks.csv").write_bytes(b"image,reference,mark\na.png,m.png,71,5\n")
+    with pytest.raises(CalibrationError, match="line 2: expected 3 cells, got 4"):
+        read_marks(desk / "marks.csv")

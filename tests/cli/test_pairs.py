@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from rumu.cli.pairs import COLUMNS, mark_row, read_pairs
+from rumu.cli.pairs import COLUMNS, mark_row, pair_rows, read_pairs
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
-    with path.open(newline="", encoding="utf-8") as stream:
+    with path.open(newline="", encoding="utf-8-sig") as stream:
         return list(csv.DictReader(stream))
 
 
@@ -173,7 +173,7 @@ def test_a_row_survives_a_fault_of_ours(monkeypatch, desk):
         raise ZeroDivisionError("division\nby zero")
 
     monkeypatch.setattr("rumu.pipeline.assess", stumble)
-    pair = next(read_pairs(table(desk, "copy.png,master.png")))
+    pair = next(pair_rows(read_pairs(table(desk, "copy.png,master.png"))))
     row = mark_row(pair, root=desk, terms={})
     assert row["refused"] == "unexpected ZeroDivisionError: division by zero"
 
@@ -202,6 +202,43 @@ def test_each_row_may_have_its_script(rumu, desk):
 
 
 def test_rows_are_read_one_by_one(desk):
-    pairs = read_pairs(table(desk, *(f"{n}.png,master.png" for n in range(3))))
-    assert next(pairs) == ("0.png", "master.png", None)
+    pairs = pair_rows(read_pairs(table(desk, *(f"{n}.png,master.png" for n in range(3)))))
+    assert next(pairs) == ("0.png", "master.png", None, "")
     assert [pair.copy for pair in pairs] == ["1.png", "2.png"]
+
+
+@pytest.mark.parametrize("name", ["gbk.csv", "semicolon.csv", "utf16.csv"])
+def test_tables_of_spreadsheets(rumu, cases, tmp_path, name):
+    """Chinese names in GB 18030 and UTF-16, semicolons, tabs; utf16.csv names a file that is not there."""
+    ended = rumu(
+        "assess", "--pairs", cases / "tables" / name, "-o", tmp_path / "o.csv", "--jobs", 1, "--json"
+    )
+    (row,) = rows_of(tmp_path / "o.csv")
+    found = {"gbk.csv": ("GB 18030", ","), "semicolon.csv": ("UTF-8", ";"), "utf16.csv": ("UTF-16", "\t")}
+    assert (ended.facts["encoding"], ended.facts["separator"]) == found[name]
+    if name == "utf16.csv":
+        assert row["copy"] == "張三 水.png" and "No such file" in row["refused"]
+    else:
+        assert row["copy"] == {"gbk.csv": "张三 水.png", "semicolon.csv": "a.png"}[name] and row["score"]
+
+
+def test_a_table_opens_in_a_spreadsheet(rumu, desk):
+    """With a byte order mark; a name that would be a formula is none; numbers stay numbers."""
+    (desk / "copy.png").rename(desk / "=1+1.png")
+    pairs = table(desk, "=1+1.png,master.png", "copy.png,master.png,more")
+    rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1)
+    assert (desk / "out.csv").read_bytes().startswith(b"\xef\xbb\xbfcopy,reference,")
+    good, bad = rows_of(desk / "out.csv")
+    assert good["copy"] == "'=1+1.png" and not good["refused"]
+    assert all(abs(float(good[name])) < 90 for name in ("angle", "shift_x", "shift_y"))
+    assert "expected 2 cells, got 3" in bad["refused"]
+
+
+def test_names_from_another_machine(rumu, desk):
+    """Backslashes, other case, decomposed characters, a script in Chinese."""
+    (desk / "习作").mkdir()
+    (desk / "copy.png").rename(desk / "习作" / "é.png")
+    pairs = table(desk, "习作\\é.PNG,MASTER.png,楷书", header="习作,范本,书体", encoding="utf-8")
+    assert rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1).code == 0
+    (row,) = rows_of(desk / "out.csv")
+    assert row["score"] and row["script"] == "regular"

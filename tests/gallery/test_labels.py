@@ -85,3 +85,15 @@ def test_a_description_that_is_none_is_refused(tmp_path, text):
     (tmp_path / "collection.json").write_text(text, encoding="utf-8")
     with pytest.raises(GalleryError, match=r"collection\.json: expected"):
         read_description(tmp_path)
+
+
+def test_labels_of_a_spreadsheet_with_chinese_names(tmp_path):
+    text = "檔名;字;書體;書家;朝代;題名\r\n張三.png;水;楷書;顏真卿;唐;多寶塔碑\r\n"
+    for encoding in ("cp950", "gb18030", "utf-16", "utf-8-sig"):
+        (tmp_path / "labels.csv").write_bytes(text.encode(encoding))
+        (label,) = read_labels(tmp_path, SharedMetadata())
+        metadata = label.metadata
+        assert (label.file, metadata.character, metadata.script, metadata.dynasty) == (
+            *("張三.png", "水", "regular", "Tang"),
+        )
+        assert metadata.hand.zh == "顏真卿" and metadata.title.zh.startswith("多寶塔碑")

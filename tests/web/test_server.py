@@ -7,11 +7,13 @@ import io
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
 import time
 import zipfile
+from datetime import date
 from pathlib import Path
 
 import httpx
@@ -86,7 +88,7 @@ def start(tmp_path, database_url):
         server.log_in()
         return server
 
-    start_server.gallery = gallery
+    start_server.gallery, start_server.database = gallery, database_url
     yield start_server
     for server in started:
         if server.process.poll() is None:
@@ -213,8 +215,6 @@ def test_others_reach_nothing_that_nobody_owns(tmp_path):
 
 def test_small_answers_are_sent_at_once():
     """Without its protocol, asyncio would leave Nagle's delay of 40 ms on every connection."""
-    import socket
-
     with contextlib.closing(listen("127.0.0.1", 0)) as listening:
         assert listening.proto == socket.IPPROTO_TCP
 
@@ -236,6 +236,54 @@ def test_a_port_that_is_taken_is_said(tmp_path):
 )
 def test_what_only_this_machine_reaches(host, own):
     assert is_loopback(host) is own
+
+
+def serve_again(start, tmp_path):
+    """A second `rumu serve` on the same database, which is expected to end at once."""
+    return subprocess.run(
+        [
+            *(sys.executable, "-m", "rumu.cli", "serve", "--port", "0"),
+            *("--database", start.database, "--files", str(tmp_path / "files")),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+
+
+def test_a_second_server_on_the_database_is_refused(start, tmp_path):
+    first = start()
+    second = serve_again(start, tmp_path)
+    assert second.returncode == 1 and second.stdout == "" and second.stderr.count("\n") == 1
+    for word in ("another rumu serve", "另一個 rumu serve", f"pid {first.process.pid}", socket.gethostname()):
+        assert word in second.stderr, second.stderr
+    assert f"since {date.today():%Y}" in second.stderr
+    assert first.client.get("/api/works").status_code == 200
+    first.end(signal.SIGKILL)
+    again = start()  # what a killed server left stands in nobody's way
+    assert again.client.get("/api/works").status_code == 200
+
+
+def test_commands_work_beside_a_server(start, tmp_path):
+    server = start()
+    folder = tmp_path / "more"
+    folder.mkdir()
+    with zipfile.ZipFile(io.BytesIO(zip_of_pictures(3))) as archive:
+        archive.extractall(folder)
+    environment = os.environ | {"RUMU_DATABASE": start.database, "RUMU_FILES": str(tmp_path / "files")}
+    for words in (["gallery", "list"], ["gallery", "import", str(folder)]):
+        ended = subprocess.run(
+            [sys.executable, "-m", "rumu.cli", *words, "--json"],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=120,
+        )
+        assert ended.returncode == 0, ended.stderr
+    time.sleep(1.1)  # seconds that a list is kept
+    assert server.client.get("/api/works?q=號").json()["total"] == 3
 
 
 def test_no_process_is_left_when_a_server_ends(start):

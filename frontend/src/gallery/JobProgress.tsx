@@ -41,14 +41,14 @@ export function JobProgress({ job }: { job: Job }) {
   );
 }
 
-type Imported = { work?: string; collections?: string[]; added?: number; there?: number; left_out?: [string, string, string][]; left_out_count?: number; assumed?: Bilingual };
+type Imported = { work?: string; collections?: string[]; added?: number; there?: number; left_out?: [string, string, string][]; left_out_count?: number; assumed?: Bilingual; notes?: Bilingual[] };
 
 function Outcome({ result }: { result: Imported }) {
   const { work, collections = [], added = 0, there = 0, left_out: skipped = [], left_out_count: skippedCount = 0 } = result;
   return (
     <>
       <p>{t("imported", { added: added.toLocaleString(), there: there.toLocaleString() })}</p>
-      {result.assumed && <p class="note">{localize(result.assumed)}</p>}
+      {[...(result.assumed ? [result.assumed] : []), ...(result.notes ?? [])].map((note) => <p class="note" key={note.en}>{localize(note)}</p>)}
       {skippedCount > 0 && (
         <details>
           <summary>{t("leftOut", { n: skippedCount.toLocaleString() })}</summary>

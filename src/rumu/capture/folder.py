@@ -6,7 +6,8 @@ A folder holds the photographs of one sheet, one lamp each, and one file that sa
     light_directions*.txt    3 x N or N x 3 numbers; the images are taken in natural order
     capture.json             {"slant": 45} for images a, b, c (tilt 0, 90, 180) and d (270), the paper's kind
 
-and may hold a mask, an ambient frame and, in capture.json beside any of them, spacing_mm and encoding.
+and may hold a mask, an ambient frame and, in capture.json beside any of them, spacing_mm, encoding and
+orientation.
 """
 
 from __future__ import annotations
@@ -15,35 +16,48 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
-from rumu.capture.decoded_size import check_memory
-from rumu.capture.formats import ENCODINGS, Encoding, read_header
-from rumu.capture.image import read_linear, read_mask
-from rumu.capture.light_files import Description, read_description, read_directions, read_lp
+from rumu.capture.description import DESCRIPTION, Description, read_description
+from rumu.capture.formats import ENCODINGS, Encoding
+from rumu.capture.frames import ORIENTATIONS, Frames, Orientation, read_frames, size_of, with_file_name
+from rumu.capture.image import read_mask
+from rumu.capture.light_files import LampLine, read_directions, read_lp
 from rumu.capture.lights import direction
-from rumu.containment import FolderFiles
+from rumu.capture.photographs import FolderImages, capture_error, files, place
 from rumu.errors import CaptureError, ImageError
-from rumu.values import BoolArray, Capture, FloatArray
+from rumu.values import Bilingual, BoolArray, Capture, FloatArray
 
-_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".webp", ".bmp", ".gif", ".pgm", ".ppm")
+Choice = TypeVar("Choice", bound=str)
+
 _PAPER_TILTS = {"a": 0.0, "b": 90.0, "c": 180.0, "d": 270.0}
-_DESCRIPTION = "capture.json"
 _ONE_PLANE = 1e-3  # smallest singular value of the lamps that still says three directions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lamps:
-    """The photographs, their lamps, and the file that says where the lamps stood."""
+    """The photographs, their lamps, and the file that says where the lamps stood.
+
+    strengths: (N,) of the lamps, mean 1, None when they are not told. as_shown: whether the lamps are told
+    by how the pictures look on a screen. notes: what a person should know.
+    """
 
     images: tuple[Path, ...]
     lights: FloatArray
     file: Path
+    strengths: FloatArray | None = None
+    as_shown: bool = False
+    notes: tuple[Bilingual, ...] = ()
 
 
 def read_capture(
-    path: str | os.PathLike[str], *, encoding: Encoding = "auto", within: Path | None = None
+    path: str | os.PathLike[str],
+    *,
+    encoding: Encoding = "auto",
+    orientation: Orientation = "auto",
+    within: Path | None = None,
 ) -> Capture:
     """Read a capture folder.
 
@@ -55,6 +69,10 @@ def read_capture(
     encoding : {'auto', 'linear', 'srgb'}
         'auto' takes JPEG and WebP as sRGB and everything else as linear; 'linear' or 'srgb' says it outright,
         and so does "encoding" in capture.json, which is used when `encoding` is 'auto'.
+    orientation : {'auto', 'stored', 'exif'}
+        'stored' takes the photographs as the sensor saw them, 'exif' turns them as their EXIF orientation
+        says; so does "orientation" in capture.json when this is 'auto'. 'auto' turns them only when
+        capture.json tells the lamps, which people do by looking at the pictures, and all say the same.
     within : path, optional
         A folder that holds the capture and every file that may be read, such as that of an upload. Without it
         an .lp and capture.json may name files anywhere.
@@ -63,7 +81,8 @@ def read_capture(
     -------
     Capture
         images: (N, H, W) or (N, H, W, 3) float32, linear, in [0, 1]; lights: (N, 3) unit vectors toward the
-        lamps; mask: (H, W) bool, all True where no mask was found; spacing: millimetres per pixel or None.
+        lamps; mask: (H, W) bool, all True where no mask was found; spacing: millimetres per pixel or None;
+        notes: what was read otherwise than it was written.
 
     Raises
     ------
@@ -77,263 +96,300 @@ def read_capture(
     The mask is "mask" of capture.json, else mask.png, else NAME.mask.png, else mask.png one folder up when
     no photographs lie beside it.
     """
-    if encoding not in ENCODINGS:
-        raise CaptureError(f"encoding: expected one of {', '.join(ENCODINGS)}, got {encoding!r}")
+    _check_choice("encoding", encoding, ENCODINGS)
+    _check_choice("orientation", orientation, ORIENTATIONS)
     folder, named = _split_path(Path(path))
-    files = None if within is None else FolderFiles(within)
-    if files is not None:
-        _check_links(folder, files)
-    description_file = folder / _DESCRIPTION
+    images = FolderImages(folder, within=within)
+    images.check_links()
+    description_file = folder / DESCRIPTION
     description = read_description(description_file) if description_file.is_file() else Description()
-    lamps = _read_lamps(folder, named, description, files=files)
+    lamps = _read_lamps(images, named, description)
     _check_lamps(lamps)
-    chosen = _encoding_of(folder, description) if encoding == "auto" else encoding
-    images = _read_images(lamps.images, ambient=_image_by_stem(folder, "ambient"), encoding=chosen)
+    chosen = _entry(folder, "encoding", description.encoding, ENCODINGS) if encoding == "auto" else encoding
+    turned = (
+        _entry(folder, "orientation", description.orientation, ORIENTATIONS)
+        if orientation == "auto"
+        else orientation
+    )
+    frames = read_frames(
+        lamps.images,
+        as_shown=lamps.as_shown,
+        ambient=images.by_stem("ambient"),
+        encoding=chosen,
+        orientation=turned,
+    )
     return Capture(
-        images=images,
+        images=frames.images,
         lights=lamps.lights,
-        mask=_read_folder_mask(folder, description, files=files, shape=images.shape[1:3]),
+        mask=_read_folder_mask(images, description, frames),
+        strengths=lamps.strengths,
         spacing=description.spacing_mm,
         names=tuple(
             image.relative_to(folder).as_posix() if image.is_relative_to(folder) else str(image)
             for image in lamps.images
         ),
+        orientation=frames.orientation,
+        notes=(*lamps.notes, *frames.notes),
     )
+
+
+def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise CaptureError(
+            f"{name}: expected one of {', '.join(known)}, got {value!r}",
+            zh=f"{name} 應是 {'、'.join(known)} 之一，卻是 {value!r}。",
+        )
 
 
 def _split_path(path: Path) -> tuple[Path, Path | None]:
     if path.is_dir():
         return path, None
     if not path.exists():
-        raise CaptureError(f"{path}: expected a capture folder or its .lp file, there is no such file")
+        raise capture_error(
+            path,
+            en="expected a capture folder or its .lp file, there is no such file",
+            zh="這裡應是多燈照片的資料夾或其中的 .lp 檔，卻找不到",
+        )
     if path.suffix.lower() in (".lp", ".txt", ".json"):
         return path.parent, path
-    raise CaptureError(f"{path}: expected a capture folder or its .lp file, got another kind of file")
+    raise capture_error(
+        path,
+        en="expected a capture folder or its .lp file, got another kind of file",
+        zh="這裡應是多燈照片的資料夾或其中的 .lp 檔，卻是別種檔案",
+    )
 
 
-def _check_links(folder: Path, files: FolderFiles) -> None:
-    """Raise CaptureError for a link in the folder of an upload that leads out of it."""
-    for path in folder.iterdir():
-        if path.is_symlink() and not files.holds(path):
-            raise CaptureError(
-                f"{path}: leads out of the capture", zh=f"{path.name}：指向這組照片以外的檔案。"
-            )
-
-
-def _encoding_of(folder: Path, description: Description) -> Encoding:
-    for known in ENCODINGS:
-        if description.encoding in (known, None):
-            return known
-    raise CaptureError(
-        f'{folder / _DESCRIPTION}: expected "encoding" among {", ".join(ENCODINGS)}, '
-        f"got {description.encoding!r}"
+def _entry(folder: Path, key: str, value: str | None, known: tuple[Choice, ...]) -> Choice:
+    """An entry of capture.json among those that are known; the first where there is none."""
+    for one in known:
+        if value in (one, None):
+            return one
+    raise capture_error(
+        folder / DESCRIPTION,
+        en=f'expected "{key}" among {", ".join(known)}, got {value!r}',
+        zh=f'"{key}" 應是 {"、".join(known)} 之一，卻是 {value!r}',
     )
 
 
 # --- which images, which lamps ---------------------------------------------------------------------
 
 
-def _read_lamps(
-    folder: Path, named: Path | None, description: Description, *, files: FolderFiles | None
-) -> _Lamps:
+def _read_lamps(images: FolderImages, named: Path | None, description: Description) -> _Lamps:
+    folder = images.folder
     file = named or _lamp_file(folder, description)
     kind = file.suffix.lower()
     if kind != ".json" and description.slant is not None:
-        raise CaptureError(
-            f'{folder}: {file.name} says where the lamps stood and so does "slant" in {_DESCRIPTION}; '
-            "keep one of them"
+        raise capture_error(
+            folder,
+            en=f'{file.name} says where the lamps stood and so does "slant" in {DESCRIPTION}; '
+            "keep one of them",
+            zh=f'{file.name} 與 {DESCRIPTION} 的 "slant" 都說了燈的位置；請只留一個',
         )
     if kind == ".lp":
-        return _from_lp(file, files)
-    return _from_json(file, description) if kind == ".json" else _from_table(file)
+        return _from_lp(file, images)
+    return _from_json(file, images, description) if kind == ".json" else _from_table(file, images)
 
 
 def _lamp_file(folder: Path, description: Description) -> Path:
     for kind in (r".+\.lp", r"light_directions.*\.txt"):
-        found = [p for p in _files(folder) if re.fullmatch(kind, p.name, re.IGNORECASE)]
+        found = [p for p in files(folder) if re.fullmatch(kind, p.name, re.IGNORECASE)]
         if len(found) > 1:
             names = ", ".join(p.name for p in found)
-            raise CaptureError(f"{folder}: found {names}; expected one, or the path of the one to use")
+            raise capture_error(
+                folder,
+                en=f"found {names}; expected one, or the path of the one to use",
+                zh=f"有 {names}；應只有一個，或指明要用哪一個",
+            )
         if found:
             return found[0]
     if description.slant is not None:
-        return folder / _DESCRIPTION
-    raise CaptureError(
-        f"{folder}: expected an .lp file, light_directions.txt, or {_DESCRIPTION} with a slant, found none"
+        return folder / DESCRIPTION
+    raise capture_error(
+        folder,
+        en=f"expected an .lp file, light_directions.txt, or {DESCRIPTION} with a slant, found none",
+        zh=f"這裡應有 .lp 檔、light_directions.txt，或寫有 slant 的 {DESCRIPTION}，卻都沒有",
     )
 
 
-def _from_lp(path: Path, files: FolderFiles | None) -> _Lamps:
-    lines = read_lp(path)
-    images = []
-    for line in lines:
-        image = _find_named(path.parent, line.name, files)
+def _from_lp(path: Path, images: FolderImages) -> _Lamps:
+    listed = read_lp(path, images)
+    found: dict[Path, LampLine] = {}
+    for lamp in listed.lamps:
+        image = images.find(lamp.name)
         if image is None:
-            raise CaptureError(
-                f"{line.where}: expected the image {line.name}, there is no such file",
-                zh=f"{path.name} 所列的照片 {line.name} 不在這裡；請一併放入，或更正檔名。",
+            here = images.examples()
+            raise capture_error(
+                lamp.where,
+                en=f"expected the image {lamp.name}, there is no such file; {here.en}",
+                zh=f"這裡應是照片檔 {lamp.name}，卻沒有這個檔案；{here.zh}",
             )
-        images.append(image)
-    return _Lamps(tuple(images), np.array([line.light for line in lines]).reshape(-1, 3), path)
+        if image in found:
+            before = found[image].where
+            raise capture_error(
+                lamp.where,
+                en=f"{image.name} was named before, in {before.en}",
+                zh=f"{image.name} 在 {before.zh} 已經出現過",
+            )
+        found[image] = lamp
+    strengths, told = _strengths(path, listed.lamps)
+    return _Lamps(
+        tuple(found),
+        np.array([lamp.light for lamp in listed.lamps]).reshape(-1, 3),
+        path,
+        strengths=strengths,
+        notes=(*listed.notes, *told, *_other_names(path.parent, found)),
+    )
 
 
-def _find_named(folder: Path, name: str, files: FolderFiles | None) -> Path | None:
-    """The file of a name; where that is not found, as from another machine, one of its last part here.
+def _other_names(folder: Path, found: dict[Path, LampLine]) -> list[Bilingual]:
+    """A note when images were read that the lamp file calls otherwise."""
+    other = [
+        (lamp, image)
+        for image, lamp in found.items()
+        if image.resolve() != Path(folder, lamp.name.replace("\\", "/")).resolve()
+    ]
+    if not other:
+        return []
+    (lamp, image), more = other[0], len(other) - 1
+    return [
+        Bilingual(
+            f"{lamp.where.zh}：找不到 {lamp.name}，改讀 {image.name}"
+            + (f"；另有 {more} 行也是這樣。" if more else "。"),
+            f"{lamp.where.en}: {lamp.name} is not there, {image.name} was read instead"
+            + (f"; likewise for {more} more" if more else ""),
+        )
+    ]
 
-    files: of an upload, which alone may be found; None for any files of this machine.
-    """
-    forward = name.replace("\\", "/")
-    last = forward.rsplit("/", 1)[-1]
-    if files is not None:
-        return files.find(name, beside=folder) or files.find(last, beside=folder)
-    for candidate in (folder / name, folder / forward, folder / last):
-        if candidate.is_file():
-            return candidate
-    return None
+
+def _strengths(path: Path, lamps: tuple[LampLine, ...]) -> tuple[FloatArray | None, list[Bilingual]]:
+    """(N,) strengths of mean 1, None where the file tells none or the same for all, and what to say."""
+    told = [lamp.strength for lamp in lamps if lamp.strength is not None]
+    if told and len(told) < len(lamps):
+        bare = next(lamp for lamp in lamps if lamp.strength is None)
+        raise capture_error(
+            bare.where,
+            en="expected the strength of the lamp after x y z, as on other lines, got none",
+            zh="x y z 之後應像別的行一樣有燈的強度，這裡卻沒有",
+        )
+    values = np.array(told)
+    if not told or np.allclose(values, values[0], rtol=1e-6):
+        return None, []
+    where = place(path)
+    note = Bilingual(
+        f"{where.zh}：x y z 之後的數當作燈的強度（{values.min():.3g} 到 {values.max():.3g}）。",
+        f"{where.en}: what follows x y z is taken for the strength of the lamp "
+        f"({values.min():.3g} to {values.max():.3g})",
+    )
+    return values / values.mean(), [note]
 
 
-def _from_table(path: Path) -> _Lamps:
+def _from_table(path: Path, images: FolderImages) -> _Lamps:
     lights = read_directions(path)
-    images = _photographs(path.parent)
-    if len(images) != len(lights):
-        raise CaptureError(f"{path}: holds {len(lights)} lamps, but {len(images)} images lie beside it")
-    return _Lamps(tuple(images), lights, path)
+    count = len(images.photographs)
+    if count != len(lights):
+        raise capture_error(
+            path,
+            en=f"holds {len(lights)} lamps, but {count} images lie beside it",
+            zh=f"裡面有 {len(lights)} 盞燈，旁邊卻有 {count} 張照片",
+        )
+    return _Lamps(tuple(images.photographs), lights, path)
 
 
-def _from_json(path: Path, description: Description) -> _Lamps:
+def _from_json(path: Path, images: FolderImages, description: Description) -> _Lamps:
     if description.slant is None:
-        raise CaptureError(f'{path}: expected "slant", the degrees of the lamps from straight above')
+        raise capture_error(
+            path,
+            en='expected "slant", the degrees of the lamps from straight above',
+            zh='這裡應有 "slant"，即燈偏離正上方的度數',
+        )
     given = bool(description.tilts)
     tilts = description.tilts or _PAPER_TILTS
-    images, lights = [], []
+    found, lights = [], []
     for stem, tilt in tilts.items():
-        image = _image_by_stem(path.parent, stem)
+        image = images.by_stem(stem) or images.find(stem)
         if image is None and (given or stem != "d"):
-            raise CaptureError(f"{path}: expected an image named {stem} (such as {stem}.png), found none")
+            raise capture_error(
+                path,
+                en=f"expected an image named {stem} (such as {stem}.png), found none",
+                zh=f"這裡應有名為 {stem} 的照片（如 {stem}.png），卻沒有",
+            )
         if image is not None:
-            images.append(image)
+            found.append(image)
             lights.append(direction(tilt=tilt, slant=description.slant))
-    return _Lamps(tuple(images), np.array(lights), path)
-
-
-def _files(folder: Path) -> list[Path]:
-    """Files of a folder, by name, without hidden ones: copying from a Mac leaves a ._NAME beside each."""
-    try:
-        return sorted(p for p in folder.iterdir() if p.is_file() and not p.name.startswith("."))
-    except OSError as error:
-        raise CaptureError(f"{folder}: cannot be read ({error.strerror})") from error
-
-
-def _image_files(folder: Path) -> list[Path]:
-    """Those that images may be, by their suffix."""
-    return [p for p in _files(folder) if p.suffix.lower() in _SUFFIXES]
-
-
-def _photographs(folder: Path) -> list[Path]:
-    """Image files in natural order (2 before 10), without masks, the ambient frame and normal maps."""
-    aside = re.compile(r"(.*\.)?(mask|ambient)|normals?(_gt)?", re.IGNORECASE)
-    return sorted(
-        (p for p in _image_files(folder) if not aside.fullmatch(p.stem)),
-        key=lambda p: [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", p.name)],
-    )
-
-
-def _image_by_stem(folder: Path, stem: str) -> Path | None:
-    """The one image of this name with any suffix, None when there is none."""
-    found = [p for p in _image_files(folder) if p.stem.lower() == stem.lower()]
-    if len(found) > 1:
-        names = ", ".join(p.name for p in found)
-        raise CaptureError(f"{folder}: expected one image named {stem}, found {names}")
-    return found[0] if found else None
+    return _Lamps(tuple(found), np.array(lights), path, as_shown=True)
 
 
 def _check_lamps(lamps: _Lamps) -> None:
     count = len(lamps.images)
     if count < 3:
-        raise CaptureError(f"{lamps.file}: expected at least 3 images, got {count}")
+        raise capture_error(
+            lamps.file,
+            en=f"expected at least 3 images, got {count}",
+            zh=f"至少要 3 張照片，這裡有 {count} 張",
+        )
     if float(np.linalg.svd(lamps.lights, compute_uv=False)[-1]) <= _ONE_PLANE:
-        raise CaptureError(
-            f"{lamps.file}: expected lamps from at least three sides, got {count} that lie in one plane"
+        raise capture_error(
+            lamps.file,
+            en=f"expected lamps from at least three sides, got {count} that lie in one plane",
+            zh=f"燈至少要在三個方向，這裡 {count} 盞燈都在同一平面上",
         )
 
 
-# --- pixels ----------------------------------------------------------------------------------------
+# --- the mask ---------------------------------------------------------------------------------------
 
 
-def _read_images(paths: tuple[Path, ...], *, ambient: Path | None, encoding: Encoding) -> FloatArray:
-    check_memory([read_header(path).image_memory() for path in paths], paths[0].parent)
-    first = read_linear(paths[0], encoding=encoding)
-    dark = None if ambient is None else read_linear(ambient, encoding=encoding)
-    if ambient is not None and dark is not None:
-        _check_same_size(ambient, dark, paths[0], first)
-    images = np.empty((len(paths), *first.shape), dtype=np.float32)
-    for i, path in enumerate(paths):
-        image = first if i == 0 else read_linear(path, encoding=encoding)
-        _check_same_size(path, image, paths[0], first)
-        images[i] = image if dark is None else np.maximum(image - dark, 0)
-    peak = float(images.max())
-    if peak > 1:
-        images /= np.float32(peak)
-    return images
-
-
-def _check_same_size(path: Path, image: FloatArray, first_path: Path, first: FloatArray) -> None:
-    if image.shape[:2] != first.shape[:2]:
-        raise CaptureError(
-            f"{path}: expected {_size(first)} pixels as in {first_path.name}, got {_size(image)}"
-        )
-    if image.ndim != first.ndim:
-        kinds = {2: "gray", 3: "colour"}
-        raise CaptureError(
-            f"{path}: expected {kinds[first.ndim]} as in {first_path.name}, got {kinds[image.ndim]}"
-        )
-
-
-def _size(image: FloatArray | BoolArray) -> str:
-    return f"{image.shape[1]} x {image.shape[0]}"
-
-
-def _read_folder_mask(
-    folder: Path, description: Description, *, files: FolderFiles | None, shape: tuple[int, ...]
-) -> BoolArray:
-    path = _mask_file(folder, description, files)
+def _read_folder_mask(images: FolderImages, description: Description, frames: Frames) -> BoolArray:
+    shape = frames.images.shape[1:3]
+    path = _mask_file(images, description)
     if path is None:
         return np.ones(shape, dtype=bool)
     try:
-        mask = read_mask(path)
+        mask = read_mask(path, upright=frames.upright)
     except ImageError as error:
-        raise CaptureError(f"mask {error}") from error
+        named = with_file_name(error, path)
+        raise CaptureError(f"mask {named}", zh=None if named.zh is None else f"遮罩 {named.zh}") from error
     if mask.shape != shape:
-        raise CaptureError(f"{path}: expected a mask of {shape[1]} x {shape[0]} pixels, got {_size(mask)}")
+        raise capture_error(
+            path,
+            en=f"expected a mask of {shape[1]} x {shape[0]} pixels, got {size_of(mask)}",
+            zh=f"遮罩應是 {shape[1]} x {shape[0]} 像素，卻是 {size_of(mask)}",
+        )
     if not mask.any():
-        raise CaptureError(f"{path}: expected a mask with white where the object is, it is black all over")
+        raise capture_error(
+            path,
+            en="expected a mask with white where the object is, it is black all over",
+            zh="遮罩中物體處應是白色，這裡卻全是黑色",
+        )
     return mask
 
 
-def _mask_file(folder: Path, description: Description, files: FolderFiles | None) -> Path | None:
+def _mask_file(images: FolderImages, description: Description) -> Path | None:
     if description.mask is not None:
-        mask = _find_named(folder, description.mask, files)
+        mask = images.find(description.mask, any_suffix=False)
         if mask is None:
-            raise CaptureError(
-                f"{folder / _DESCRIPTION}: expected the mask {description.mask}, there is no such file",
-                zh=f"{_DESCRIPTION} 所指的遮罩 {description.mask} 不在這組照片裡；請一併放入。",
+            raise capture_error(
+                images.folder / DESCRIPTION,
+                en=f"expected the mask {description.mask}, there is no such file",
+                zh=f"所指的遮罩 {description.mask} 不在這組照片裡；請一併放入",
             )
         return mask
-    plain = _image_by_stem(folder, "mask")
+    plain = images.by_stem("mask")
     if plain is not None:
         return plain
-    named = [p for p in _image_files(folder) if p.stem.lower().endswith(".mask")]
+    named = [p for p in images.images() if p.stem.lower().endswith(".mask")]
     if len(named) > 1:
-        raise CaptureError(f"{folder}: expected one mask, found {', '.join(p.name for p in named)}")
-    if named:
-        return named[0]
-    above = _mask_above(folder.resolve().parent)
-    return None if above is None or not (files is None or files.holds(above)) else above
+        names = ", ".join(p.name for p in named)
+        raise capture_error(
+            images.folder, en=f"expected one mask, found {names}", zh=f"遮罩應只有一個，卻有 {names}"
+        )
+    return named[0] if named else _mask_above(images)
 
 
-def _mask_above(folder: Path) -> Path | None:
+def _mask_above(images: FolderImages) -> Path | None:
     """The mask that several captures share, one folder up; not one that belongs to photographs beside it."""
+    above = FolderImages(images.folder.resolve().parent)
     try:
-        return None if _photographs(folder) else _image_by_stem(folder, "mask")
+        mask = None if above.photographs else above.by_stem("mask")
     except CaptureError:  # the folder above need not be readable, nor in order
         return None
+    return mask if mask is not None and images.may_read(mask) else None

@@ -113,16 +113,21 @@ def _assess_one(copy: Path, reference: str, *, report: Path | None, terms: dict[
 def _assess_table(
     pairs: Path, out: Path, *, root: Path | None, jobs: int | None, terms: dict[str, Any]
 ) -> Outcome:
-    from rumu.cli.pairs import assess_pairs
+    from rumu.cli.pairs import assess_pairs, read_pairs
 
+    table = read_pairs(pairs)
     started = time.perf_counter()
     with bar("Marking") as advance:
         marked_rows, refused_rows = assess_pairs(
-            pairs, out, root=root or pairs.parent, jobs=jobs, terms=terms, advance=advance
+            table, out, root=root or pairs.parent, jobs=jobs, terms=terms, advance=advance
         )
     seconds = time.perf_counter() - started
     facts = {"out": out, "pairs": marked_rows + refused_rows, "marked": marked_rows, "refused": refused_rows}
-    text = f"{out}: {marked_rows} marked, {refused_rows} refused, {seconds:.1f} s"
+    facts |= {"encoding": table.encoding, "separator": table.separator}
+    text = (
+        f"{out}: {marked_rows} marked, {refused_rows} refused, {seconds:.1f} s\n"
+        f"  {pairs}: {table.description}"
+    )
     none = (
         f"{out}: no pair of {pairs} could be marked; the column 'refused' says why"
         if not marked_rows

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from rumu.cli.options import AsJson, check_writable, find_master, not_an_input
-from rumu.cli.pairs import prepared_master, read_rows, reason_in_one_line
+from rumu.cli.options import AsJson, check_writable, find_copy, find_master, not_an_input
+from rumu.cli.pairs import prepared_master, reason_in_one_line
 from rumu.cli.terminal import Outcome, bar, print_outcome, working
+from rumu.csv_tables import Table, TableRow, read_table
 from rumu.errors import CalibrationError
 from rumu.executors import by_group, cores
 from rumu.outputs import whole_file
@@ -23,6 +24,12 @@ if TYPE_CHECKING:
     from rumu.cli.terminal import Advance
 
 COLUMNS = ("image", "reference", "mark")
+NAMES = {
+    "image": ("圖片", "图片", "圖像", "图像", "照片", "臨作", "临作", "習作", "习作", "作業", "作业"),
+    "reference": ("範本", "范本", "字帖", "原帖", "碑帖", "參照", "参照"),
+    "mark": ("score", "分數", "分数", "成績", "成绩", "評分", "评分", "得分"),
+}
+"""Column of a table of marks -> its other names."""
 
 
 class MarkedRow(NamedTuple):
@@ -56,7 +63,7 @@ def calibrate(
 ) -> Outcome:
     """Fit the mark to your own marks; keeps the default, and says so, when they do not carry more."""
     not_an_input(out, marks)
-    rows = read_marks(marks)
+    table, rows = read_marks(marks)
     check_writable(whole_file(out))
     with bar("Measuring") as advance:
         measured = _measure_rows(rows, root=root or marks.parent, jobs=jobs, advance=advance)
@@ -70,34 +77,31 @@ def calibrate(
     none = (
         f"{marks}: no copy of the {len(rows)} could be measured; {left_out[0][1]}" if not fit.copies else None
     )
-    return Outcome(_facts(fit, left_out, out), _describe(fit, left_out, marks, out), refused=none)
+    facts = _facts(fit, left_out, out) | {"encoding": table.encoding, "separator": table.separator}
+    return Outcome(facts, _describe(fit, left_out, table, out), refused=none)
 
 
-def read_marks(path: Path) -> list[MarkedRow]:
-    """The rows of a CSV with the columns image, reference, mark, UTF-8 with or without BOM.
+def read_marks(path: Path) -> tuple[Table, list[MarkedRow]]:
+    """A table with the columns image, reference and mark, and its rows.
 
     Raises CalibrationError that names the file and the line of whatever is no such row.
     """
-    table = read_rows(path, COLUMNS, error_type=CalibrationError)
-    rows = [_row(row, path=path, line=line) for line, row in table]
+    table = read_table(path, NAMES, required=COLUMNS, error_type=CalibrationError)
+    rows = [_row(row, table=table) for row in table.rows()]
     if not rows:
         raise CalibrationError(f"{path}: expected at least one row below the header, found none")
-    return rows
+    return table, rows
 
 
-def _row(row: dict[str, Any], *, path: Path, line: int) -> MarkedRow:
-    image, reference, mark = ((row[name] or "").strip() for name in COLUMNS)
+def _row(row: TableRow, *, table: Table) -> MarkedRow:
+    image, reference, mark = (row.get(name) for name in COLUMNS)
+    where = f"{table.path}, line {row.line}"
     if not image or not reference:
-        raise CalibrationError(f"{path}, line {line}: expected an image and a reference")
-    try:
-        value = float(mark)
-    except ValueError:
-        value = float("nan")
-    if not 0 <= value <= 100:
-        raise CalibrationError(
-            f"{path}, line {line}: expected a mark from 0 to 100, got {mark or 'nothing'!r}"
-        )
-    return MarkedRow(image, reference, value, line)
+        raise CalibrationError(f"{where}: expected an image and a reference")
+    value = table.number(mark.removesuffix("分"))
+    if value is None or not 0 <= value <= 100:
+        raise CalibrationError(f"{where}: expected a mark from 0 to 100, got {mark or 'nothing'!r}")
+    return MarkedRow(image, reference, value, row.line)
 
 
 def measure_row(row: MarkedRow, *, root: Path) -> MeasuredRow:
@@ -106,7 +110,9 @@ def measure_row(row: MarkedRow, *, root: Path) -> MeasuredRow:
 
     try:
         path, _ = find_master(row.reference, root=root)
-        measurement = pipeline.measure(pipeline.surface_of(root / row.image), prepared_master(path))
+        measurement = pipeline.measure(
+            pipeline.surface_of(find_copy(row.image, root=root)), prepared_master(path)
+        )
     except Exception as error:  # one row must never cost the others
         return MeasuredRow(None, refused=reason_in_one_line(error))
     if measurement.refusal is not None:
@@ -175,7 +181,7 @@ _HELD_OUT = {
 }
 
 
-def _describe(fit: TeacherFit, left_out: LeftOut, marks: Path, out: Path) -> str:
+def _describe(fit: TeacherFit, left_out: LeftOut, table: Table, out: Path) -> str:
     fits = (("default", fit.default), ("scale", fit.scale), ("weights", fit.weights))
     rows = [
         f"  {kind:<8}  mean error {one.error:5.1f}   rank agreement {one.spearman:6.3f}"
@@ -190,7 +196,9 @@ def _describe(fit: TeacherFit, left_out: LeftOut, marks: Path, out: Path) -> str
     )
     return "\n".join(
         [
-            f"{marks}: {fit.copies} marks of copies of {fit.masters} masters, {len(left_out)} rows left out",
+            f"{table.path}: {fit.copies} marks of copies of {fit.masters} masters, "
+            f"{len(left_out)} rows left out",
+            f"  read as {table.description}",
             *(f"  line {row.line}: {row.image}: {why}" for row, why in left_out),
             f"{_HELD_OUT[fit.held_out]}:",
             *rows,

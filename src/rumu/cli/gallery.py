@@ -155,7 +155,9 @@ def add(
             ),
         )
     lines = [f"{one.id}: {'added' if one.new else 'was there already'}" for one in added]
-    return Outcome({"works": [{"id": one.id, "new": one.new} for one in added]}, "\n".join(lines))
+    lines += [f"  note: {note.en}" for one in added for note in one.notes]
+    works = [{"id": one.id, "new": one.new, "notes": [note._asdict() for note in one.notes]} for one in added]
+    return Outcome({"works": works}, "\n".join(lines))
 
 
 @app.command("import")
@@ -196,8 +198,11 @@ def import_works(
         lines.append(
             f"{len(done.left_out)} left out, such as {done.left_out[0][0]}: {done.left_out[0][1].en}"
         )
+    if done.read_as:
+        lines.append(f"labels.csv read as {done.read_as}")
     left_out = [{"file": file, "reason": reason.en} for file, reason in done.left_out]
     facts = {"collections": list(done.collections), "added": done.added, "there": done.existing}
+    facts |= {"read_as": done.read_as}
     return Outcome({**facts, "left_out": left_out}, "\n".join(lines))
 
 

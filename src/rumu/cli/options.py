@@ -57,13 +57,26 @@ def check_writable(writing: AbstractContextManager[Path]) -> None:
         raise _OnlyCheckingError
 
 
+def find_copy(name: str, *, root: Path) -> Path:
+    """The file of a copy that a table names, relative to `root`.
+
+    A name that stands there in composed or decomposed characters, in other case or with backslashes is found.
+    """
+    path = root / name
+    if path.exists():
+        return path
+    from rumu.containment import FolderFiles
+
+    return FolderFiles(root).find(name) or path
+
+
 def find_master(master: str, *, root: Path | None = None) -> tuple[Path, str | None]:
     """The file or folder of a master, and its script where that is known.
 
     master: its path (relative to `root`), or the id of a starter work, which knows its script. Raises
     ImageError when it is neither.
     """
-    path = Path(master) if root is None else root / master
+    path = Path(master) if root is None else find_copy(master, root=root)
     if path.exists():
         return path, None
     from rumu.gallery.starter import find_work

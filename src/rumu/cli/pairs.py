@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import functools
 import itertools
-import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rumu.cli.options import find_master
+from rumu.cli.options import find_copy, find_master
+from rumu.csv_tables import Table, TableWriter, read_table
 from rumu.errors import ImageError, RumuError
 from rumu.executors import by_group, cores
 from rumu.outputs import whole_file
@@ -41,38 +41,44 @@ COLUMNS = (
     "remarks_zh",
     "remarks_en",
 )
+NAMES = {
+    "copy": ("臨作", "临作", "臨本", "临本", "習作", "习作", "作業", "作业", "副本"),
+    "reference": ("範本", "范本", "字帖", "原帖", "碑帖", "參照", "参照"),
+    "script": ("書體", "书体", "字體", "字体"),
+}
+"""Column of a table of pairs -> its other names."""
 _WINDOW = 2000  # rows that are in memory at a time
 
 
 class PairRow(NamedTuple):
-    """One row as it stands in the table; None where the row ends too early or the column is not there."""
+    """One row as it stands in the table; None where a cell is empty or not there. fault: of the row."""
 
     copy: str | None
     reference: str | None
     script: str | None = None
+    fault: str = ""
 
 
 def assess_pairs(
-    pairs: Path, out: Path, *, root: Path, jobs: int | None, terms: Mapping[str, Any], advance: Advance
+    pairs: Table, out: Path, *, root: Path, jobs: int | None, terms: Mapping[str, Any], advance: Advance
 ) -> tuple[int, int]:
     """Mark every row of `pairs` and write `out` in the same order; returns (marked, refused) rows.
 
-    terms: levels, calibration, weights, script, remarks, as `pipeline.assess` takes them; a row's own script
-    wins; without remarks their columns stay empty.
+    pairs: see `read_pairs`. terms: levels, calibration, weights, script, remarks, as `pipeline.assess` takes
+    them; a row's own script wins; without remarks their columns stay empty.
     A row that cannot be marked carries its reason in `refused` and stops nothing. Raises RumuError when the
-    table itself cannot be read, OutputError when `out` cannot be written; then nothing is written.
+    table holds no pair, OutputError when `out` cannot be written; then nothing is written.
     """
-    total = sum(1 for _ in read_pairs(pairs))
+    total = sum(1 for _ in pair_rows(pairs))
     if total == 0:
-        raise ImageError(f"{pairs}: expected at least one pair below the header, found none")
+        raise ImageError(f"{pairs.path}: expected at least one pair below the header, found none")
     marked = 0
     with whole_file(out) as part, part.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
-        writer.writeheader()
+        writer = TableWriter(stream, COLUMNS)
         work = functools.partial(mark_row, root=root, terms=terms)
         processes = min(jobs or cores(), total)
         done = itertools.count(1)
-        pairs_in_order = read_pairs(pairs)
+        pairs_in_order = pair_rows(pairs)
         while window := list(itertools.islice(pairs_in_order, _WINDOW)):
             rows = by_group(
                 work,
@@ -82,52 +88,41 @@ def assess_pairs(
                 advance=lambda: advance(next(done), total),
             )
             marked += sum(row["refused"] == "" for row in rows)
-            writer.writerows(rows)
+            for row in rows:
+                writer.write_row(row)
     return marked, total - marked
 
 
-def read_pairs(path: Path) -> Iterator[PairRow]:
-    """The rows of a CSV with the columns copy, reference and perhaps script; see `read_rows`."""
-    for _, row in read_rows(path, ("copy", "reference"), error_type=ImageError):
-        yield PairRow(
-            row["copy"] or None, row["reference"] or None, (row.get("script") or "").strip() or None
-        )
+def read_pairs(path: Path) -> Table:
+    """A table with the columns copy, reference and perhaps script.
 
-
-def read_rows(
-    path: Path, columns: Sequence[str], *, error_type: type[RumuError]
-) -> Iterator[tuple[int, dict[str, Any]]]:
-    """The lines and rows of a CSV with these columns and perhaps others, UTF-8 with or without BOM.
-
-    Raises `error_type` naming the file when it is missing, no UTF-8 text, or lacks a column.
+    Raises ImageError naming the file when it cannot be read as one.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as stream:
-            table = csv.DictReader(stream)
-            table.fieldnames = names = [name.strip() for name in table.fieldnames or ()]
-            if not set(columns) <= set(names):
-                raise error_type(
-                    f"{path}: expected the columns {','.join(columns)} in the first line, "
-                    f"found {', '.join(names) or 'nothing'}"
-                )
-            yield from ((table.line_num, row) for row in table)
-    except OSError as error:
-        raise error_type(f"{path}: cannot be read ({os.strerror(error.errno or 0)})") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise error_type(f"{path}: expected a CSV in UTF-8, cannot read it ({error})") from error
+    return read_table(path, NAMES, required=("copy", "reference"), error_type=ImageError)
+
+
+def pair_rows(table: Table) -> Iterator[PairRow]:
+    """The rows of a table of pairs; one with a fault carries it."""
+    for row in table.rows(with_faulty=True):
+        yield PairRow(
+            row.get("copy") or None, row.get("reference") or None, row.get("script") or None, row.fault
+        )
 
 
 def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str, Any]:
     """One row of the result; whatever goes wrong is said in its column `refused`."""
     row: dict[str, Any] = dict.fromkeys(COLUMNS, "") | {"copy": pair.copy, "reference": pair.reference}
-    if pair.copy is None or pair.reference is None:
-        return row | {"refused": "expected a copy and a reference in this row"}
+    if pair.fault or pair.copy is None or pair.reference is None:
+        return row | {"refused": pair.fault or "expected a copy and a reference in this row"}
     from rumu import pipeline
+    from rumu.gallery.vocabulary import script_key
 
     try:
         path, known_script = find_master(pair.reference, root=root)
-        script = pair.script or terms.get("script") or known_script
-        mark = pipeline.assess(root / pair.copy, prepared_master(path), **{**terms, "script": script})
+        script = (pair.script and script_key(pair.script)) or terms.get("script") or known_script
+        mark = pipeline.assess(
+            find_copy(pair.copy, root=root), prepared_master(path), **{**terms, "script": script}
+        )
         return row | _cells(mark)
     except Exception as error:  # one row must never cost the others
         return row | {"refused": reason_in_one_line(error)}
@@ -171,5 +166,6 @@ def _cells(mark: Assessment) -> dict[str, Any]:
     return cells
 
 
-def _number(value: float | None, digits: int) -> str:
-    return "" if value is None else f"{value:.{digits}f}"
+def _number(value: float | None, digits: int) -> Decimal | str:
+    """The value as it is written; no text, in which a minus would look like a formula's."""
+    return "" if value is None else Decimal(f"{value:.{digits}f}")

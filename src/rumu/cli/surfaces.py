@@ -12,7 +12,9 @@ from rumu.cli.terminal import Outcome, print_outcome, working
 from rumu.errors import GalleryError, SurfaceError
 
 if TYPE_CHECKING:
-    from rumu.values import Surface
+    from collections.abc import Sequence
+
+    from rumu.values import Bilingual, Surface
 
 Solver = Literal["robust", "least_squares", "trimmed", "l1"]
 Integrator = Literal["auto", "dct", "frankot_chellappa", "masked"]
@@ -59,7 +61,7 @@ def reconstruct(
         if mm_per_pixel is not None:
             capture = replace(capture, spacing=finite(mm_per_pixel))
         surface = pipeline.reconstruct(capture, solver=solver, integrator=integrator, rectify=rectify)
-        return _write_surface(surface, out, title=capture_dir.resolve().name)
+        return _write_surface(surface, out, title=capture_dir.resolve().name, notes=capture.notes)
 
 
 @print_outcome
@@ -193,7 +195,7 @@ def _surface_of(source: str) -> Surface:
         raise SurfaceError(f"{source}: there is no such file or folder, and {error}") from error
 
 
-def _write_surface(surface: Surface, out: Path, *, title: str) -> Outcome:
+def _write_surface(surface: Surface, out: Path, *, title: str, notes: Sequence[Bilingual] = ()) -> Outcome:
     from rumu.report.pages import surface_page
     from rumu.report.wording import SOURCES
     from rumu.surface.folder import write_surface
@@ -209,6 +211,7 @@ def _write_surface(surface: Surface, out: Path, *, title: str) -> Outcome:
         "height": {"low": surface.height.min(), "high": surface.height.max()},
         "mask_share": surface.mask.mean(),
         "quality": surface.quality,
+        "notes": [note._asdict() for note in notes],
     }
     rows, columns = surface.height.shape
     low, high = float(surface.height.min()), float(surface.height.max())
@@ -217,4 +220,4 @@ def _write_surface(surface: Surface, out: Path, *, title: str) -> Outcome:
         f"{out}: {columns} x {rows} pixels, height {low:.3g} to {high:.3g} {surface.unit}\n"
         f"  {SOURCES[surface.source].en}{quality}\n  report: {out / 'report.html'}"
     )
-    return Outcome(facts, text)
+    return Outcome(facts, text + "".join(f"\n  note: {note.en}" for note in notes))

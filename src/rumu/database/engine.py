@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sqlite3
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -48,19 +48,17 @@ def open_database(url: str | Path) -> Database:
     """
     from alembic.util.exc import CommandError
 
-    engine = _engine(_address(url))
-    shown = str(url)
-    if "://" in shown:
-        shown = make_url(shown).render_as_string(hide_password=True)
+    engine = make_engine(database_address(url))
     try:
-        _upgrade(engine)
-    except DBAPIError as error:
+        with connect_error(url):
+            _upgrade(engine)
+    except GalleryError:
         engine.dispose()
-        raise GalleryError(f"{shown}: cannot be opened ({str(error.orig).strip()})") from error
+        raise
     except CommandError as error:
         engine.dispose()
         raise GalleryError(
-            f"{shown}: was written by a newer rumu or from before the first release; "
+            f"{shown_address(url)}: was written by a newer rumu or from before the first release; "
             f"open it with that version, or start with a new database ({error})"
         ) from error
     writer = engine.execution_options(**{_WRITES: True})
@@ -68,7 +66,27 @@ def open_database(url: str | Path) -> Database:
     return Database(engine, *sessions)
 
 
-def _address(url: str | Path) -> str:
+def shown_address(url: str | Path) -> str:
+    """The address of a database for messages, without its password."""
+    text = str(url)
+    return make_url(text).render_as_string(hide_password=True) if "://" in text else text
+
+
+@contextmanager
+def connect_error(url: str | Path) -> Iterator[None]:
+    """Raise what a database says against being opened as a GalleryError."""
+    try:
+        yield
+    except DBAPIError as error:
+        reason = str(error.orig).strip()
+        raise GalleryError(f"{shown_address(url)}: cannot be opened ({reason})") from error
+
+
+def database_address(url: str | Path) -> str:
+    """The URL of a database as SQLAlchemy reads it. The folder of an SQLite file is made.
+
+    Raises GalleryError when it cannot be made.
+    """
     text = str(url)
     if "://" not in text:
         path = Path(text)
@@ -83,7 +101,8 @@ def _address(url: str | Path) -> str:
     )
 
 
-def _engine(address: str) -> Engine:
+def make_engine(address: str) -> Engine:
+    """The connections of a database. Raises GalleryError for another kind, or without a driver."""
     try:
         name = make_url(address).get_backend_name()
         if name not in ("sqlite", "postgresql"):

@@ -47,10 +47,14 @@ _SURFACE_FILES = ("height.tif", "normals.tif", "albedo.tif", "confidence.tif", "
 
 @dataclass(frozen=True, slots=True)
 class AddedWork:
-    """The id of a work. new: False when the same content with the same label existed before."""
+    """The id of a work.
+
+    new: False when the same content with the same label existed before. notes: on how a capture was read.
+    """
 
     id: str
     new: bool
+    notes: tuple[Bilingual, ...] = ()
 
 
 def add_picture(
@@ -132,7 +136,8 @@ def add_capture(
         spacing=capture.spacing,
     )
     metadata = replace(metadata, origin=metadata.origin or folder.name)
-    return add_stored_work(gallery, metadata, stored, collection=collection)
+    added = add_stored_work(gallery, metadata, stored, collection=collection)
+    return replace(added, notes=capture.notes)
 
 
 def add_glyphs(
@@ -259,22 +264,26 @@ def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
     import numpy as np
     from PIL import Image
 
-    from rumu.capture.light_files import read_description
+    from rumu.capture.description import read_description
 
     target.mkdir(parents=True)
     names, lines = {}, [str(len(capture.names))]
-    for number, (name, light) in enumerate(zip(capture.names, capture.lights, strict=True), start=1):
+    told = capture.lights
+    if capture.strengths is not None:
+        told = np.column_stack([told, capture.strengths])
+    for number, (name, values) in enumerate(zip(capture.names, told, strict=True), start=1):
         plain = f"{number:03d}{Path(name).suffix.lower()}"
         shutil.copyfile(folder / name, target / plain)
         names[plain] = Path(name).name
-        lines.append(f"{plain} " + " ".join(f"{value:.9g}" for value in light))
+        lines.append(f"{plain} " + " ".join(f"{value:.9g}" for value in values))
     (target / "lights.lp").write_text("\n".join(lines) + "\n", encoding="utf-8")
     (target / "names.json").write_text(json.dumps(names, ensure_ascii=False), encoding="utf-8")
     if not capture.mask.all():
         Image.fromarray(capture.mask.astype(np.uint8) * 255).save(target / "mask.png")
     for dark in sorted(folder.glob("[aA]mbient.*")):
         shutil.copyfile(dark, target / f"ambient{dark.suffix.lower()}")
-    description: dict[str, Any] = {} if capture.spacing is None else {"spacing_mm": capture.spacing}
+    description: dict[str, Any] = {"spacing_mm": capture.spacing, "orientation": capture.orientation}
+    description = {key: value for key, value in description.items() if value is not None}
     if (folder / "capture.json").is_file():
         encoding = read_description(folder / "capture.json").encoding
         description |= {} if encoding is None else {"encoding": encoding}

@@ -11,7 +11,6 @@ same ids, metadata, annotations, tours and bytes.
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,6 +22,7 @@ from typing import Any, TypeVar
 from sqlalchemy import DateTime, select, update
 from sqlalchemy.orm import Session
 
+from rumu.csv_tables import TableWriter
 from rumu.database.tables import Annotation, Base, Collection, Tour, UtcTime, Work
 from rumu.errors import GalleryError, OutputError
 from rumu.gallery.catalog import collection as find_collection
@@ -49,13 +49,15 @@ class ImportResult:
     """What an import did.
 
     collections: their ids. added: number of new works. existing: number of works that were there before.
-    left_out: (file, reason) of each picture that was not imported.
+    left_out: (file, reason) of each picture that was not imported. read_as: encoding and separator of the
+    labels.csv, '' if there is none.
     """
 
     collections: tuple[str, ...]
     added: int = 0
     existing: int = 0
     left_out: tuple[tuple[str, Bilingual], ...] = ()
+    read_as: str = ""
 
     def and_then(self, other: ImportResult) -> ImportResult:
         """The result of both batches."""
@@ -126,8 +128,7 @@ def _write_works(
         (folder / WORKS).open("w", encoding="utf-8") as lines,
         (folder / LABELS).open("w", encoding="utf-8", newline="") as labels,
     ):
-        table = csv.DictWriter(labels, (*_LABELS, *_MORE_LABELS))
-        table.writeheader()
+        table = TableWriter(labels, (*_LABELS, *_MORE_LABELS))
         for done, (work, annotations) in enumerate(_read_works(session, ids), start=1):
             files = list(dict.fromkeys(_store_keys(gallery, work)))
             for key in files:
@@ -136,7 +137,7 @@ def _write_works(
                 target.write_bytes(gallery.store.read(key))
             entry = _to_json(work) | {"annotations": [_to_json(one) for one in annotations], "files": files}
             lines.write(json.dumps(entry, ensure_ascii=False) + "\n")
-            table.writerow(_label(work))
+            table.write_row(_label(work))
             if progress is not None:
                 progress(done, len(ids))
 

@@ -184,10 +184,13 @@ def _read_surface(store: Store, key: str) -> Surface:
 
 
 def _read_capture(store: Store, key: str) -> Capture:
+    from rumu.capture.description import DESCRIPTION, read_description
     from rumu.capture.folder import read_capture
 
     with store.local(key) as folder:
-        return read_capture(folder, within=folder)
+        # Before captures said which way round they are, photographs were always turned as EXIF says.
+        told = read_description(folder / DESCRIPTION).orientation
+        return read_capture(folder, orientation="auto" if told else "exif", within=folder)
 
 
 @cached(_cache, condition=_cache_changed)

@@ -21,7 +21,7 @@ from rumu.gallery.add_work import store_suffix
 from rumu.gallery.archive import BATCH, MANIFEST, ImportResult, Progress, import_archive, split
 from rumu.gallery.assets import picture_key
 from rumu.gallery.labels import LabelledPicture, SharedMetadata, collection_of, read_description, read_labels
-from rumu.gallery.masters import LABELS
+from rumu.gallery.masters import LABELS, read_label_table
 from rumu.gallery.metadata import CollectionMetadata, StoredFiles, insert_works, work_row
 from rumu.gallery.store import Gallery
 from rumu.values import Bilingual
@@ -59,7 +59,8 @@ def import_folder(
         )
     shared = (shared or SharedMetadata()).with_defaults(read_description(folder))
     labels, collection = read_labels(folder, shared), collection_of(folder, shared)
-    result, done = ImportResult((collection.id,)), 0
+    read_as = read_label_table(folder / LABELS).description
+    result, done = ImportResult((collection.id,), read_as=read_as), 0
     for batch in _read_batches(folder, labels):
         result = result.and_then(_import_batch(gallery, batch, collection))
         done += len(batch)

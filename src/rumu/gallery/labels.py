@@ -16,10 +16,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from rumu.csv_tables import Table, TableRow
 from rumu.errors import GalleryError
-from rumu.gallery.masters import LABELS, label_rows
+from rumu.gallery.masters import LABELS, read_label_table
 from rumu.gallery.metadata import EMPTY, NO_LICENCE, CollectionMetadata, WorkMetadata, slug
-from rumu.gallery.vocabulary import dynasty_key, period_name, script_name
+from rumu.gallery.vocabulary import dynasty_key, period_name, script_key, script_name
 from rumu.values import SCRIPTS, Bilingual
 
 DESCRIPTION = "collection.json"
@@ -119,23 +120,21 @@ def collection_of(folder: Path, shared: SharedMetadata) -> CollectionMetadata:
 
 def read_labels(folder: Path, shared: SharedMetadata) -> tuple[LabelledPicture, ...]:
     """The rows of labels.csv in order. Raises GalleryError that names the file, and the row with a fault."""
-    table = folder / LABELS
-    rows = enumerate(label_rows(table), start=1)
+    table = read_label_table(folder / LABELS)
+    rows = enumerate(table.rows(), start=1)
     return tuple(_labelled_picture(table, number, row, shared) for number, row in rows)
 
 
-def _labelled_picture(
-    table: Path, number: int, row: Mapping[str, str | None], shared: SharedMetadata
-) -> LabelledPicture:
-    def column(*names: str) -> str:
-        return next((str(row[name]).strip() for name in names if row.get(name)), "")
-
+def _labelled_picture(table: Table, number: int, row: TableRow, shared: SharedMetadata) -> LabelledPicture:
+    column = row.get
+    where, where_zh = f"{table.path} row {number}", f"{LABELS} 第 {number} 列"
     if not column("file"):
-        raise GalleryError(f"{table} row {number}: expected a file, got nothing")
-    script = column("script") or shared.text("script")
+        raise GalleryError(f"{where}: expected a file, got nothing", zh=f"{where_zh}：沒有檔名。")
+    script = script_key(column("script")) or shared.text("script")
     if script and script not in SCRIPTS:
         raise GalleryError(
-            f"{table} row {number}: expected a script among {', '.join(SCRIPTS)}, got {script!r}"
+            f"{where}: expected a script among {', '.join(SCRIPTS)}, got {script!r}",
+            zh=f"{where_zh}：書體應是{'、'.join(SCRIPTS.values())}之一，卻是「{script}」。",
         )
     default = shared.work_metadata()
     hand = _hand(column) or default.hand

@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from rumu.csv_tables import Table, read_table
 from rumu.errors import GalleryError
 
 LABELS = "labels.csv"
+NAMES = {
+    "file": ("filename", "檔案", "檔名", "圖檔", "文件", "文件名", "圖片", "图片"),
+    "character": ("字", "單字", "单字", "字符", "漢字", "汉字"),
+    "script": ("書體", "书体", "字體", "字体"),
+    "calligrapher_zh": ("書家", "书家", "書法家", "书法家", "作者"),
+    "calligrapher": (),
+    "hand": (),
+    "hand_zh": (),
+    "hand_en": (),
+    "work": ("作品", "帖名", "作品名", "碑帖"),
+    "title": ("題名", "题名", "標題", "标题", "名稱", "名称"),
+    "title_zh": (),
+    "title_en": (),
+    "dynasty": ("朝代",),
+    "period": ("時代", "时代", "年代"),
+    "medium": ("媒材", "媒介"),
+    "material": ("材質", "材质", "質地", "质地"),
+    "polarity_guess": (),
+    "source": ("來源", "来源", "出處", "出处"),
+    "licence": ("license", "授權", "授权", "許可", "许可"),
+    "attribution": ("credit", "署名", "標示", "标示"),
+}
+"""Column of a labels.csv -> its other names."""
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp"})
 
 MasterPaths = str | Path | Sequence[str | Path]
@@ -53,23 +76,14 @@ def _read_path(path: Path) -> Iterator[Master]:
         raise GalleryError(f"{path}: expected a folder of pictures or a {LABELS}, found neither")
 
 
-def label_rows(table: Path) -> Iterator[dict[str, str | None]]:
-    """The rows of a labels.csv. Raises GalleryError if it is no CSV with a column `file`."""
-    try:
-        with table.open(encoding="utf-8-sig", newline="") as stream:
-            rows = csv.DictReader(stream)
-            if "file" not in (rows.fieldnames or ()):
-                found = ", ".join(rows.fieldnames or ()) or "nothing"
-                raise GalleryError(f"{table}: expected a column 'file', found {found}")
-            yield from rows
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise GalleryError(f"{table}: expected a CSV in UTF-8, cannot read it ({error})") from error
+def read_label_table(path: Path) -> Table:
+    """A labels.csv. Raises GalleryError if it is no table with a column `file`."""
+    return read_table(path, NAMES, required=("file",), error_type=GalleryError)
 
 
-def _read_labels(table: Path) -> Iterator[Master]:
-    for row in label_rows(table):
-        hand = row.get("calligrapher_zh") or row.get("calligrapher") or None
-        if row["file"]:
-            yield Master(
-                table.parent / row["file"], row.get("character") or None, hand, row.get("work") or None
-            )
+def _read_labels(path: Path) -> Iterator[Master]:
+    for row in read_label_table(path).rows():
+        if file := row.get("file"):
+            hand = row.get("calligrapher_zh", "hand_zh", "calligrapher", "hand")
+            words = (row.get("character"), hand, row.get("work", "title_zh", "title"))
+            yield Master(path.parent / file, *(word or None for word in words))

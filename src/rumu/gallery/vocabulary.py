@@ -93,6 +93,13 @@ def period_name(text: str) -> Bilingual:
     return Bilingual(zh=tidy.replace(" (", "（").replace(")", "）").replace("/", "／"), en=text)
 
 
+def script_key(text: str) -> str:
+    """The key of a script: 'regular' for 'Regular script', 楷書, 楷书 or 楷; another text stays as it is."""
+    words = fold(text.strip()).removesuffix("script").strip()
+    names = {form: name for name, zh in SCRIPTS.items() for form in (name, fold(zh), fold(zh)[:1])}
+    return names.get(words, text.strip())
+
+
 def script_name(script: str) -> Bilingual:
     """The name of a script; an unknown one stays as it is."""
     return SCRIPT_NAMES.get(script, UNKNOWN if not script else Bilingual(zh=script, en=script))

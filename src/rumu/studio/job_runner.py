@@ -17,10 +17,19 @@ _log = logging.getLogger(__name__)
 
 
 class JobRunner:
-    """Takes jobs from the queue of a database. run_job: runs the job of an id to its end, in a worker."""
+    """Takes jobs from the queue of a database.
 
-    def __init__(self, database: Database, run_job: Callable[[str], None]) -> None:
-        self._database, self._run_job = database, run_job
+    run_job: runs the job of an id to its end, in a worker. may_run: whether this is still the only server.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        run_job: Callable[[str], None],
+        *,
+        may_run: Callable[[], bool] = lambda: True,
+    ) -> None:
+        self._database, self._run_job, self._may_run = database, run_job, may_run
         self._wake, self._stopped = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._loop, name="rumu-jobs", daemon=True)
 
@@ -41,7 +50,7 @@ class JobRunner:
     def _loop(self) -> None:
         while not self._stopped.is_set():
             try:
-                job_id = take(self._database)
+                job_id = take(self._database) if self._may_run() else None
                 if job_id is None:
                     self._wake.wait(timeout=_POLL_INTERVAL)
                     self._wake.clear()

@@ -11,10 +11,10 @@ from pathlib import PurePosixPath
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from rumu.csv_tables import csv_text
 from rumu.database.tables import Attempt, TeacherMark, Work
 from rumu.gallery.store import Store
 from rumu.studio.people import Identity
-from rumu.studio.practice import to_csv
 
 COLUMNS = ("image", "reference", "mark")
 
@@ -54,7 +54,7 @@ def given_marks(session: Session, user: Identity, *, task_id: str | None = None)
 
 def marks_csv(marks: Sequence[GivenMark]) -> str:
     """Return marks.csv alone; its paths are those of the zip."""
-    return to_csv(COLUMNS, ((one.image, one.reference, f"{one.mark:g}") for one in marks))
+    return csv_text(COLUMNS, ((one.image, one.reference, f"{one.mark:g}") for one in marks))
 
 
 def marks_zip(store: Store, marks: Sequence[GivenMark]) -> bytes:

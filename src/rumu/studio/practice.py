@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from rumu.csv_tables import csv_text
 from rumu.database.tables import Attempt, Work
 from rumu.studio.errors import Missing
 
@@ -69,19 +68,7 @@ def attempts_csv(session: Session, person_id: str) -> str:
     """Return all attempts of a person, oldest first, as CSV text with COLUMNS."""
     attempts = list(_attempts(session, person_id, None))
     works = {w.id: w for w in session.scalars(select(Work).where(Work.id.in_({a.work_id for a in attempts})))}
-    return to_csv(COLUMNS, (_row(attempt, works[attempt.work_id]) for attempt in attempts))
-
-
-def to_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return rows as CSV text; an apostrophe keeps a cell from being read as a formula."""
-    stream = io.StringIO()
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(columns)
-    formula = tuple("=+-@\t\r")  # the first characters of formulas
-    for row in rows:
-        cells = [f"'{cell}" if str(cell)[:1] in formula and isinstance(cell, str) else cell for cell in row]
-        table.writerow(cells)
-    return stream.getvalue()
+    return csv_text(COLUMNS, (_row(attempt, works[attempt.work_id]) for attempt in attempts))
 
 
 def _attempts(session: Session, person_id: str, work_id: str | None) -> Sequence[Attempt]:

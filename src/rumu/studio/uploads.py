@@ -103,6 +103,7 @@ def import_zip(
                 "collections": list(done.collections),
                 "added": done.added,
                 "there": done.existing,
+                "read_as": done.read_as,
                 "left_out": [
                     [file, without_folders(reason.en), without_folders(reason.zh)]
                     for file, reason in done.left_out[:_MAX_LISTED]
@@ -114,7 +115,9 @@ def import_zip(
         added = add_capture(
             gallery, folder, metadata=metadata_of(facts), collection=collection, within=unpacked.folder
         )
-        return assumed | {"work": added.id, "added": int(added.new), "there": int(not added.new)}
+        notes = [note._asdict() for note in added.notes]
+        counts = {"added": int(added.new), "there": int(not added.new)}
+        return assumed | {"work": added.id, **counts, "notes": notes}
 
 
 def _find_content(top: Path) -> tuple[Path, bool]:

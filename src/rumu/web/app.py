@@ -10,6 +10,7 @@ from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
 from rumu import __version__
+from rumu.database.server_lock import ServerLock
 from rumu.web import openapi, pages
 from rumu.web.addresses import AddressMiddleware
 from rumu.web.caching import ETagMiddleware
@@ -48,9 +49,12 @@ _ROUTERS = (
 )
 
 
-def create_app(settings: ServiceSettings) -> FastAPI:
-    """The application of one service. It opens the gallery at once; workers start with the server."""
-    service = Service(settings)
+def create_app(settings: ServiceSettings, *, lock: ServerLock | None = None) -> FastAPI:
+    """The application of one service. It opens the gallery at once; workers start with the server.
+
+    lock: by which this is the only server of the database; None where the caller sees to that.
+    """
+    service = Service(settings, lock=lock)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from rumu.database.server_lock import lock_server
 from rumu.errors import RumuError
 
 if TYPE_CHECKING:
@@ -41,15 +42,16 @@ def serve(
     proxies: addresses, separated by commas, whose X-Forwarded headers are believed; None for this machine.
 
     on_listen: called once the port is ours. on_ready: called, in a thread, once requests are answered.
-    Raises RumuError when the port is taken, or when others could reach a service that has no owner yet.
+    Raises RumuError when the port is taken, when another server works on the database, or when others could
+    reach a service that has no owner yet.
     """
     import uvicorn
 
     from rumu.web.app import create_app
 
     listener = listen(host, port)
-    with contextlib.closing(listener):
-        app = create_app(settings)
+    with contextlib.closing(listener), lock_server(settings.storage.database) as lock:
+        app = create_app(settings, lock=lock)
         service = app.state.service
         if not is_loopback(host) and not service.has_owner():
             raise RumuError(

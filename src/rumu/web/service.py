@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from anyio import CapacityLimiter
 from sqlalchemy import select
 
+from rumu.database.server_lock import ServerLock
 from rumu.database.tables import Attempt, Job, Work
 from rumu.gallery.catalog import open_gallery
 from rumu.studio import job_queue, worker_tasks
@@ -35,7 +36,7 @@ class CurrentSession:
 class Service:
     """Opens the gallery when it is made; `start` and `stop` are called with the server's."""
 
-    def __init__(self, settings: ServiceSettings) -> None:
+    def __init__(self, settings: ServiceSettings, *, lock: ServerLock | None = None) -> None:
         storage = settings.storage
         self.settings = settings
         self.gallery = open_gallery(database=storage.database, files=storage.files)
@@ -46,7 +47,7 @@ class Service:
         self.files = DerivedFiles(self.gallery, self.workers)
         self.stopping = False
         self.marking_limiter = CapacityLimiter(MAX_MARKING_THREADS)
-        self.runner = JobRunner(self.gallery.database, self._run_job)
+        self.runner = JobRunner(self.gallery.database, self._run_job, may_run=(lock or ServerLock()).is_held)
 
     def start(self) -> None:
         """Start the workers, so that the first mark is as quick as the others, and the queue of jobs."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Response
 
+from rumu.csv_tables import csv_text
 from rumu.database.tables import Comparison
 from rumu.studio import attempts, comparisons
-from rumu.studio.practice import to_csv
 from rumu.web.dependencies import CurrentUser, QueryId, ServiceDep, TeacherUser
 from rumu.web.responses import csv_response
 from rumu.web.schemas import Extended
@@ -42,4 +42,4 @@ def get_comparisons_csv(service: ServiceDep, user: TeacherUser) -> Response:
     """All judgements for an owner; for a teacher their own and their pupils'. Judges are given by id."""
     with service.gallery.database.reading() as session:
         rows = comparisons.verdicts(session, user)
-    return csv_response(to_csv(COLUMNS, rows), "comparisons.csv")
+    return csv_response(csv_text(COLUMNS, rows), "comparisons.csv")

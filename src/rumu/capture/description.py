@@ -1,0 +1,97 @@
+"""What capture.json says of a capture folder beside, or in place of, a list of lamps."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rumu.capture.lamp_text import read_texts
+from rumu.capture.photographs import capture_error, place
+
+DESCRIPTION = "capture.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """What capture.json says; None where it says nothing.
+
+    slant: degrees, of all lamps. tilts: degrees, by the image's name without its suffix.
+    spacing_mm: millimetres per pixel. encoding: 'auto', 'linear' or 'srgb'. mask: a file, relative.
+    orientation: 'exif' or 'stored', which way round the photographs are taken.
+    """
+
+    slant: float | None = None
+    tilts: dict[str, float] = field(default_factory=dict)
+    spacing_mm: float | None = None
+    encoding: str | None = None
+    mask: str | None = None
+    orientation: str | None = None
+
+
+def read_description(path: Path) -> Description:
+    """What a capture.json says. Raises CaptureError naming the file and the entry that is wrong."""
+    try:
+        content = json.loads(read_texts(path)[0])
+    except json.JSONDecodeError as error:
+        raise capture_error(
+            place(path, error.lineno),
+            en=f"expected JSON, {error.msg} at column {error.colno}",
+            zh=f"這裡應是 JSON，第 {error.colno} 個字處有誤（{error.msg}）",
+        ) from error
+    known = ("slant", "tilts", "spacing_mm", "encoding", "mask", "orientation")
+    if not isinstance(content, dict):
+        raise capture_error(
+            path,
+            en=f"expected an object {{...}} with any of {', '.join(known)}",
+            zh=f"這裡應是 {{...}}，其中可有 {'、'.join(known)}",
+        )
+    unknown = [key for key in content if key not in known]
+    if unknown:
+        found = ", ".join(map(repr, unknown))
+        raise capture_error(
+            path,
+            en=f"expected only {', '.join(known)}, found {found}",
+            zh=f"只能有 {'、'.join(known)}，卻有 {found}",
+        )
+    tilts = content.get("tilts", {})
+    if not isinstance(tilts, dict):
+        like = '{"a": 0, "b": 90, "c": 180}'
+        raise capture_error(
+            path,
+            en=f'expected "tilts" like {like}, got {tilts!r}',
+            zh=f'"tilts" 應如 {like}，卻是 {tilts!r}',
+        )
+    return Description(
+        slant=_number_entry(path, content, "slant", above=0, below=90),
+        tilts={name: _number_entry(path, tilts, name, above=-360.1, below=360.1) or 0.0 for name in tilts},
+        spacing_mm=_number_entry(path, content, "spacing_mm", above=0, below=1000),
+        encoding=_text_entry(path, content, "encoding"),
+        mask=_text_entry(path, content, "mask"),
+        orientation=_text_entry(path, content, "orientation"),
+    )
+
+
+def _number_entry(
+    path: Path, content: dict[str, Any], key: str, *, above: float, below: float
+) -> float | None:
+    value = content.get(key)
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not above < value < below:
+        raise capture_error(
+            path,
+            en=f'expected "{key}" to be a number above {above:g} and below {below:g}, got {value!r}',
+            zh=f'"{key}" 應是大於 {above:g}、小於 {below:g} 的數，卻是 {value!r}',
+        )
+    return float(value)
+
+
+def _text_entry(path: Path, content: dict[str, Any], key: str) -> str | None:
+    value = content.get(key)
+    if value is not None and not isinstance(value, str):
+        raise capture_error(
+            path, en=f'expected "{key}" to be text, got {value!r}', zh=f'"{key}" 應是文字，卻是 {value!r}'
+        )
+    return value

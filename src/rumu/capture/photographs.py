@@ -1,0 +1,147 @@
+"""Which files of a capture folder are photographs, and which one a lamp file means by a name.
+
+Lamp files come from other machines and other programs: they hold paths of a disk that is not here, names in
+another case or with accents composed otherwise, and names of the raw files that were developed since.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+
+from rumu.containment import FolderFiles
+from rumu.errors import CaptureError
+from rumu.values import Bilingual
+
+_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".webp", ".bmp", ".gif", ".pgm", ".ppm")
+SUFFIX = re.compile(r"\.[A-Za-z][A-Za-z0-9]{1,4}$")
+"""What ends the name of a file of any kind; not the .1 of `shot.1`."""
+_LISTED = 3  # images that a message names
+
+
+def place(path: Path, line: int | None = None) -> Bilingual:
+    """Where a fault is: the file's name, without the folders above it, and the line, counted from 1."""
+    name = path.name or path.resolve().name
+    return Bilingual(name, name) if line is None else Bilingual(f"{name} 第 {line} 行", f"{name} line {line}")
+
+
+def capture_error(where: Bilingual | Path, *, en: str, zh: str) -> CaptureError:
+    """The error that begins with where the fault is."""
+    at = place(where) if isinstance(where, Path) else where
+    return CaptureError(f"{at.en}: {en}", zh=f"{at.zh}：{zh}。")
+
+
+class FolderImages:
+    """The images of one capture folder, found by what a lamp file calls them.
+
+    within: a folder outside which nothing is read, such as that of an upload; None where that is allowed.
+    """
+
+    def __init__(self, folder: Path, *, within: Path | None = None) -> None:
+        self.folder = folder
+        self._within = None if within is None else FolderFiles(within)
+        self._listings: dict[Path, list[Path]] = {}
+
+    def check_links(self) -> None:
+        """Raise CaptureError for a link in the folder of an upload that leads out of it."""
+        for path in self.folder.iterdir() if self._within is not None else ():
+            if path.is_symlink() and not self.may_read(path):
+                raise capture_error(path, en="leads out of the capture", zh="指向這組照片以外的檔案")
+
+    def may_read(self, path: Path) -> bool:
+        """Whether this is a file, and one that may be read."""
+        if self._within is not None:
+            return self._within.holds(path)
+        try:
+            return path.is_file()
+        except (OSError, ValueError):  # such as a name that is too long
+            return False
+
+    @cached_property
+    def photographs(self) -> list[Path]:
+        """Images in natural order (2 before 10), without masks, the ambient frame and normal maps."""
+        aside = re.compile(r"(.*\.)?(mask|ambient)|normals?(_gt)?", re.IGNORECASE)
+        return sorted(
+            (p for p in self.images() if not aside.fullmatch(p.stem)),
+            key=lambda p: [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", p.name)],
+        )
+
+    def images(self, folder: Path | None = None) -> list[Path]:
+        """The files of the folder, or of another one, that images may be, by their suffix."""
+        place = self.folder if folder is None else folder
+        if place not in self._listings:
+            self._listings[place] = [p for p in files(place) if p.suffix.lower() in _SUFFIXES]
+        return self._listings[place]
+
+    def by_stem(self, stem: str) -> Path | None:
+        """The one image of this name with any suffix, None when there is none."""
+        found = [p for p in self.images() if _plain(p.stem) == _plain(stem)]
+        return _only(self.folder, stem, found)
+
+    def find(self, name: str, *, any_suffix: bool = True) -> Path | None:
+        """The image that a lamp file names; None when there is none.
+
+        Tried in turn: the path as written; the ends of the path inside this folder, longest first, as from
+        another machine; the same with letters in another case or composed otherwise (NFC, NFD); with
+        `any_suffix` the same with another suffix, as when raw files were developed. Raises CaptureError when
+        several images fit.
+        """
+        parts = PurePosixPath(name.replace("\\", "/")).parts
+        ends = ["/".join(parts[i:]) for i in range(len(parts))]
+        for end in (name, *ends):
+            path = self.folder / end if self._within is None else self._within.find(end, beside=self.folder)
+            if path is not None and self.may_read(path):
+                return path
+        for end in ends:
+            place = (self.folder / end).parent
+            wanted = PurePosixPath(end).name
+            near = [path for path in self._listing(place) if self.may_read(path)]
+            found = [path for path in near if _plain(path.name) == _plain(wanted)]
+            if any_suffix:
+                found = found or [
+                    path for path in near if _plain(path.stem) == _plain(SUFFIX.sub("", wanted))
+                ]
+            image = _only(place, name, found)
+            if image is not None:
+                return image
+        return None
+
+    def _listing(self, folder: Path) -> list[Path]:
+        try:
+            return self.images(folder) if folder.is_dir() else []
+        except (CaptureError, OSError, ValueError):
+            return []
+
+    def examples(self) -> Bilingual:
+        """A few names of what is here, to be set beside a name that is not."""
+        names = ", ".join(p.name for p in self.photographs[:_LISTED]) or "-"
+        more = "..." if len(self.photographs) > _LISTED else ""
+        return Bilingual(f"這裡有 {names}{more}", f"here are {names}{more}")
+
+
+def files(folder: Path) -> list[Path]:
+    """Files of a folder, by name, without hidden ones: copying from a Mac leaves a ._NAME beside each."""
+    try:
+        return sorted(p for p in folder.iterdir() if p.is_file() and not p.name.startswith("."))
+    except OSError as error:
+        raise capture_error(
+            folder, en=f"cannot be read ({error.strerror})", zh=f"無法讀取（{error.strerror}）"
+        ) from error
+
+
+def _only(folder: Path, name: str, found: list[Path]) -> Path | None:
+    if len(found) > 1:
+        names = ", ".join(p.name for p in found)
+        raise capture_error(
+            folder,
+            en=f"expected one image named {name}, found {names}",
+            zh=f"名為 {name} 的照片應只有一張，卻有 {names}",
+        )
+    return found[0] if found else None
+
+
+def _plain(name: str) -> str:
+    """A name as it is compared: letters composed, without their case."""
+    return unicodedata.normalize("NFC", name).casefold()
