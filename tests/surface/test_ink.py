@@ -11,6 +11,7 @@ import pytest
 from rumu.capture.image import read_image, to_linear
 from rumu.errors import ImageError, RefusedImage
 from rumu.surface.ink import find_ink
+from rumu_lab.simulation.photographs import Shade, photograph
 
 SIDE = 256
 INK, PAPER = 0.1, 0.9
@@ -138,6 +139,22 @@ def test_a_cast_shadow_across_the_page_is_no_ink():
     rows, columns = np.mgrid[:SIDE, :SIDE]
     shaded = page(strokes()) * np.where(rows > 100 + 0.3 * columns, 0.5, 1.0)
     assert iou(find_ink(noisy(shaded, 0.02)).mask, strokes()) > 0.95
+
+
+@pytest.mark.parametrize("edge", [1.0, 0.02])
+@pytest.mark.parametrize("toward", [0, 45, 90, 180, 270])
+def test_a_shade_or_a_shadow_over_half_of_the_page_is_no_edge_of_a_sheet(toward, edge):
+    ink = strokes(512)
+    photo = photograph(ink, side=512, fill=1.0, shade=Shade(0.5, toward, edge), seed=toward)
+    found = find_ink(photo)
+    assert found.left_out["frame"] == 0
+    assert iou(found.mask, find_ink(photograph(ink, side=512, fill=1.0)).mask) > 0.93
+
+
+@pytest.mark.parametrize("name", ["shade50", "shade-y50"])
+def test_pages_that_went_wrong_under_a_shade(name, cases):
+    expected = find_ink(read_image(cases / "copies" / "shui-plain.jpg")).mask
+    assert iou(find_ink(read_image(cases / "copies" / f"shui-{name}.jpg")).mask, expected) > 0.97
 
 
 def test_grainy_brown_silk():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from rumu.capture.image import Box, Bytes, as_image, bounding_box, box_inside_frame, shrink
 from rumu.errors import RefusedImage
+from rumu.surface.grid import remove_grid
 from rumu.surface.ink_cleaning import (
     ColourSettings,
     PositionSettings,
@@ -24,7 +25,6 @@ from rumu.surface.ink_cleaning import (
 from rumu.surface.pages import (
     character_size,
     clean_page,
-    half_width_and_extent,
     measure_sharpness,
     side_judged,
 )
@@ -35,14 +35,16 @@ from rumu.surface.paper import (
     Polarity,
     divide_by_paper,
     find_red_marks,
-    find_sheet,
     fit_paper,
     histogram,
+    level_of,
     otsu_threshold,
     redness,
     threshold_below_grid,
     tone,
 )
+from rumu.surface.sheet import find_sheet
+from rumu.surface.writing import Page, WritingLimits, refuse_flat, refuse_unwritten
 from rumu.values import BoolArray, FloatArray
 
 
@@ -75,46 +77,6 @@ class Ink:
 
 
 @dataclass(frozen=True, slots=True)
-class WritingLimits:
-    """When a picture shows no writing. Each limit lies outside what 4,000 crops of masters and copies reach.
-
-    gray_range: gray levels of the reduced picture below which it shows nothing at all.
-    black: paper this dark (0-255) is no paper.
-    contrast: least contrast. noise: least contrast over the paper's spread. coherence: least coherence.
-    blurred, torn: least and largest step across the outline.
-    half_dark: most half-dark pixels for each pixel of a soft outline; soft: step below which it is soft.
-    thick: half-width over the page's side from which a soft shape may have half as many.
-    hairline: half-width over the extent of the ink, of a page over its characters' side, below which it is
-        ruled lines.
-    border: share of the picture's border that ink may cover. pixels: least ink.
-    grain: mean change of a pixel (0-255) by a median filter above which a blank page is noise.
-    speckle: share of dark pixels that makes it noise, too, when less than `written` of them are writing.
-    only_red: share of the dark pixels that are red marks on a page with nothing else.
-    side: longer side, in pixels, of the picture that sharpness is judged on, so that a large photo is judged
-        like a crop; of a page, the side of one character.
-    """
-
-    gray_range: int = 12
-    black: int = 35
-    contrast: float = 0.06
-    noise: float = 3.6
-    coherence: float = 0.09
-    blurred: float = 0.36
-    torn: float = 1.6
-    half_dark: float = 4.0
-    soft: float = 0.7
-    thick: float = 0.17
-    hairline: float = 0.014
-    border: float = 0.45
-    pixels: int = 24
-    grain: float = 20.0
-    speckle: float = 0.005
-    written: float = 0.5
-    only_red: float = 0.93
-    side: int = 512
-
-
-@dataclass(frozen=True, slots=True)
 class InkMaskSettings:
     """How ink is separated from paper.
 
@@ -141,35 +103,6 @@ class InkMaskSettings:
     writing: WritingLimits = field(default_factory=WritingLimits)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Page:
-    """A page separated into ink and paper.
-
-    x: (H, W) uint8, ratio to the paper. threshold, ink, paper: gray levels of it, the last two medians.
-    noise: contrast over the paper's spread. cut: (H, W), red marks and what lies off the sheet.
-    grain: 0-255. redness: measures `redness`; None without colour, and on a rubbing.
-    """
-
-    x: Bytes
-    threshold: float
-    ink: float
-    paper: float
-    noise: float
-    cut: BoolArray
-    grain: float = 0.0
-    redness: Callable[[], FloatArray] | None = None
-
-    @property
-    def dark(self) -> BoolArray:
-        """(H, W) bool: all that is darker than the threshold."""
-        return np.asarray(self.x < self.threshold)
-
-    @property
-    def contrast(self) -> float:
-        """Median density of the ink."""
-        return 1.0 - self.ink / PAPER_GRAY
-
-
 def find_ink(
     image: npt.NDArray[Any],
     *,
@@ -194,14 +127,14 @@ def find_ink(
     picture = np.asarray(cv2.convertScaleAbs(cv2.sqrt(checked) if linear else checked, alpha=255.0), np.uint8)
     (y0, y1, x0, x1), off_sheet, small = _find_paper(picture, polarity)
     view = np.ascontiguousarray(picture[y0:y1, x0:x1])
-    _refuse_flat(small, settings.writing)
+    refuse_flat(small, settings.writing)
     paper = fit_paper(small, polarity="dark" if off_sheet is not None else polarity)
     page = _separate(view, small, paper, off_sheet, settings)
     mask, left_out, character = _clean(page, paper.polarity, settings)
     side = side_judged(mask, character, side=settings.writing.side)
     figures = measure_sharpness(page.x, page.cut, mask, ink=page.ink, paper=page.paper, side=side)
     figures |= {"noise": page.noise} | ({} if character is None else {"character": character})
-    _refuse_unwritten(mask, page, figures, settings)
+    refuse_unwritten(mask, page, figures, limits=settings.writing, clean=settings.clean)
     # The figures above are those of all that is dark: a seal or a neighbour is as blurred, or grainy, as ink.
     density = np.subtract(1.0, page.x / np.float32(PAPER_GRAY), dtype=np.float32)
     # a frame was cut off all round; a strip along one side is cut off sharply
@@ -242,13 +175,12 @@ def _find_paper(picture: Bytes, polarity: Polarity | None) -> tuple[Box, BoolArr
 
 def _separate(
     view: Bytes, small: Bytes, paper: Paper, off_sheet: BoolArray | None, settings: InkMaskSettings
-) -> _Page:
+) -> Page:
     """Ratio to the paper, smoothed as much as the paper is noisy, and the level half-way to the ink."""
     import cv2
 
     value = tone(view, polarity=paper.polarity)
-    level = np.clip(np.rint(paper.level), 1, 255).astype(np.uint8)
-    x = divide_by_paper(value, cv2.resize(level, value.shape[::-1], interpolation=cv2.INTER_LINEAR))
+    x = divide_by_paper(value, level_of(view, paper))
     if paper.polarity == "dark" and float(np.median(paper.level)) < settings.writing.black:
         raise RefusedImage("expected ink on paper, got a black page", reason="black")
     cut, red = np.zeros(x.shape, bool), None
@@ -259,6 +191,9 @@ def _separate(
         red = partial(redness, view, paper=colour) if paper.polarity == "dark" else None
     if off_sheet is not None:
         x[off_sheet], cut = PAPER_GRAY, cut | off_sheet
+    grid = 0
+    if paper.polarity == "dark":
+        x, grid = remove_grid(x)
     page = _find_levels(x, cut, settings)
     size = next((side for least, side in settings.smoothing if page.noise > least), settings.noisiest)
     if size:
@@ -268,11 +203,11 @@ def _separate(
         darkest = _median(histogram(page.x), 0, threshold)
         page = replace(page, threshold=threshold, ink=min(page.ink, darkest))
     grain = float(cv2.absdiff(value, cv2.medianBlur(value, 3)).mean())
-    page = replace(page, grain=grain, redness=red)
+    page = replace(page, grain=grain, redness=red, grid=grid)
     return replace(page, cut=_widen_cut(page, paper.polarity, settings)) if cut.any() else page
 
 
-def _find_levels(x: Bytes, cut: BoolArray, settings: InkMaskSettings) -> _Page:
+def _find_levels(x: Bytes, cut: BoolArray, settings: InkMaskSettings) -> Page:
     """Otsu's threshold, moved half-way between the medians of the two sides; red marks are on neither."""
     counts = histogram(x, mask=~cut if cut.any() else None)
     if counts.sum() < settings.fewest_pixels:
@@ -285,7 +220,7 @@ def _find_levels(x: Bytes, cut: BoolArray, settings: InkMaskSettings) -> _Page:
     order = np.argsort(off)
     spread = np.cumsum(np.where(np.arange(256) >= threshold, counts, 0.0)[order])
     middle = float(off[order][np.searchsorted(spread, spread[-1] / 2)])
-    return _Page(x, threshold, dark, light, (light - dark) / max(1.4826 * middle, 0.5), cut)
+    return Page(x, threshold, dark, light, (light - dark) / max(1.4826 * middle, 0.5), cut)
 
 
 def _median(counts: FloatArray, low: float, high: float) -> float:
@@ -295,7 +230,7 @@ def _median(counts: FloatArray, low: float, high: float) -> float:
     return float(first + np.searchsorted(part, part[-1] / 2)) if len(part) and part[-1] else low
 
 
-def _widen_cut(page: _Page, polarity: Polarity, settings: InkMaskSettings) -> BoolArray:
+def _widen_cut(page: Page, polarity: Polarity, settings: InkMaskSettings) -> BoolArray:
     """Red marks with their soft edges; ink that is plainly dark stays ink."""
     import cv2
 
@@ -307,7 +242,7 @@ def _widen_cut(page: _Page, polarity: Polarity, settings: InkMaskSettings) -> Bo
 
 
 def _clean(
-    page: _Page, polarity: Polarity, settings: InkMaskSettings
+    page: Page, polarity: Polarity, settings: InkMaskSettings
 ) -> tuple[BoolArray, dict[str, int], float | None]:
     """The ink without red marks, ruled lines and what its position gives away; pixels of each kind.
 
@@ -333,58 +268,6 @@ def _clean(
         left_out["grid"] = int(np.count_nonzero(mask & ~unruled))
     else:
         kept, left_out = clean_page(mask, character, polarity=polarity, settings=position)
+    left_out["grid"] = left_out.get("grid", 0) + page.grid
     left_out["seal"] = int(np.count_nonzero(dark & ~mask))
     return kept, left_out, character
-
-
-# --- refusals --------------------------------------------------------------------------------------
-
-
-def _refuse_flat(small: Bytes, limits: WritingLimits) -> None:
-    gray = small if small.ndim == 2 else small.max(axis=2)
-    if int(gray.max()) - int(gray.min()) < limits.gray_range or int(gray.max()) < limits.black:
-        reason = "black" if np.median(gray) < limits.black else "blank"
-        raise RefusedImage(f"expected writing, got a {reason} page", reason=reason)
-
-
-def _refuse_unwritten(
-    mask: BoolArray, page: _Page, figures: Mapping[str, float], settings: InkMaskSettings
-) -> None:
-    limits, dark = settings.writing, page.dark
-    count = np.count_nonzero(dark)
-    if page.grain < limits.grain and np.count_nonzero(dark & page.cut) > limits.only_red * count > 0:
-        raise RefusedImage("expected writing, got only red marks", reason="blank")
-    verdict = _what_else(mask, page, figures, settings)
-    if verdict is None:
-        return
-    reason, seen = verdict
-    speckled = dark.mean() > limits.speckle and np.count_nonzero(mask) < limits.written * count
-    if reason == "blank" and (page.grain > limits.grain or (speckled and not page.cut.any())):
-        reason, seen = "noise", "speckle"
-    raise RefusedImage(f"expected writing, got {seen}", reason=reason)
-
-
-def _what_else(
-    mask: BoolArray, page: _Page, figures: Mapping[str, float], settings: InkMaskSettings
-) -> tuple[str, str] | None:
-    """Reason and description of what the picture shows instead of writing; None when it shows writing."""
-    limits = settings.writing
-    if page.contrast < limits.contrast or np.count_nonzero(mask) < limits.pixels:
-        return "blank", "a page with nothing on it"
-    rim = np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]])
-    character = figures.get("character")
-    side = 2 * side_judged(mask, character, side=limits.side) // 3
-    half_width, extent = half_width_and_extent(mask, character, side=side)
-    soft = figures["edge"] < limits.soft
-    thick = half_width > limits.thick * min(mask.shape)
-    # Grain of the paper is half-dark too: grainy paper may have more of it.
-    half_dark = figures["between"] / (limits.half_dark * max(1.0, settings.clean / figures["noise"]))
-    tests = (
-        (figures["coherence"] < limits.coherence or figures["edge"] > limits.torn, "noise", "speckle"),
-        (figures["noise"] < limits.noise, "noise", "a picture that does not part into ink and paper"),
-        (figures["edge"] < limits.blurred, "blank", "shades without the edge of a stroke"),
-        (rim.mean() > limits.border, "noise", "dark sides and no writing"),
-        (half_width < limits.hairline * extent, "blank", "ruled lines only"),
-        (soft and half_dark > (0.5 if thick else 1.0), "noise", "a picture without writing"),
-    )
-    return next(((reason, seen) for holds, reason, seen in tests if holds), None)

@@ -28,10 +28,12 @@ class Paper:
 
     level: (h, w) float32 on the reduced grid, 0-255, of `tone` of the same polarity.
     polarity: 'dark' ink on light paper, or 'light' strokes on dark ground (a rubbing).
+    shadow: whether the level follows the edge of a shadow, which a finer grid shows better.
     """
 
     level: FloatArray
     polarity: Polarity
+    shadow: bool = False
 
 
 # --- gray levels -----------------------------------------------------------------------------------
@@ -127,69 +129,6 @@ def threshold_below_grid(x: Bytes, threshold: float, *, settings: GridSettings |
     return lower if spans.any() else threshold
 
 
-# --- a sheet on a table ----------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class SheetSettings:
-    """When a picture shows a sheet that lies on something darker; shares of the picture unless said.
-
-    least_area, most_area: of the sheet. bright: share of the sheet that is bright.
-    rectangularity: share of its tightest rectangle that it fills.
-    edge_step: step across its outline, as a share of the whole contrast.
-    dark_border: share of the picture's border that is dark.
-    margin: what is cut off the sheet all round, of the reduced side: its edge is soft and may curl.
-    """
-
-    least_area: float = 0.25
-    most_area: float = 0.97
-    bright: float = 0.7
-    rectangularity: float = 0.8
-    edge_step: float = 0.4
-    dark_border: float = 0.4
-    margin: float = 0.03
-
-
-def find_sheet(small: Bytes, *, settings: SheetSettings | None = None) -> BoolArray | None:
-    """(h, w) bool of a reduced picture: the sheet of paper that lies on a darker table; None if none does."""
-    import cv2
-
-    settings = settings or SheetSettings()
-    gray = tone(small, polarity="dark")
-    bright = gray > otsu_threshold(histogram(gray))
-    rim = np.concatenate([bright[0], bright[-1], bright[:, 0], bright[:, -1]])
-    outlines, _ = cv2.findContours(bright.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    if 1.0 - rim.mean() < settings.dark_border or not outlines:
-        return None
-    outline = max(outlines, key=cv2.contourArea)
-    sheet = cv2.drawContours(np.zeros(gray.shape, np.uint8), [outline], -1, 1, cv2.FILLED)
-    (_, (width, height), _) = cv2.minAreaRect(outline)
-    fills = cv2.contourArea(outline) / max(width * height, 1.0)
-    if not settings.least_area < sheet.mean() < settings.most_area or fills < settings.rectangularity:
-        return None
-    contrast = float(np.median(gray[bright])) - float(np.median(gray[~bright]))
-    sharp = _edge_step(gray, outline[:, 0]) > settings.edge_step * contrast
-    if bright[sheet > 0].mean() < settings.bright or not sharp:
-        return None
-    cut = 2 * max(1, round(settings.margin * max(gray.shape))) + 1
-    border = {"borderType": cv2.BORDER_CONSTANT, "borderValue": 1}  # the picture's own side is no edge
-    return np.asarray(cv2.erode(sheet, np.ones((cut, cut), np.uint8), **border) > 0)
-
-
-def _edge_step(gray: Bytes, outline: FloatArray) -> float:
-    """Median step across the outline (columns, rows), which is small in the middle of a gradient of light.
-
-    What runs along the picture's own side does not count; -inf where all of it does.
-    """
-    import cv2
-
-    height, width = gray.shape
-    x, y = outline[:, 0], outline[:, 1]
-    inside = (x > 0) & (x < width - 1) & (y > 0) & (y < height - 1)
-    step = cv2.morphologyEx(gray, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))[y[inside], x[inside]]
-    return float(np.median(step)) if inside.any() else -np.inf
-
-
 # --- level and polarity ----------------------------------------------------------------------------
 
 
@@ -202,6 +141,9 @@ class PaperSettings:
         light strokes add to it on a ground that is brighter than mid-gray.
     shadow_gain, shadow_offset: a sharp shadow is believed when it leaves this many times the contrast, plus
         this; shadow_likelier: and is less unlikely by this.
+    uneven: how far paper may stray from a smooth level, as a share of it; beyond it a level that follows the
+        shadow, and halves that, is believed at once. shadow_side: longer side, in pixels, of the picture on
+        which it is followed.
     expectile: the first fit is an upper envelope that weighs what lies above it so, because up to half of
         the page may be ink. least_paper: share of the page that must remain as paper to be fitted again.
     stiffness: how much the slopes of the fit are held back, as a share of the pixels, so that a small patch
@@ -216,6 +158,8 @@ class PaperSettings:
     shadow_gain: float = 1.1
     shadow_offset: float = 0.05
     shadow_likelier: float = 0.2
+    uneven: float = 0.12
+    shadow_side: int = 256
     expectile: float = 0.9
     least_paper: float = 0.05
     stiffness: float = 1e-2
@@ -253,18 +197,42 @@ def unlikeliness(small: Bytes, paper: Paper, settings: PaperSettings) -> float:
     return float(rim.mean() + ink.mean() + thickness) + (settings.dark_ground if bright_ground else 0.0)
 
 
+def level_of(view: Bytes, paper: Paper, *, settings: PaperSettings | None = None) -> Bytes:
+    """(H, W) uint8 level of the paper, at least 1, of a whole picture whose reduced one was fitted."""
+    import cv2
+
+    settings, level = settings or PaperSettings(), paper.level
+    if paper.shadow:
+        level = _closed_level(shrink(view, side=settings.shadow_side), paper.polarity)
+    level = np.clip(np.rint(level), 1, 255).astype(np.uint8)
+    return np.asarray(cv2.resize(level, view.shape[1::-1], interpolation=cv2.INTER_LINEAR), np.uint8)
+
+
+def _closed_level(small: Bytes, polarity: Polarity) -> FloatArray:
+    """The page with all that is dark and narrower than a third of it closed."""
+    import cv2
+
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * (max(small.shape[:2]) // 6) + 1,) * 2)
+    closed = cv2.morphologyEx(tone(small, polarity=polarity), cv2.MORPH_CLOSE, kernel)
+    return np.clip(np.asarray(closed, dtype=np.float32), 1.0, 255.0)
+
+
+def _unevenness(small: Bytes, paper: Paper) -> float:
+    """How far the brighter class strays from the level, as a share of it: its farthest tenth."""
+    value = divide_by_paper(tone(small, polarity=paper.polarity), paper.level)
+    bright = value[value > otsu_threshold(histogram(value))].astype(np.float32)
+    return float(np.percentile(np.abs(bright - PAPER_GRAY), 90)) / PAPER_GRAY
+
+
 def _with_shadow(small: Bytes, paper: Paper, settings: PaperSettings) -> Paper:
     """The paper with a sharp shadow in it, where that explains the page better than one smooth level.
 
     Closing takes away what is narrower than a third of the page: strokes go, a shadow stays in the level.
     It must leave a contrast that is stronger, or thick ink would be taken for a shadow.
     """
-    import cv2
-
-    value = tone(small, polarity=paper.polarity)
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * (max(small.shape[:2]) // 6) + 1,) * 2)
-    level = np.asarray(cv2.morphologyEx(value, cv2.MORPH_CLOSE, kernel), dtype=np.float32)
-    shaded = Paper(np.clip(level, 1.0, 255.0), paper.polarity)
+    shaded = Paper(_closed_level(small, paper.polarity), paper.polarity, shadow=True)
+    if _unevenness(small, paper) > max(settings.uneven, 2.0 * _unevenness(small, shaded)):
+        return shaded
     needed = settings.shadow_gain * _contrast(small, paper) + settings.shadow_offset
     if _contrast(small, shaded) < needed:
         return paper
