@@ -134,3 +134,24 @@ def test_a_pair_is_judged_once(as_person: LogIn) -> None:
     second = again.value.request.post_data_json
     assert {first["left"], first["right"]} != {second["left"], second["right"]}
     assert (first["winner"], second["winner"]) == ("left", "same")
+
+
+def test_a_work_that_is_no_character_is_no_master(as_person: LogIn) -> None:
+    work = "clerical-tian"
+    owner = as_person("owner")
+    change = """async ([work, character]) => {
+        const { csrf } = await (await fetch("/api/session")).json();
+        const headers = { "Content-Type": "application/json", "X-CSRF-Token": csrf };
+        const body = JSON.stringify({ character });
+        return (await fetch(`/api/works/${work}`, { method: "PATCH", headers, body })).status;
+    }"""
+    page = owner.go("/studio?q=天")
+    card = page.locator(f"a[href='#/studio/{work}']")
+    expect(card).to_be_visible()
+    assert page.evaluate(change, [work, ""]) == 200
+    page.reload()
+    expect(page.locator("a[href^='#/studio/']").first).to_be_visible()
+    expect(card).to_have_count(0)
+    owner.go(f"/studio/{work}")
+    expect(page.locator("main")).to_contain_text("no character that could be copied")
+    assert page.evaluate(change, [work, "天"]) == 200

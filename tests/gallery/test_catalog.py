@@ -11,6 +11,7 @@ from tests.gallery.conftest import surface
 from rumu.errors import GalleryError
 from rumu.gallery.annotations import add_annotation
 from rumu.gallery.catalog import (
+    change_collection,
     change_work,
     collection,
     collections,
@@ -104,6 +105,26 @@ def test_a_changed_work_is_found_by_its_new_facts(gallery):
             change_work(gallery, "seal-ri", changes)
     with pytest.raises(GalleryError, match="no work"):
         change_work(gallery, "nothing", {})
+
+
+def test_a_changed_collection_is_found_by_its_new_title(gallery):
+    old = collection(gallery, "starter").title
+    change_collection(
+        gallery, "starter", {"title_zh": "蘭亭", "title_en": "Orchid pavilion", "note_zh": "序"}
+    )
+    after = collection(gallery, "starter")
+    assert (after.title.zh, after.title.en, after.note.zh) == ("蘭亭", "Orchid pavilion", "序")
+    assert works(gallery, query="ORCHID").total == 30
+    assert works(gallery, query=old.en).total == 0
+    with pytest.raises(GalleryError, match="one language at least") as refused:
+        change_collection(gallery, "starter", {"title_zh": " ", "title_en": ""})
+    assert refused.value.zh
+    assert collection(gallery, "starter").title.zh == "蘭亭"
+    for changes in ({"id": "x"}, {"created": "now"}):
+        with pytest.raises(GalleryError, match="expected"):
+            change_collection(gallery, "starter", changes)
+    with pytest.raises(GalleryError, match="no collection"):
+        change_collection(gallery, "nothing", {})
 
 
 def test_neighbours_are_those_of_the_collection(gallery):

@@ -1,9 +1,10 @@
-import { get } from "../api";
+import { get, session } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import type { PageProps } from "../router";
-import type { Bilingual, Page, WorkCard } from "../types";
+import type { Page, WorkCard } from "../types";
 import { ErrorPage, Facts, Loading, useLoaded } from "../ui";
+import { type Collection, CollectionTools } from "./CollectionTools";
 import { RelitThumb } from "./GalleryCard";
 import { licenceName } from "./labels";
 import { TextWithLinks } from "./WorkFacts";
@@ -12,13 +13,12 @@ import "./work.css";
 
 const THUMB_COUNT = 4;
 
-type Collection = { id: string; title: Bilingual; note?: Bilingual; source?: string; licence?: string; works?: number };
-
 export default function CollectionsPage(_: PageProps) {
-  const loaded = useLoaded((signal) => get<Collection[] | { items: Collection[] }>("api/collections", signal), "all");
+  const loaded = useLoaded((signal) => get<Collection[]>("api/collections", signal), "all");
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
-  const items = Array.isArray(loaded.value) ? loaded.value : loaded.value.items;
+  const items = loaded.value;
+  const owner = session.value?.person?.role === "owner";
   return (
     <>
       <header class="page-head">
@@ -28,17 +28,17 @@ export default function CollectionsPage(_: PageProps) {
       {!items.length && <p class="nothing">{t("noCollections")}</p>}
       <ul class="collection-list">
         {items.map((item) => (
-          <CollectionItem key={item.id} item={item} />
+          <CollectionItem key={item.id} item={item} onChange={owner ? loaded.retry : null} />
         ))}
       </ul>
     </>
   );
 }
 
-function CollectionItem({ item }: { item: Collection }) {
+/** onChange: given to an owner, who may change the collection. */
+function CollectionItem({ item, onChange }: { item: Collection; onChange: (() => void) | null }) {
   const url = `api/works?collection=${encodeURIComponent(item.id)}&limit=${THUMB_COUNT}`;
   const works = useLoaded((signal) => get<Page<WorkCard>>(url, signal), item.id);
-  const count = item.works ?? works.value?.total;
   return (
     <li class="collection-card">
       <a class="collection-works" href={`#/?collection=${encodeURIComponent(item.id)}`} aria-label={localize(item.title)}>
@@ -48,11 +48,12 @@ function CollectionItem({ item }: { item: Collection }) {
       </a>
       <div>
         <h2><a href={`#/?collection=${encodeURIComponent(item.id)}`}>{localize(item.title)}</a></h2>
-        {item.note && localize(item.note) && <p>{localize(item.note)}</p>}
+        {localize(item.note) && <p>{localize(item.note)}</p>}
         <p class="note">
-          <Facts items={[count !== undefined && t(count === 1 ? "countOne" : "count", { n: count.toLocaleString() }), item.licence && `${t("licence")}: ${licenceName(item.licence)}`]} />
+          <Facts items={[t(item.works === 1 ? "countOne" : "count", { n: item.works.toLocaleString() }), item.licence && `${t("licence")}: ${licenceName(item.licence)}`]} />
         </p>
         {item.source && <p class="note"><TextWithLinks text={item.source} /></p>}
+        {onChange && <CollectionTools item={item} onChange={onChange} />}
       </div>
     </li>
   );

@@ -21,7 +21,7 @@ export default function ChooseMasterPage({ query: params }: PageProps) {
   const search = useDebounced(text, TYPING_DELAY_MS);
   const task = params.get("task");
   useEffect(() => replaceQuery(new URLSearchParams(query({ q: search, script, task }).slice(1))), [search, script]);
-  const url = `api/works${query({ q: search, script, limit })}`;
+  const url = `api/works${query({ q: search, script, limit, masters: "true" })}`;
   const loaded = useLoaded((signal) => get<Page<WorkCard>>(url, signal), url);
   const nothingAsked = !search && !script;
   return (
@@ -102,7 +102,8 @@ async function recentCards(person: string, signal: AbortSignal): Promise<WorkCar
     viewed.slice(0, 8).map((id) => get<WorkCard>(`api/works/${encodeURIComponent(id)}`, signal).catch(() => null)),
   );
   const all = [...practised, ...rest.filter((work): work is WorkCard => work !== null)];
-  return [...new Map(all.map((work) => [work.id, work])).values()].slice(0, 8);
+  const masters = all.filter((work) => work.character);
+  return [...new Map(masters.map((work) => [work.id, work])).values()].slice(0, 8);
 }
 
 function useDebounced<T>(value: T, ms: number): T {

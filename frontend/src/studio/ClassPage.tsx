@@ -139,7 +139,7 @@ function NewTask({ classId }: { classId: string }) {
 
 function PickMaster({ chosen, onChoose }: { chosen: WorkCard | null; onChoose: (work: WorkCard) => void }) {
   const [text, setText] = useState("");
-  const url = `api/works${query({ q: text, limit: 24 })}`;
+  const url = `api/works${query({ q: text, limit: 24, masters: "true" })}`;
   const loaded = useLoaded((signal) => get<Page<WorkCard>>(url, signal), url);
   return (
     <fieldset class="pick-master">

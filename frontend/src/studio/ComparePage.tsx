@@ -141,9 +141,9 @@ function PickWork({ chosen, also, onChoose }: { chosen: string | null; also: Wor
   );
 }
 
-/** The works with at least two marked attempts, each once. */
+/** The characters with at least two marked attempts, each once. */
 export function worksToCompare(attempts: readonly Pick<Attempt, "work" | "mark">[]): WorkCard[] {
-  const marked = attempts.filter((one) => one.mark.score !== null).map((one) => one.work);
+  const marked = attempts.filter((one) => one.mark.score !== null && one.work.character).map((one) => one.work);
   const twice = marked.filter((work, k) => marked.slice(0, k).some((other) => other.id === work.id));
   return [...new Map(twice.map((work) => [work.id, work])).values()];
 }

@@ -29,7 +29,21 @@ export default function WritePage({ params, query }: PageProps) {
   const loaded = useLoaded((signal) => get<Work>(`api/works/${encodeURIComponent(id)}`, signal), id);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
+  if (!loaded.value.character) return <NoMaster work={loaded.value} />;
   return <WriteView key={id} work={loaded.value} task={query.get("task")} />;
+}
+
+function NoMaster({ work }: { work: Work }) {
+  return (
+    <div class="need panel">
+      <h1>{localize(work.title)}</h1>
+      <p>{t("noMaster")}</p>
+      <p class="row">
+        <a class="button" href="#/studio">{t("otherMaster")}</a>
+        <a class="button quiet" href={`#/works/${encodeURIComponent(work.id)}`}>{t("seeWork")}</a>
+      </p>
+    </div>
+  );
 }
 
 function WriteView({ work, task }: { work: Work; task: string | null }) {

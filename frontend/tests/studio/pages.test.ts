@@ -71,8 +71,8 @@ describe("a pupil who has joined a class", () => {
 
 describe("works to compare", () => {
   it("have at least two marked copies, and are listed once", () => {
-    const one = (id: string, score: number | null) => ({ work: { id }, mark: { score } }) as Attempt;
-    expect(worksToCompare([one("a", 50), one("b", 60), one("a", 40), one("c", null), one("c", 70), one("a", 30)]).map((work) => work.id)).toEqual(["a"]);
+    const one = (id: string, score: number | null) => ({ work: { id, character: id === "d" ? "" : "水" }, mark: { score } }) as Attempt;
+    expect(worksToCompare([one("a", 50), one("b", 60), one("a", 40), one("c", null), one("c", 70), one("a", 30), one("d", 50), one("d", 60)]).map((work) => work.id)).toEqual(["a"]);
     expect(worksToCompare([])).toEqual([]);
   });
 });

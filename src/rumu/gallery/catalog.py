@@ -23,6 +23,7 @@ from rumu.gallery.metadata import search_text
 from rumu.gallery.seed import add_starter_works
 from rumu.gallery.starter import suggest
 from rumu.gallery.store import Gallery, Store, user_home
+from rumu.values import Bilingual
 
 Item = TypeVar("Item")
 
@@ -56,7 +57,7 @@ def open_gallery(
 # --- reading ---------------------------------------------------------------------------------------
 
 
-def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: str | None) -> Page[Work]:
+def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: Any) -> Page[Work]:
     """The works that match all filters, by collection, the starter gallery first.
 
     filters: the fields of Filters. Raises GalleryError for an unknown script, or a negative offset or limit.
@@ -136,6 +137,38 @@ def change_work(gallery: Gallery, work_id: str, changes: Mapping[str, Any]) -> W
             setattr(row, name, value)
         columns = {column.name: getattr(row, column.name) for column in Work.__table__.columns}
         row.search = search_text(columns, collection=session.get_one(Collection, row.collection_id).title)
+        return row
+
+
+COLLECTION_CHANGEABLE = frozenset(
+    {"source", "licence"} | {f"{name}_{language}" for name in ("title", "note") for language in ("zh", "en")}
+)
+
+
+def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str, Any]) -> Collection:
+    """Change columns of a collection, those of COLLECTION_CHANGEABLE; searches find its works by a new title.
+
+    Raises GalleryError for other columns, a title that is empty in both languages, or an unknown collection.
+    """
+    unknown = sorted(set(changes) - COLLECTION_CHANGEABLE)
+    if unknown:
+        expected = ", ".join(sorted(COLLECTION_CHANGEABLE))
+        raise GalleryError(f"expected facts among {expected}, got {', '.join(unknown)}")
+    before = collection(gallery, collection_id).title
+    with gallery.database.writing() as session:
+        row = session.get_one(Collection, collection_id)
+        for name, value in changes.items():
+            setattr(row, name, value)
+        if not (row.title_zh.strip() or row.title_en.strip()):
+            raise GalleryError(
+                f"expected a title of the collection {collection_id!r} in one language at least, got none",
+                zh="專題總要有個標題，中文或英文都好。",
+            )
+        title = Bilingual(zh=row.title_zh, en=row.title_en)
+        if title != before:
+            for of_it in session.scalars(select(Work).where(Work.collection_id == collection_id)):
+                columns = {column.name: getattr(of_it, column.name) for column in Work.__table__.columns}
+                of_it.search = search_text(columns, collection=title)
         return row
 
 

@@ -25,7 +25,7 @@ class Filters:
 
     script, dynasty, hand: 'none' asks for works where it is unknown. hand: as a facet gives it, in Chinese or
     English. character: in any of its variants, traditional or simplified. query: words that must all occur in
-    title, character, hand, collection, dynasty or script.
+    title, character, hand, collection, dynasty or script. masters: only works that are a character to copy.
     """
 
     script: str | None = None
@@ -34,6 +34,7 @@ class Filters:
     character: str | None = None
     collection: str | None = None
     query: str | None = None
+    masters: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +71,8 @@ def conditions(filters: Filters, columns: Any) -> dict[str, ColumnElement[bool]]
         found["hand"] = or_(columns.hand_zh == hand, and_(columns.hand_en == hand, columns.hand_en != ""))
     if filters.character:
         found["character"] = columns.character.in_(variants(filters.character))
+    if filters.masters:
+        found["masters"] = func.trim(columns.character) != ""
     if filters.collection:
         found["collection"] = columns.collection_id == filters.collection
     if filters.query and filters.query.split():

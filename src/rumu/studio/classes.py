@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from rumu.database.tables import Attempt, Membership, Person, SchoolClass, Task, TeacherMark, Work
 from rumu.studio.access import attempts_of, classes_of
-from rumu.studio.errors import Missing, NotAllowed
+from rumu.studio.errors import Missing, NotAllowed, Unusable
 from rumu.studio.people import Identity
 
 ClassOrTask = TypeVar("ClassOrTask", SchoolClass, Task)
@@ -95,6 +95,17 @@ def remove_pupil(session: Session, class_id: str, person_id: str) -> None:
     )
 
 
+def check_master(work: Work) -> None:
+    """Raise Unusable for a work that is no character, which nobody can copy and be marked."""
+    if not work.character.strip():
+        raise Unusable(
+            "no_character",
+            zh="這件作品不是一個字，不能臨寫評分。如果它是，請館主在作品資料裡填上是哪個字。",
+            en="This work is no character that could be copied and marked. If it is one, ask the owner to "
+            "fill in which on the work's page.",
+        )
+
+
 def add_task(
     session: Session,
     school_class: SchoolClass,
@@ -104,9 +115,11 @@ def add_task(
     note: str = "",
     due: datetime | None = None,
 ) -> Task:
-    """Add a task to a class. Raises Missing for an unknown work."""
-    if session.get(Work, work_id) is None:
+    """Add a task to a class. Raises Missing for an unknown work, Unusable for one that is no character."""
+    work = session.get(Work, work_id)
+    if work is None:
         raise Missing(zh="沒有這件作品。", en="There is no such work.")
+    check_master(work)
     task = Task(class_id=school_class.id, work_id=work_id, title=title, note=note, due=due)
     session.add(task)
     session.flush()

@@ -9,11 +9,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import or_, select
+from sqlalchemy import func, or_, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from rumu.database.tables import Attempt, Comparison, Person
+from rumu.database.tables import Attempt, Comparison, Person, Work
 from rumu.studio.access import attempts_of, find_visible_attempt, pupils_of
 from rumu.studio.errors import Clash, Unusable
 from rumu.studio.people import Identity
@@ -59,7 +59,10 @@ def next_pair(session: Session, user: Identity, *, work_id: str | None = None) -
 
 
 def _candidates(session: Session, user: Identity, work_id: str | None) -> Sequence[Attempt]:
-    wanted = select(Attempt).where(attempts_of(user), Attempt.score.is_not(None))
+    masters = select(Work.id).where(func.trim(Work.character) != "")
+    wanted = select(Attempt).where(
+        attempts_of(user), Attempt.score.is_not(None), Attempt.work_id.in_(masters)
+    )
     if work_id is not None:
         wanted = wanted.where(Attempt.work_id == work_id)
     return session.scalars(wanted).all()

@@ -58,6 +58,8 @@ CHANGING = {
     ("PATCH", "/api/works/regular-shui", "{}"): OWNER,
     ("PATCH", "/api/people/{pupil}", '{"language": "en"}'): OWNER,
     ("DELETE", "/api/works/seal-none", ""): (*OWNER[:5], 404),
+    ("PATCH", "/api/collections/starter", "{}"): OWNER,
+    ("DELETE", "/api/collections/none", ""): (*OWNER[:5], 404),
     ("DELETE", f"{CLASS}/pupils/none", ""): (401, 403, 403, 404, 204, 204),
     ("POST", "/api/comparisons", '{"left": "none", "right": "none", "winner": "left"}'): (401, *[404] * 5),
     ("PATCH", "/api/session", '{"language": "en"}'): LOGIN,

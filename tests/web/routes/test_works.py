@@ -22,3 +22,21 @@ def test_an_stl_of_the_size_asked_for(world):
     for wrong in ({"width": "nan"}, {"width": 0}, {"base": "inf"}, {"base": -1}, {"exaggeration": "nan"}):
         assert visitor("GET", url, params=wrong).status_code == 422
     assert visitor("GET", "/api/works/regular-shui/files/glb", params={"width": 60}).status_code == 422
+
+
+def test_an_owner_changes_and_deletes_a_collection(new_world, code_of):
+    world = new_world()
+    owner, url = world.browser("館主"), "/api/collections/starter"
+    title = {"zh": "蘭亭", "en": ""}
+    answer = owner("PATCH", url, json={"title": title, "note": {"zh": "序", "en": "A preface."}})
+    assert answer.status_code == 200
+    facts = owner("GET", url).json()
+    assert facts == answer.json()
+    assert (facts["title"], facts["note"], facts["works"]) == (title, {"zh": "序", "en": "A preface."}, 30)
+    assert owner("PATCH", url, json={"title": {"zh": " ", "en": ""}}).status_code == 422
+    assert owner("PATCH", url, json={"id": "other"}).status_code in (200, 422)
+    assert owner("GET", url).json() == facts
+    assert code_of(owner("PATCH", "/api/collections/none", json={})) == "not_found"
+    assert owner("DELETE", url).status_code == 204
+    assert owner("GET", "/api/works").json()["total"] == 0
+    assert code_of(owner("DELETE", url)) == "not_found"

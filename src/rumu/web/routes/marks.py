@@ -10,6 +10,7 @@ from fastapi import APIRouter, File, Form, HTTPException, Request, UploadFile
 
 from rumu.database.tables import Attempt, Person, now
 from rumu.studio import attempts, worker_tasks
+from rumu.studio.classes import check_master
 from rumu.studio.people import Identity
 from rumu.studio.pictures import MAX_BYTES, check_picture
 from rumu.web.addresses import client_address
@@ -66,6 +67,7 @@ async def add_mark(
 
 def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extended:
     master = find_work(service, copy.work)
+    check_master(master)
     if copy.task is not None and user is not None:
         with service.gallery.database.reading() as session:
             attempts.task_for(session, copy.task, user=user, work_id=master.id)

@@ -26,6 +26,7 @@ from rumu.web.schemas import (
     AnnotationRead,
     AnnotationUpdate,
     CollectionRead,
+    CollectionUpdate,
     Extended,
     FacetValueRead,
     SurfaceRead,
@@ -72,12 +73,13 @@ def work_filters(
     character: SearchText = None,
     collection: SearchText = None,
     q: SearchText = None,
+    masters: Annotated[bool, Query(description="Only works that are a character to copy.")] = False,
 ) -> dict[str, Any]:
     """What works must match, by the names of `gallery.filters.Filters`."""
     if script not in (None, "", "none", *SCRIPTS):
         raise Unusable("script", zh="沒有這種書體。", en=f"Expected a script among {', '.join(SCRIPTS)}.")
     filters = {"script": script, "dynasty": dynasty, "hand": hand, "character": character}
-    return filters | {"collection": collection, "query": q}
+    return filters | {"collection": collection, "query": q, "masters": masters}
 
 
 WorkFilters = Annotated[dict[str, Any], Depends(work_filters)]
@@ -110,6 +112,24 @@ def get_collection(service: ServiceDep, collection_id: PathId) -> Extended:
         if row.id == collection_id:
             return row
     raise Missing(zh="沒有這個集子。", en="There is no such collection.")
+
+
+@router.patch("/api/collections/{collection_id}", response_model=CollectionRead)
+def update_collection(
+    service: ServiceDep, user: OwnerUser, collection_id: PathId, changes: CollectionUpdate
+) -> Extended:
+    """Change title, description, source or licence of a collection."""
+    get_collection(service, collection_id)
+    catalog.change_collection(service.gallery, collection_id, to_columns(changes.model_dump()))
+    return get_collection(service, collection_id)
+
+
+@router.delete("/api/collections/{collection_id}", status_code=204)
+def delete_collection(service: ServiceDep, user: OwnerUser, collection_id: PathId) -> None:
+    """Delete a collection with all its works and everything that belongs to them, attempts too."""
+    get_collection(service, collection_id)
+    catalog.delete_collection(service.gallery, collection_id)
+    service.files.forget_addresses()
 
 
 @router.get("/api/works/{work_id}", response_model=WorkRead)

@@ -1,0 +1,93 @@
+// What an owner can do with a collection: give it a title and a description, or delete it.
+
+import { useState } from "preact/hooks";
+import { patch, remove } from "../api";
+import { common, localize } from "../i18n";
+import { t } from "../i18n/gallery";
+import type { Bilingual } from "../types";
+import { Dialog, ErrorMessage, Field } from "../ui";
+import { licenceField } from "./labels";
+import { clearLastList } from "./listState";
+
+export type Collection = { id: string; title: Bilingual; note: Bilingual; source: string; licence: string; works: number };
+type Props = { item: Collection; onChange: () => void };
+
+export function CollectionTools({ item, onChange }: Props) {
+  const [doing, setDoing] = useState<"" | "edit" | "delete">("");
+  const done = () => {
+    setDoing("");
+    clearLastList();
+    onChange();
+  };
+  return (
+    <p class="row">
+      <button type="button" class="quiet small" aria-label={t("editOf", { title: localize(item.title) })} onClick={() => setDoing("edit")}>{t("edit")}</button>
+      <button type="button" class="quiet small" aria-label={t("deleteOf", { title: localize(item.title) })} onClick={() => setDoing("delete")}>{common("remove")}</button>
+      {doing === "edit" && <EditDialog item={item} onClose={() => setDoing("")} onSaved={done} />}
+      {doing === "delete" && <DeleteDialog item={item} onClose={() => setDoing("")} onDeleted={done} />}
+    </p>
+  );
+}
+
+const url = ({ id }: Collection): string => `api/collections/${encodeURIComponent(id)}`;
+
+function EditDialog({ item, onClose, onSaved }: { item: Collection; onClose: () => void; onSaved: () => void }) {
+  const [title, setTitle] = useState(item.title);
+  const [note, setNote] = useState(item.note);
+  const [source, setSource] = useState(item.source);
+  const [licence, setLicence] = useState(licenceField(item.licence));
+  const [error, setError] = useState<unknown>(null);
+  const save = (event: Event) => {
+    event.preventDefault();
+    if (!`${title.zh}${title.en}`.trim()) return setError(new Error(t("collectionTitleNeeded")));
+    patch(url(item), { title, note, source, ...(licence === licenceField(item.licence) ? {} : { licence }) }).then(onSaved, setError);
+  };
+  return (
+    <Dialog title={t("editCollection")} onClose={onClose}>
+      <form class="both" onSubmit={save}>
+        <Field label={t("titleZh")}><input lang="zh-Hant" maxLength={200} value={title.zh} onInput={(event) => setTitle({ ...title, zh: event.currentTarget.value })} /></Field>
+        <Field label={t("titleEn")}><input lang="en" maxLength={200} value={title.en} onInput={(event) => setTitle({ ...title, en: event.currentTarget.value })} /></Field>
+        <Field label={t("aboutZh")}><textarea lang="zh-Hant" rows={3} maxLength={8000} value={note.zh} onInput={(event) => setNote({ ...note, zh: event.currentTarget.value })} /></Field>
+        <Field label={t("aboutEn")}><textarea lang="en" rows={3} maxLength={8000} value={note.en} onInput={(event) => setNote({ ...note, en: event.currentTarget.value })} /></Field>
+        <Field label={t("source")}><textarea rows={2} maxLength={8000} value={source} onInput={(event) => setSource(event.currentTarget.value)} /></Field>
+        <Field label={t("licence")} hint={t("licenceHint")}><input maxLength={200} value={licence} onInput={(event) => setLicence(event.currentTarget.value)} /></Field>
+        {error !== null && <ErrorMessage error={error} />}
+        <p class="row">
+          <button type="submit">{common("save")}</button>
+          <button type="button" class="quiet" onClick={onClose}>{common("cancel")}</button>
+        </p>
+      </form>
+    </Dialog>
+  );
+}
+
+/** Says what goes with the collection; the button works once the reader has said that they want that. */
+function DeleteDialog({ item, onClose, onDeleted }: { item: Collection; onClose: () => void; onDeleted: () => void }) {
+  const [sure, setSure] = useState(item.works === 0);
+  const [sending, setSending] = useState(false);
+  const [error, setError] = useState<unknown>(null);
+  const deleteIt = () => {
+    setSending(true);
+    remove(url(item)).then(onDeleted, (problem: unknown) => (setError(problem), setSending(false)));
+  };
+  return (
+    <Dialog title={t("deleteCollection", { title: localize(item.title) })} onClose={onClose}>
+      {item.works === 0 ? (
+        <p>{t("deleteCollectionEmpty")}</p>
+      ) : (
+        <>
+          <p>{t("deleteCollectionGoes", { n: item.works.toLocaleString() })}</p>
+          <label class="check">
+            <input type="checkbox" checked={sure} onChange={(event) => setSure(event.currentTarget.checked)} />
+            <span>{t("deleteCollectionSure", { n: item.works.toLocaleString() })}</span>
+          </label>
+        </>
+      )}
+      {error !== null && <ErrorMessage error={error} />}
+      <p class="row">
+        <button type="button" disabled={!sure || sending} onClick={deleteIt}>{common("remove")}</button>
+        <button type="button" class="quiet" disabled={sending} onClick={onClose}>{common("cancel")}</button>
+      </p>
+    </Dialog>
+  );
+}
