@@ -97,7 +97,7 @@ def rumu() -> Callable[..., Ended]:
     """(arguments of the command line) -> how the command ended."""
     from typer.testing import CliRunner
 
-    from rumu.cli import app
+    from rumu.cli.commands import app
 
     def run(*arguments: object) -> Ended:
         result = CliRunner().invoke(app, [str(argument) for argument in arguments])

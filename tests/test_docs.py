@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from rumu.cli import app
+from rumu.cli.commands import app
 
 ROOT = Path(__file__).parents[1]
 CLI = (ROOT / "docs" / "cli.md").read_text(encoding="utf-8")

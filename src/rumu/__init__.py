@@ -6,9 +6,7 @@ takes next to no time.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # as type checkers take it; importing typing takes longer than all else here
 __version__ = "0.3.0"
 
 _MODULES = {
@@ -59,7 +57,9 @@ if TYPE_CHECKING:
     from rumu.values import Surface as Surface
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
+    from importlib import import_module
+
     if name not in _MODULES:
         raise AttributeError(f"module 'rumu' has no attribute {name!r}")
     return getattr(import_module(_MODULES[name]), name)

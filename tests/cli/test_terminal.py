@@ -112,16 +112,76 @@ def test_a_latin_terminal_gets_escapes_instead_of_a_crash():
     assert "天" in {work["character"] for work in json.loads(answer.stdout)["works"]}
 
 
-def test_ctrl_c_on_the_whole_program(tmp_path):
-    """Interrupted while it starts or runs: code 130, no traceback."""
+START = (
+    # a shell that runs the tests in the background ignores the signal, and so would the child
+    "import signal, sys, time\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    "print('up', flush=True)\n"
+)
+
+
+def end_of(script: str, *arguments: object, after: float, times: int = 1) -> tuple[int, bytes]:
+    """Exit code and stderr of a program that is interrupted so many seconds after it says that it is up."""
+    with subprocess.Popen(
+        [sys.executable, "-c", START + script, *map(str, arguments)], stdout=-1, stderr=-1
+    ) as process:
+        assert process.stdout.readline()
+        for _ in range(times):
+            time.sleep(after)
+            process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=60)[1]
+    return process.returncode, said
+
+
+def test_ctrl_c_on_the_whole_program():
     script = (
-        # a shell that runs the tests in the background ignores the signal, and so would the child
-        "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "import rumu.cli as c, time\nc.app = lambda **k: (print('up', flush=True), time.sleep(30))\nc.main()"
+        "import rumu.cli, rumu.cli.commands as c\n"
+        "c.app = lambda **k: (time.sleep(0.2), print('up', flush=True), time.sleep(30))\nrumu.cli.main()"
     )
-    with subprocess.Popen([sys.executable, "-c", script], stdout=-1, stderr=-1, cwd=tmp_path) as process:
-        process.stdout.readline()
-        time.sleep(0.05)
-        process.send_signal(signal.SIGINT)
-        assert process.stderr.read() == b""
-    assert process.returncode == 130
+    assert end_of(script, after=1.0) == (130, b"")
+
+
+def test_ctrl_c_that_a_library_swallows():
+    script = (
+        "import rumu.cli, rumu.cli.commands as c\n"
+        "def app(**k):\n    try:\n        time.sleep(30)\n    except BaseException:\n        pass\n"
+        "c.app = app\nrumu.cli.main()"
+    )
+    assert end_of(script, after=1.0) == (130, b"")
+
+
+def test_ctrl_c_twice_ends_a_cleanup_that_hangs():
+    script = (
+        "import rumu.cli, rumu.cli.commands as c\n"
+        "def app(**k):\n    try:\n        time.sleep(30)\n    finally:\n        time.sleep(30)\n"
+        "c.app = app\nrumu.cli.main()"
+    )
+    assert end_of(script, after=0.7, times=2) == (130, b"")
+
+
+def test_ctrl_c_while_it_imports():
+    """From the first line of ours on: whatever module is being loaded."""
+    script = "import rumu.cli\nsys.argv = ['rumu', *sys.argv[1:]]\nrumu.cli.main()"
+    for number in range(6):
+        assert end_of(script, "gallery", "list", after=0.05 + 0.07 * number)[0] in (0, 130)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_ctrl_c_at_any_moment_of_a_command_with_workers(desk, jobs):
+    """Before, while and after its processes start; it leaves nothing behind but what it was given."""
+    rows = "copy.png,master.png\n" * 40
+    (desk / "pairs.csv").write_text(f"copy,reference\n{rows}")
+    before = sorted(desk.iterdir())
+    script = "import rumu.cli\nrumu.cli.main()"
+    for number in range(5):
+        arguments = ("assess", "--pairs", desk / "pairs.csv", "-o", desk / "out.csv", "--jobs", jobs)
+        assert end_of(script, *arguments, after=0.12 + 0.31 * number) == (130, b"")
+    assert sorted(desk.iterdir()) == before
+
+
+def test_ctrl_c_stays_ignored_where_it_was():
+    """As in the background of a shell without job control."""
+    script = (
+        "signal.signal(signal.SIGINT, signal.SIG_IGN)\nimport rumu.cli, rumu.cli.commands as c\n"
+        "c.app = lambda **k: time.sleep(1)\nrumu.cli.main()"
+    )
+    assert end_of(script, after=0.5) == (0, b"")

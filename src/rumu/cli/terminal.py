@@ -23,12 +23,13 @@ from typing import Any, NoReturn, ParamSpec
 
 import typer
 
+from rumu.cli import INTERRUPTED
 from rumu.errors import RumuError
 
 P = ParamSpec("P")
 
-FINE, FAILED, INTERRUPTED = 0, 1, 130
-"""Exit codes; the last is the shell's own for Ctrl-C."""
+FINE, FAILED = 0, 1
+"""Exit codes of a command that came to its end."""
 Advance = Callable[[int, int], None]
 """Called with (done, total)."""
 

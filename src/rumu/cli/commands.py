@@ -1,0 +1,59 @@
+"""The commands, thin: every heavy import stands inside its command, so that `rumu --help` is instant."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+import rumu
+from rumu.cli import assess, calibrate, demo, extensions, find, gallery, serve, surfaces
+from rumu.cli.terminal import FINE, speak_plainly
+
+app = typer.Typer(
+    name="rumu",
+    help="Chinese calligraphy as 3-D surfaces, and an honest mark for a learner's copy.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,  # the rich help costs more time than the rest of the start
+    pretty_exceptions_enable=False,
+)
+for command in (
+    demo.demo,
+    surfaces.reconstruct,
+    surfaces.relief,
+    surfaces.relight,
+    surfaces.stl,
+    assess.assess,
+    calibrate.calibrate,
+    find.find,
+    serve.serve,
+):
+    app.command()(command)
+app.add_typer(gallery.app, name="gallery")
+extensions.register(app)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"rumu {rumu.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _rumu(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
+    ] = False,
+) -> None:
+    pass
+
+
+def run(arguments: list[str]) -> object:
+    """Run one command and return what the process ends with, as sys.exit takes it."""
+    speak_plainly()
+    try:
+        app(args=arguments, prog_name="rumu")
+    except SystemExit as end:
+        return end.code
+    return FINE
