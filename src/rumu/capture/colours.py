@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rumu.capture.stored import Samples, full_scale
+from rumu.capture.stored import Samples, eight_bits, full_scale
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -64,7 +64,7 @@ def to_srgb(samples: Samples, profile: bytes | None, *, name: object) -> Samples
             return _gray_to_srgb(samples, conversion)
         if conversion.mode != "RGB":
             raise _UnusableProfileError(f"it is one of {conversion.mode} pictures")
-        return samples if _is_srgb(conversion) else conversion.colours(_eight_bits(samples))
+        return samples if _is_srgb(conversion) else conversion.colours(eight_bits(samples))
     except _UnusableProfileError as error:
         _warn(name, error)
         return samples
@@ -77,7 +77,7 @@ def cmyk_to_rgb(inks: Samples, profile: bytes | None, *, name: object) -> Sample
             conversion = _conversion(profile)
             if conversion.mode != "CMYK":
                 raise _UnusableProfileError(f"it is one of {conversion.mode} pictures")
-            return conversion.colours(_eight_bits(inks))
+            return conversion.colours(eight_bits(inks))
         except _UnusableProfileError as error:
             _warn(name, error)
     shares = inks.astype(np.float32)
@@ -142,9 +142,3 @@ def _gray_to_srgb(samples: Samples, conversion: _Conversion) -> Samples:
         all_levels = np.interp(np.arange(65536) / 257, levels, curve.astype(np.float64) * 257)
         return np.asarray(np.round(all_levels).astype(np.uint16)[samples])
     return np.interp(samples * np.float32(255), levels, curve / 255).astype(np.float32)
-
-
-def _eight_bits(samples: Samples) -> Samples:
-    if samples.dtype == np.uint8:
-        return samples
-    return np.round(np.clip(samples / np.float32(full_scale(samples)), 0, 1) * 255).astype(np.uint8)

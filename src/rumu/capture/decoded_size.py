@@ -7,7 +7,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rumu.errors import ImageError, RumuError
+from rumu.errors import ImageError, RefusedImage, RumuError
 
 MAX_PIXELS = 120_000_000
 """Largest image that is decoded, in pixels: above any phone's frame, below what fills a small machine."""
@@ -56,10 +56,11 @@ class Header:
     slices: int = 1
     overhead: int = 0
 
-    def memory(self, reduction: Reduction = FULL_SIZE) -> int:
-        """Bytes of the decoded samples and of the float image that is made of them."""
+    def memory(self, reduction: Reduction = FULL_SIZE, *, floats: bool = True) -> int:
+        """Bytes of the decoded samples and, where `floats` says so, of the float image made of them."""
         samples = self.width * self.height * self.slices * self.channels * self.sample_bytes
-        return math.ceil(samples) + self.overhead + self.image_memory(reduction)
+        image = self.image_memory(reduction) if floats else 0
+        return math.ceil(samples) + self.overhead + image
 
     def image_memory(self, reduction: Reduction = FULL_SIZE) -> int:
         """Bytes of the float image alone, with its alpha."""
@@ -67,8 +68,13 @@ class Header:
         return math.ceil(self.width * self.height * factor**2 * _FLOAT * min(self.channels, 4))
 
 
-def check_header(header: Header, name: object, *, reduction: Reduction = FULL_SIZE) -> None:
-    """Raise ImageError, which begins with `name`, when this picture is too small or too large to decode."""
+def check_header(
+    header: Header, name: object, *, reduction: Reduction = FULL_SIZE, floats: bool = True
+) -> None:
+    """Raise ImageError, which begins with `name`, when this picture is too small or too large to decode.
+
+    reduction, floats: how much of it is kept, and whether it is computed with.
+    """
     check_size(name, width=header.width, height=header.height)
     if header.slices != 1:
         raise ImageError(
@@ -76,7 +82,7 @@ def check_header(header: Header, name: object, *, reduction: Reduction = FULL_SI
             name=name,
             zh=f"需要平面的圖片，這個檔案是 {header.slices} 層的立體資料。",
         )
-    check_memory([header.memory(reduction)], name)
+    check_memory([header.memory(reduction, floats=floats)], name)
 
 
 def check_size(name: object, *, width: int, height: int) -> None:
@@ -88,6 +94,37 @@ def check_size(name: object, *, width: int, height: int) -> None:
             f"too small: expected at least {MIN_SIDE} x {MIN_SIDE} pixels, got {width} x {height}",
             name=name,
             zh=f"圖片太小：至少要 {MIN_SIDE} × {MIN_SIDE} 像素，這張是 {width} × {height}。",
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class WritingSize:
+    """Which pictures strokes can be seen in.
+
+    least_side: pixels of the shorter side. longest: most times that the longer side has the shorter one; a
+    long handscroll has forty.
+    """
+
+    least_side: int = 24
+    longest: int = 40
+
+
+def check_writing_size(width: int, height: int, *, limits: WritingSize | None = None) -> None:
+    """Raise RefusedImage, with the reason 'too small', for a picture in which no stroke can be seen."""
+    limits = limits or WritingSize()
+    least, shorter, longer = limits.least_side, min(width, height), max(width, height)
+    if shorter < least:
+        raise RefusedImage(
+            f"too small: expected at least {least} x {least} pixels, got {width} x {height}",
+            reason="too small",
+            zh=f"圖片太小：至少要 {least} × {least} 像素，這張是 {width} × {height}。",
+        )
+    if longer > limits.longest * shorter:
+        raise RefusedImage(
+            f"too narrow: expected a side of at most {limits.longest} times the other, "
+            f"got {width} x {height} pixels",
+            reason="too small",
+            zh=f"圖片太狹長：長邊最多是短邊的 {limits.longest} 倍，這張是 {width} × {height} 像素。",
         )
 
 

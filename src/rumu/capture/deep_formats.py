@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rumu.capture.colours import cmyk_to_rgb, profile_of
-from rumu.capture.decoded_size import Header, check_header
+from rumu.capture.decoded_size import Header
 from rumu.capture.stored import Samples, Stored, full_scale, split_alpha
 from rumu.errors import ImageError
 
@@ -113,7 +113,6 @@ def read_deep_tiff(path: Path) -> tuple[Stored, int, bytes | None]:
 
     with tifffile.TiffFile(path) as tiff:
         page = tiff.pages[0]
-        check_header(_page_header(page), path)
         if page.dtype is None or page.dtype.name not in ("uint16", "float16", "float32", "float64"):
             raise ImageError(
                 f"expected 8-bit, 16-bit or float samples, got {_bits(page)}-bit {page.dtype}",

@@ -14,7 +14,7 @@ import os
 import re
 import warnings
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
@@ -61,6 +61,20 @@ _MAX_SCANS = 100  # of a progressive JPEG; each goes over the whole picture, and
 _SCAN_OF_JPEG = b"\xff\xda"
 
 Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True, slots=True)
+class _Wish:
+    """What is wanted of a picture: how far it is reduced, and whether it becomes floats."""
+
+    reduction: Reduction
+    floats: bool
+
+    def check(self, header: Header, path: Path) -> None:
+        """Raise ImageError when that takes more than it may."""
+        check_header(header, path, reduction=self.reduction, floats=self.floats)
+
+
 Reading = tuple[Stored, int, bytes | None]
 """Samples as they lie in the file, its orientation (EXIF) and its colour profile (ICC)."""
 
@@ -71,19 +85,21 @@ def decode(
     upright: bool = True,
     encoding: Encoding = "srgb",
     reduction: Reduction = FULL_SIZE,
+    floats: bool = True,
 ) -> Stored:
     """The stored samples of an image file, turned as its orientation says unless `upright` is False.
 
     encoding: by which samples are taken as colours for a screen, which a colour profile then brings to sRGB:
         'srgb' all, 'auto' those of formats that are always written for a screen, 'linear' none.
     reduction: a large picture is reduced by area averaging, and a JPEG already while it is decoded.
+    floats: whether memory for a float image is counted, too.
     Raises ImageError, naming the file, when it is missing, a folder, empty, cut short, no image, a camera's
     raw file, smaller than MIN_SIDE, larger than MAX_PIXELS or than RUMU_MAX_DECODED_MB once decoded.
     """
     path = Path(path)
 
     def read(head: bytes) -> Stored:
-        stored, orientation, profile = _read(path, head, reduction)
+        stored, orientation, profile = _read(path, head, _Wish(reduction, floats))
         if not all(stored.whole):
             stored = replace(stored, whole=stored.values.shape[1::-1])
         stored = replace(stored, orientation=valid_orientation(orientation))
@@ -95,16 +111,13 @@ def decode(
     return _without_surprises(path, read)
 
 
-def read_header(path: str | os.PathLike[str], *, reduction: Reduction = FULL_SIZE) -> Header:
-    """What the header of an image file says; nothing is decoded. Raises ImageError as `decode` does."""
+def read_header(path: str | os.PathLike[str]) -> Header:
+    """What the header of an image file says; nothing is decoded, and the size is not judged.
+
+    Raises ImageError, naming the file, when it has no header of an image.
+    """
     path = Path(path)
-
-    def read(head: bytes) -> Header:
-        header = _header(path, head)
-        check_header(header, path, reduction=reduction)
-        return header
-
-    return _without_surprises(path, read)
+    return _without_surprises(path, lambda head: _header(path, head))
 
 
 def _without_surprises(path: Path, read: Callable[[bytes], Answer]) -> Answer:
@@ -235,15 +248,15 @@ def _as_image_error(path: Path, head: bytes, error: Exception) -> ImageError:
 # --- decoders ----------------------------------------------------------------------------------------
 
 
-def _read(path: Path, head: bytes, reduction: Reduction) -> Reading:
+def _read(path: Path, head: bytes, wish: _Wish) -> Reading:
     """The samples of a file, once its header is found to be in order."""
     is_tiff = head.startswith(_TIFF_MAGIC)
     if not (is_tiff or head.startswith(_EXR_MAGIC) or _is_deep_png(head)):
-        return _read_pillow(path, formats=_pillow_formats(path, head), reduction=reduction)
-    check_header(_header(path, head), path, reduction=reduction)
+        return _read_pillow(path, formats=_pillow_formats(path, head), wish=wish)
+    wish.check(_header(path, head), path)
     if is_tiff and not deep.is_deep_tiff(path):
         source, orientation = deep.upright_tiff(path)
-        stored, _, profile = _read_pillow(path, formats=("TIFF",), reduction=reduction, source=source)
+        stored, _, profile = _read_pillow(path, formats=("TIFF",), wish=wish, source=source)
         return stored, orientation, profile
     if is_tiff:
         return deep.read_deep_tiff(path)
@@ -251,7 +264,7 @@ def _read(path: Path, head: bytes, reduction: Reduction) -> Reading:
 
 
 def _read_pillow(
-    path: Path, *, formats: tuple[str, ...], reduction: Reduction, source: io.BytesIO | None = None
+    path: Path, *, formats: tuple[str, ...], wish: _Wish, source: io.BytesIO | None = None
 ) -> Reading:
     from PIL import Image
 
@@ -260,11 +273,11 @@ def _read_pillow(
         is_jpeg = header.format in ("JPEG", "MPO")
         if is_jpeg:
             _check_scans(path, image)
-            factor = reduction.factor(*image.size)
+            factor = wish.reduction.factor(*image.size)
             image.draft(None, tuple(math.ceil(side * factor) for side in image.size))
             drawn = image.width * image.height / max(header.width * header.height, 1)
             header = replace(header, sample_bytes=drawn)
-        check_header(header, path, reduction=reduction)
+        wish.check(header, path)
         try:
             image.load()
         except OSError:

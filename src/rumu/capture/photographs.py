@@ -15,7 +15,10 @@ from rumu.containment import FolderFiles
 from rumu.errors import CaptureError
 from rumu.values import Bilingual
 
-_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".webp", ".bmp", ".gif", ".pgm", ".ppm")
+_SUFFIXES = (
+    ".png", ".jpg", ".jpeg", ".mpo", ".tif", ".tiff", ".exr", ".webp", ".heic", ".heif", ".avif", ".bmp",
+    ".gif", ".pgm", ".ppm",
+)  # fmt: skip
 SUFFIX = re.compile(r"\.[A-Za-z][A-Za-z0-9]{1,4}$")
 """What ends the name of a file of any kind; not the .1 of `shot.1`."""
 _LISTED = 3  # images that a message names

@@ -37,6 +37,14 @@ def full_scale(samples: Samples) -> Any:
     return samples.dtype.type(np.iinfo(samples.dtype).max if samples.dtype.kind == "u" else 1)
 
 
+def eight_bits(samples: Samples) -> Samples:
+    """Samples as uint8; floats are cut to [0, 1]."""
+    if samples.dtype == np.uint8:
+        return samples
+    shares = np.clip(samples.astype(np.float32) / np.float32(full_scale(samples)), 0, 1)
+    return np.asarray(np.round(shares * 255), dtype=np.uint8)
+
+
 def split_alpha(samples: Samples, *, premultiplied: bool = False) -> Stored:
     """(H, W), or (H, W, C) of 1 gray, 2 gray + alpha, 3 colour, 4 colour + alpha."""
     if samples.ndim == 2:

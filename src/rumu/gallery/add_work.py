@@ -39,7 +39,10 @@ if TYPE_CHECKING:
     from rumu.gallery.fonts import Face
     from rumu.values import Capture, Surface
 
-SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif", ".pgm", ".ppm", ".exr")
+SUFFIXES = (
+    ".png", ".jpg", ".jpeg", ".mpo", ".webp", ".heic", ".heif", ".avif", ".tif", ".tiff", ".bmp", ".gif",
+    ".pgm", ".ppm", ".exr",
+)  # fmt: skip
 OWN_WORKS = CollectionMetadata(id="own", title=Bilingual(zh="自己收入", en="Added here"))
 
 _SURFACE_FILES = ("height.tif", "normals.tif", "albedo.tif", "confidence.tif", "mask.png", "surface.json")
@@ -76,7 +79,7 @@ def add_picture(
 
     path = Path(path)
     check_choice(method, get_args(Method), "method")
-    rows, columns = read_with_ink(path)[0].shape[:2]  # refuses a sheet without writing
+    columns, rows = read_with_ink(path)[2]  # refuses a sheet without writing
     return _add_picture_bytes(
         gallery,
         path.read_bytes(),

@@ -7,11 +7,13 @@ Decoded pictures and surfaces stay in memory, in one cache for the whole process
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import hashlib
+import math
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -150,27 +152,25 @@ _cache_changed = threading.Condition()
 
 @cached(_cache, condition=_cache_changed)
 def _relief(store: Store, key: str, method: str, spacing: float | None) -> Surface:
-    import cv2
     import numpy as np
 
-    from rumu.capture.image import read_image
+    from rumu.capture.decoded_size import Reduction
+    from rumu.capture.formats import decode
+    from rumu.capture.image import image_of
     from rumu.surface.relief import relief
 
     with store.local(key) as path:
         if not path.is_file():
             raise GalleryError(f"{key}: expected a picture in the store, there is none")
-        image = read_image(path)
-    shrink = min(1.0, MAX_SIDE / max(image.shape[:2]))
-    if shrink < 1.0:
-        size = (max(8, round(image.shape[1] * shrink)), max(8, round(image.shape[0] * shrink)))
-        image = np.clip(cv2.resize(image, size, interpolation=cv2.INTER_AREA), 0.0, 1.0)
+        stored = decode(path, reduction=Reduction(side=MAX_SIDE))
+        image = image_of(stored, name=path)
     try:
         surface = relief(image, method=method)  # type: ignore[arg-type]
     except RefusedImage as error:
-        raise RefusedImage(f"{Path(key).name}: {error}", reason=error.reason) from None
+        raise RefusedImage(error.en, reason=error.reason, name=Path(key).name, zh=error.zh) from None
     if spacing is None:
         return surface
-    spacing /= shrink
+    spacing *= max(stored.whole) / max(image.shape[:2])
     height = surface.height * np.float32(spacing)
     return dataclasses.replace(surface, height=height, spacing=spacing, unit="mm")
 
@@ -199,25 +199,27 @@ def read_picture(store: Store, key: str) -> Picture:
     return decode_picture(store.read(key))
 
 
-def decode_picture(data: bytes) -> Picture:
+def decode_picture(data: bytes, *, longest: float = math.inf) -> Picture:
     """A picture upright, with 8 bits, gray ('L') or RGB, transparent pixels white.
 
-    Raises ImageError when the data are no picture.
+    longest: pixels of its longest side at most. Raises ImageError when the data are no picture.
     """
     import numpy as np
     from PIL import Image
 
+    from rumu.capture.decoded_size import Reduction
     from rumu.capture.formats import decode
+    from rumu.capture.stored import eight_bits, over_white
 
+    with picture_file(data) as path:
+        stored = decode(path, reduction=Reduction(side=longest), floats=False)
+    return Image.fromarray(np.ascontiguousarray(over_white(eight_bits(stored.values), stored.alpha)))
+
+
+@contextlib.contextmanager
+def picture_file(data: bytes) -> Iterator[Path]:
+    """A picture as a temporary file; its name says nothing."""
     with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
         path = Path(folder) / "picture"
         path.write_bytes(data)
-        stored = decode(path)
-    values = stored.values
-    if values.dtype != np.uint8:
-        full = 65535.0 if values.dtype == np.uint16 else 1.0
-        values = np.round(np.clip(values.astype(np.float32) / full, 0, 1) * 255).astype(np.uint8)
-    if stored.alpha is not None:
-        cover = stored.alpha if values.ndim == 2 else stored.alpha[..., None]
-        values = np.round(values * cover + 255 * (1 - cover)).astype(np.uint8)
-    return Image.fromarray(values)
+        yield path

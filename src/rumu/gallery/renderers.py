@@ -35,7 +35,7 @@ def render_picture(assets: Assets, *, longest: int, quality: int) -> bytes:
     """The picture, WebP. longest: pixels of its longest side at most."""
     from PIL import Image
 
-    picture = decode_picture(assets.picture())
+    picture = decode_picture(assets.picture(), longest=2 * longest)
     if max(picture.size) > longest:
         picture.thumbnail((longest, longest), Image.Resampling.LANCZOS)
     return _webp(picture, quality=quality)

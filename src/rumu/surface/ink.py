@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rumu.capture.decoded_size import check_writing_size
 from rumu.capture.image import Box, Bytes, as_image, bounding_box, box_inside_frame, shrink
 from rumu.errors import RefusedImage
 from rumu.surface.grid import remove_grid
@@ -116,13 +117,14 @@ def find_ink(
     linear: True when the values are linear light, as the albedo of a Surface is.
     polarity: None to decide it from the picture.
     Raises ImageError for an array that is no image, and RefusedImage with reason 'blank' (paper and nothing
-    on it, or only a seal or a grid), 'black' (nothing but dark) or 'noise' (speckle, or a picture without
-    writing).
+    on it, or only a seal or a grid), 'black' (nothing but dark), 'noise' (speckle, or a picture without
+    writing) or 'too small' (see `check_writing_size`).
     """
     import cv2
 
     settings = settings or InkMaskSettings()
     checked = as_image(image)
+    check_writing_size(checked.shape[1], checked.shape[0])
     # 8 bits, display-encoded: enough for a threshold, and OpenCV is quickest on them
     picture = np.asarray(cv2.convertScaleAbs(cv2.sqrt(checked) if linear else checked, alpha=255.0), np.uint8)
     (y0, y1, x0, x1), off_sheet, small = _find_paper(picture, polarity)

@@ -17,11 +17,16 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.image import as_image, bounding_box, read_image, to_linear
+from rumu.capture.decoded_size import Reduction
+from rumu.capture.formats import decode
+from rumu.capture.image import as_image, bounding_box, image_of, to_linear
 from rumu.errors import RefusedImage, SurfaceError
 from rumu.surface.inflation import inflate
 from rumu.surface.ink import Ink, find_ink
 from rumu.values import BoolArray, FloatArray, Surface
+
+MOST_PIXELS = 12_600_000
+"""Of a picture in a file that becomes a surface: a phone's 12 megapixels; strokes gain nothing from more."""
 
 Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
@@ -57,7 +62,8 @@ def relief(
     Surface
         In pixels (unit 'px', spacing 1): height 0 on paper; normals of that height; albedo the image as
         linear light; mask the ink; confidence 1 on ink and 0 elsewhere; quality: 'ink_share' of the picture,
-        'contrast' (median density), 'half_width' (median, px) and the figures of the ink.
+        'contrast' (median density), 'half_width' (median, px), the figures of the ink, and 'reduced', by
+        which the sides of a file's picture were divided, where it has more than 12.6 million pixels.
 
     Raises
     ------
@@ -76,7 +82,7 @@ def relief(
     check_choice(mode, get_args(Mode), "mode")
     if not np.isfinite(kappa):
         raise SurfaceError(f"kappa: expected a finite number, got {kappa}")
-    ink, albedo = _ink_and_albedo(image)
+    ink, albedo, reduced = _ink_and_albedo(image)
     typical = half_width(ink.mask)
     if method == "density":
         height = ink.density * np.float32(typical)
@@ -92,7 +98,10 @@ def relief(
         spacing=1.0,
         unit="px",
         source=method,
-        quality=share | {"contrast": ink.contrast, "half_width": typical} | dict(ink.figures),
+        quality=share
+        | {"contrast": ink.contrast, "half_width": typical}
+        | dict(ink.figures)
+        | ({"reduced": reduced} if reduced > 1 else {}),
     )
 
 
@@ -102,26 +111,31 @@ def check_choice(value: object, choices: tuple[str, ...], name: str) -> None:
         raise SurfaceError(f"{name}: expected one of {', '.join(choices)}, got {value!r}")
 
 
-def read_with_ink(path: Path) -> tuple[FloatArray, Ink]:
-    """The picture in a file, as stored, and its ink. Raises ImageError; RefusedImage names the file."""
-    stored = read_image(path)
+def read_with_ink(path: Path) -> tuple[FloatArray, Ink, tuple[int, int]]:
+    """The picture in a file, as stored, its ink, and the (width, height) that the file has.
+
+    A picture above MOST_PIXELS is reduced to them while it is read. Raises ImageError; RefusedImage names the
+    file.
+    """
+    stored = decode(path, reduction=Reduction(pixels=MOST_PIXELS))
+    image, whole = image_of(stored, name=path), stored.whole
     try:
-        return stored, find_ink(stored)
+        return image, find_ink(image), whole
     except RefusedImage as error:
-        raise RefusedImage(f"{path}: {error}", reason=error.reason) from None
+        raise RefusedImage(error.en, reason=error.reason, name=path, zh=error.zh) from None
 
 
 def _ink_and_albedo(
     image: str | os.PathLike[str] | npt.NDArray[Any] | Ink,
-) -> tuple[Ink, Callable[[], FloatArray]]:
+) -> tuple[Ink, Callable[[], FloatArray], float]:
+    """The ink, the function that makes the albedo, and the pixels of the picture for one of its surface."""
     if isinstance(image, Ink):
-        return image, partial(_paint, image)
+        return image, partial(_paint, image), 1.0
     if isinstance(image, np.ndarray):
         stored = as_image(image)
-        ink = find_ink(stored)
-    else:
-        stored, ink = read_with_ink(Path(image))
-    return ink, partial(_linearise, stored)
+        return find_ink(stored), partial(_linearise, stored), 1.0
+    stored, ink, whole = read_with_ink(Path(image))
+    return ink, partial(_linearise, stored), max(whole) / max(stored.shape[:2])
 
 
 def _linearise(stored: FloatArray) -> FloatArray:

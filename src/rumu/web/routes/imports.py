@@ -56,7 +56,7 @@ def add_work(
     service: ServiceDep,
     user: TeacherUser,
     facts: WorkFacts,
-    picture: Annotated[UploadFile, File(description="PNG, JPEG, TIFF or WebP.")],
+    picture: Annotated[UploadFile, File(description="JPEG, PNG, TIFF, WebP, HEIC, AVIF, EXR, ...")],
     spacing: Annotated[Spacing | None, Form()] = None,
 ) -> Extended:
     """Add one picture as a work. spacing: millimetres for each pixel, when known."""

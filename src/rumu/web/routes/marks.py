@@ -44,7 +44,7 @@ async def add_mark(
     service: ServiceDep,
     user: OptionalUser,
     work: Annotated[Id, Form(examples=["regular-shui"])],
-    picture: Annotated[UploadFile, File(description="PNG or JPEG of the cell, 10 MB and 24 MP at most.")],
+    picture: Annotated[UploadFile, File(description="Picture of the cell, 10 MB and 24 MP at most.")],
     kind: Annotated[Literal["pen", "photo"], Form()] = "photo",
     grid: Annotated[Literal["mi", "jiu", "tian", ""], Form()] = "",
     strokes: Annotated[str | None, Form(max_length=attempts.MAX_STROKES)] = None,
