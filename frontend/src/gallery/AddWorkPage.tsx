@@ -13,7 +13,7 @@ import "./work.css";
 
 const SOURCES = ["addImage", "addCapture", "addImport"] as const;
 type Source = (typeof SOURCES)[number];
-const PICTURES = "image/jpeg,image/png,image/tiff,image/webp,.tif,.tiff";
+const PICTURES = "image/*,.tif,.tiff,.heic,.heif,.avif,.exr,.mpo";
 
 export default function AddWorkPage(_: PageProps) {
   const role = session.value?.person?.role;

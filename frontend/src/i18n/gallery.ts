@@ -79,7 +79,7 @@ export const t = translator({
   addImage: { zh: "一張圖", en: "One picture" },
   addCapture: { zh: "多燈照片", en: "Several lamps" },
   addImport: { zh: "匯入壓縮檔", en: "Import an archive" },
-  picture: { zh: "圖片（JPEG、PNG、TIFF、WebP）", en: "Picture (JPEG, PNG, TIFF, WebP)" },
+  picture: { zh: "圖片（JPEG、PNG、TIFF、WebP、HEIC、AVIF）", en: "Picture (JPEG, PNG, TIFF, WebP, HEIC, AVIF)" },
   captureZip: { zh: "照片資料夾的 zip（含 .lp 或 light_directions.txt）", en: "Zip of the folder of photographs (with .lp or light_directions.txt)" },
   importZip: { zh: "zip：圖片與 labels.csv，或先前匯出的展廳", en: "Zip: pictures with labels.csv, or a gallery exported before" },
   handZh: { zh: "書家（中文）", en: "Hand (Chinese)" },
