@@ -6,10 +6,12 @@ read.
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import stat
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from rumu.errors import RumuError
 
@@ -73,6 +75,39 @@ def read_file(
             zh=f"{Path(path).name}：最多 {size}，內容太大。",
         )
     return data
+
+
+def read_json(
+    path: str | os.PathLike[str],
+    *,
+    error_type: type[RumuError],
+    expected: str = "JSON",
+    most: int = MAX_TEXT,
+) -> Any:
+    """What a file of JSON holds.
+
+    Raises `error_type` as `read_file` does, and when it is no JSON in UTF-8 or holds NaN or infinity.
+    """
+    data = read_file(path, error_type=error_type, expected="a file", most=most)
+    try:
+        return parse_json(data.decode("utf-8-sig"))
+    except (ValueError, RecursionError) as error:
+        raise error_type(
+            f"{path}: expected {expected}, cannot read it ({error})",
+            zh=f"{Path(path).name}：應該是 JSON，讀不出來（{error}）。",
+        ) from error
+
+
+def parse_json(text: str) -> Any:
+    """What a text of JSON says. Raises ValueError also for NaN and infinity, RecursionError for bombs."""
+    return json.loads(text, parse_constant=_parse_number, parse_float=_parse_number)
+
+
+def _parse_number(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"expected finite numbers, got {text}")
+    return value
 
 
 def _check_kind(

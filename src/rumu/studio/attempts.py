@@ -14,6 +14,7 @@ from rumu import __version__
 from rumu.database.tables import Attempt, Membership, Person, Task, TeacherMark, Work, new_id, now
 from rumu.gallery.assets import derived_folder, picture_assets
 from rumu.gallery.store import Gallery, Store
+from rumu.inputs import parse_json
 from rumu.studio.access import attempts_of, find_visible_attempt
 from rumu.studio.classes import find_row
 from rumu.studio.errors import NotAllowed, Unusable
@@ -43,7 +44,7 @@ def check_strokes(text: str) -> str:
     Raises Unusable.
     """
     try:
-        parsed = json.loads(text)
+        parsed = parse_json(text)
         strokes = parsed["strokes"] if isinstance(parsed, dict) else parsed
         lines: list[Any] = [
             stroke.get("points") if isinstance(stroke, dict) else stroke for stroke in strokes

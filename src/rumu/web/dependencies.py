@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from typing import Annotated, Any
 
 from anyio.to_thread import run_sync
 from fastapi import Depends, HTTPException, Path, Query, Request, Response
 from pydantic import AfterValidator, StringConstraints
 
-from rumu.studio.errors import NotAllowed
+from rumu.studio.errors import NotAllowed, Unusable
 from rumu.studio.people import Identity
 from rumu.studio.tickets import DAYS_VALID, Ticket
 from rumu.web.addresses import SessionCookie
 from rumu.web.service import CurrentSession, Service
 
+FIRST_YEAR, LAST_YEAR = 1970, 2200  # of times that people enter
 ID_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$"
 
 
@@ -107,7 +109,24 @@ def reject_control_characters(text: str) -> str:
     return text
 
 
+def check_time(time: datetime) -> datetime:
+    """A time with its zone, in years that every database and every time zone can hold, in UTC.
+
+    Raises Unusable for another.
+    """
+    if time.tzinfo is None:
+        raise Unusable("time", zh="時間要帶時區。", en="Expected the time with its time zone.")
+    if not FIRST_YEAR < time.year < LAST_YEAR:
+        raise Unusable(
+            "time",
+            zh=f"時間要在 {FIRST_YEAR} 年到 {LAST_YEAR} 年之間，卻是 {time.year} 年。",
+            en=f"Expected a time between {FIRST_YEAR} and {LAST_YEAR}, got the year {time.year}.",
+        )
+    return time.astimezone(UTC)
+
+
 _CLEAN = AfterValidator(reject_control_characters)
+Time = Annotated[datetime, AfterValidator(check_time)]
 CleanText = Annotated[str, _CLEAN]
 ShortText = Annotated[str, StringConstraints(max_length=200, strip_whitespace=True), _CLEAN]
 LongText = Annotated[str, StringConstraints(max_length=8000), _CLEAN]

@@ -23,9 +23,12 @@ Spacing = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
 
 
 class Schema(BaseModel):
-    """Base: responses are read from the attributes of rows; unknown fields of a request are refused."""
+    """Base: responses are read from the attributes of rows.
 
-    model_config = ConfigDict(extra="forbid", from_attributes=True)
+    Unknown fields of a request are refused, and so are NaN and infinity, which Python's JSON lets in.
+    """
+
+    model_config = ConfigDict(extra="forbid", from_attributes=True, allow_inf_nan=False)
 
 
 class Extended:

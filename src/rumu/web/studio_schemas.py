@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from rumu.web.addresses import service_url
-from rumu.web.dependencies import Id, LongText, ShortText
+from rumu.web.dependencies import Id, LongText, ShortText, Time
 from rumu.web.schemas import BilingualText, Extended, PersonRead, Reference, Schema, WorkSummary
 
 Point = list[float]
@@ -244,7 +244,7 @@ class TaskCreate(Schema):
     work: Id = Field(examples=["regular-shui"])
     title: ShortText = ""
     note: LongText = ""
-    due: datetime | None = Field(default=None, examples=["2026-12-01T16:00:00Z"])
+    due: Time | None = Field(default=None, examples=["2026-12-01T16:00:00Z"])
 
 
 class TaskRow(Schema):

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from rumu.database.tables import Invitation, Person, SchoolClass, Task, Work, now
 from rumu.report.wording import kind_name
 from rumu.studio import classes
-from rumu.studio.errors import NotAllowed, Unusable
+from rumu.studio.errors import NotAllowed
 from rumu.studio.marks_export import given_marks, marks_csv, marks_zip
 from rumu.studio.people import Identity
 from rumu.web.dependencies import CurrentUser, PathId, ServiceDep, TeacherUser
@@ -83,8 +83,6 @@ def remove_pupil(service: ServiceDep, user: TeacherUser, class_id: PathId, perso
 @router.post("/api/classes/{class_id}/tasks", response_model=TaskRead, status_code=201)
 def add_task(service: ServiceDep, user: TeacherUser, class_id: PathId, task: TaskCreate) -> Extended:
     """Give a class something to write."""
-    if task.due is not None and task.due.tzinfo is None:
-        raise Unusable("due", zh="期限要帶時區。", en="Expected the day with its time zone.")
     with service.gallery.database.writing() as session:
         school_class = classes.find_row(session, SchoolClass, class_id, user=user, require_teacher=True)
         row = classes.add_task(
