@@ -6,6 +6,7 @@ It is pure ASGI, so that a body is counted while it streams in, and a request is
 from __future__ import annotations
 
 import logging
+from collections import Counter
 
 from anyio.to_thread import run_sync
 from starlette.datastructures import MutableHeaders
@@ -13,7 +14,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rumu.studio.errors import NotAllowed
+from rumu.studio.errors import Busy, NotAllowed
 from rumu.studio.tickets import Ticket
 from rumu.web.addresses import SessionCookie, client_address, is_from_another_site, route_path
 from rumu.web.error_handlers import error_response
@@ -45,11 +46,22 @@ class SecurityMiddleware:
 
     def __init__(self, app: ASGIApp, *, service: Service) -> None:
         self._app, self._service = app, service
+        self._at_once: Counter[str] = Counter()  # requests of each client that are being answered
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
+        client = client_address(HTTPConnection(scope))
+        self._at_once[client] += 1
+        try:
+            await self._answer(scope, receive, send, at_once=self._at_once[client])
+        finally:
+            self._at_once[client] -= 1
+            if self._at_once[client] == 0:
+                del self._at_once[client]
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send, *, at_once: int) -> None:
         path = route_path(scope)
         started = False
 
@@ -60,6 +72,8 @@ class SecurityMiddleware:
 
         send_safely = _add_headers(send_and_note, path, is_https=scope["scheme"] == "https")
         try:
+            if at_once > self._service.settings.connections.per_client:
+                raise Busy
             tickets = await self._check(HTTPConnection(scope))
         except Exception as error:
             response = error_response(error)

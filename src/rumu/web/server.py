@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rumu.database.server_lock import lock_server
@@ -16,8 +17,11 @@ from rumu.errors import RumuError
 
 if TYPE_CHECKING:
     import uvicorn
+    from fastapi import FastAPI
 
-    from rumu.web.settings import ServiceSettings
+    from rumu.web.settings import ConnectionLimits, ServiceSettings
+
+_THIS_MACHINE = "127.0.0.1,::1"
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,20 +67,40 @@ def serve(
         link = service.owner_link()
         address = ServerAddress(f"{url}/", link and f"{url}{link}")
         on_listen(address)
-        server = uvicorn.Server(
-            uvicorn.Config(
-                app,
-                log_level="warning",
-                access_log=False,
-                server_header=False,
-                forwarded_allow_ips=proxies,
-                timeout_graceful_shutdown=5,
-                timeout_keep_alive=65,
-            )
-        )
+        _allow_open_files()
+        server = uvicorn.Server(server_config(app, settings.connections, proxies=proxies))
         if on_ready is not None:
             threading.Thread(target=_wait_until_ready, args=(server, address, on_ready), daemon=True).start()
         server.run(sockets=[listener])
+
+
+def server_config(app: FastAPI, limits: ConnectionLimits, *, proxies: str | None = None) -> uvicorn.Config:
+    """How uvicorn runs the application. proxies: as of `serve`."""
+    import uvicorn
+
+    from rumu.web.connections import Clients, GuardedProtocol
+
+    trusted = proxies or _THIS_MACHINE
+    protocol = partial(GuardedProtocol, limits=limits, clients=Clients(trusted))
+    return uvicorn.Config(
+        app,
+        http=protocol,  # type: ignore[arg-type]  # uvicorn calls it as it calls a class
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        forwarded_allow_ips=trusted,
+        timeout_graceful_shutdown=5,
+        timeout_keep_alive=65,
+    )
+
+
+def _allow_open_files() -> None:
+    """Allow as many open files, and so connections, as the system lets this process allow itself."""
+    with contextlib.suppress(ImportError, OSError, ValueError):  # Windows has no such limit
+        import resource
+
+        _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
 def listen(host: str, port: int) -> socket.socket:

@@ -22,6 +22,25 @@ class BodyLimits:
 
 
 @dataclass(frozen=True, slots=True)
+class ConnectionLimits:
+    """How long a connection may hold a place, and how many an address may have.
+
+    head_seconds: until the head of a request is complete. head_bytes: of all headers; browsers send all
+    cookies of a host. body_seconds: after which a body must have come at body_rate, in bytes each second, on
+    average.
+    write_seconds: for which a client may take nothing of a response. per_client: connections of one address,
+    which a school may share, and requests of one client at a time.
+    """
+
+    head_seconds: float = 10.0
+    head_bytes: int = MIB
+    body_seconds: float = 20.0
+    body_rate: float = 1024.0
+    write_seconds: float = 60.0
+    per_client: int = 300
+
+
+@dataclass(frozen=True, slots=True)
 class ServiceSettings:
     """How a service runs.
 
@@ -40,4 +59,5 @@ class ServiceSettings:
     prepare: bool = True
     rate_limits: RateLimitSettings = field(default_factory=RateLimitSettings)
     body_limits: BodyLimits = field(default_factory=BodyLimits)
+    connections: ConnectionLimits = field(default_factory=ConnectionLimits)
     static: Path = Path(__file__).parent / "static"
