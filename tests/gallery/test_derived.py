@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import subprocess
 import threading
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +16,18 @@ from PIL import Image
 from tests.gallery.conftest import surface
 
 from conftest import FRONTEND
-from rumu.errors import GalleryError, RefusedImage, SurfaceError
-from rumu.gallery import renderers
-from rumu.gallery.derived import KINDS, MeshShape, derived_file, viewer_facts
+from rumu.errors import GalleryError, RefusedImage, RumuError, SurfaceError
+from rumu.gallery import catalog, renderers
+from rumu.gallery.assets import assets_of
+from rumu.gallery.derived import (
+    EXAGGERATIONS,
+    KINDS,
+    MAX_DERIVED_VARIABLE,
+    MeshShape,
+    delete_least_used,
+    derived_file,
+    viewer_facts,
+)
 from rumu.gallery.seed import add_starter_works
 from rumu.gallery.starter import starter_works
 from rumu.gallery.store import Store
@@ -242,3 +253,55 @@ def test_a_store_elsewhere_serves_as_well(bare):
     add_starter_works(there)
     for kind in set(KINDS) - {"lamp-a", "lamp-b", "lamp-c"}:
         assert derived_file(there, "regular-ri", kind).data == derived_file(there, "regular-ri", kind).data
+
+
+# --- the room that they take -----------------------------------------------------------------------
+
+
+def test_meshes_take_the_nearest_step(gallery):
+    asked = np.geomspace(0.02, 90, 40)
+    tags = {derived_file(gallery, "regular-ren", "glb", shape=MeshShape(float(x))).etag for x in asked}
+    stored = [key for key in gallery.store.keys("derived") if "-glb" in key]
+    assert len(tags) == len(stored) <= len(EXAGGERATIONS)
+    near, step = (
+        derived_file(gallery, "regular-ren", "ply", shape=MeshShape(exaggeration))
+        for exaggeration in (1.93, 2.0)
+    )
+    assert (near.data, near.etag) == (step.data, step.etag)
+
+
+def derived_bytes(gallery) -> int:
+    return sum(file.size for file in gallery.store.files("derived"))
+
+
+def test_the_least_recently_used_files_go_first(gallery, monkeypatch):
+    works = [row.id for row in catalog.works(gallery).items][:6]
+    for work in works:
+        derived_file(gallery, work, "glb")
+    keys = {}
+    for number, work in enumerate(works):
+        folder = assets_of(gallery.store, catalog.work(gallery, work)).digest
+        (keys[work],) = (key for key in gallery.store.keys("derived") if folder in key)
+        used = time.time() - 86_400 * (10 - number)
+        os.utime(gallery.store.path(keys[work]), (used, used))
+    derived_file(gallery, works[0], "glb")  # the oldest is used again
+    originals = set(gallery.store.keys("pictures"))
+    total = derived_bytes(gallery)
+    assert delete_least_used(gallery.store, most=total) == 0
+    assert delete_least_used(gallery.store, most=total * 2 // 3) > 0
+    left = set(gallery.store.keys("derived"))
+    assert derived_bytes(gallery) <= total * 2 // 3
+    assert keys[works[0]] in left and keys[works[-1]] in left and keys[works[1]] not in left
+    assert set(gallery.store.keys("pictures")) == originals
+    assert derived_file(gallery, works[1], "glb").data  # made again
+
+
+def test_the_operator_limits_the_room(gallery, monkeypatch):
+    monkeypatch.setenv(MAX_DERIVED_VARIABLE, "12")
+    for exaggeration in EXAGGERATIONS:
+        for work in ("regular-ren", "regular-shui"):
+            derived_file(gallery, work, "ply", shape=MeshShape(exaggeration))
+            assert derived_bytes(gallery) < 13_000_000
+    monkeypatch.setenv(MAX_DERIVED_VARIABLE, "much")
+    with pytest.raises(RumuError, match=f"{MAX_DERIVED_VARIABLE}: expected a whole number of megabytes"):
+        derived_file(gallery, "regular-ri", "glb")

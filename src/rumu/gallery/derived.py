@@ -2,28 +2,59 @@
 
 A derived file lies under the digest of what it was computed from, so it is never out of date and can be
 deleted at any time. It is written completely or not at all, and computed once if several threads request it
-together.
+together. Together they take no more room than RUMU_MAX_DERIVED_MB: the least recently used go first.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
+import os
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 from cachetools import LRUCache, cached
 
-from rumu.errors import GalleryError
+from rumu.errors import GalleryError, RumuError
 from rumu.gallery import renderers
 from rumu.gallery.assets import VERSION, Assets, assets_of, derived_folder
 from rumu.gallery.catalog import work
 from rumu.gallery.store import Gallery, Store
 
 MESHES = ("glb", "stl", "ply")
+EXAGGERATIONS = (
+    0.1,
+    0.25,
+    0.5,
+    0.75,
+    1.0,
+    1.25,
+    1.5,
+    2.0,
+    2.5,
+    3.0,
+    4.0,
+    5.0,
+    6.0,
+    8.0,
+    10.0,
+    15.0,
+    25.0,
+    50.0,
+    100.0,
+)
+"""Steps of which GLB and PLY take the nearest, so that they can be kept; an STL takes any."""
+MAX_DERIVED_VARIABLE = "RUMU_MAX_DERIVED_MB"
+"""The environment variable with the most megabytes that derived files may take together."""
+
+_DEFAULT_MAX_MB = 10_000
+_MB = 10**6
+_COUNTED_AGAIN = 20  # parts of the room; once one of them has been written, all files are counted again
+_LEFT = 0.9  # of the room, that is still full when files have been deleted
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,8 +147,12 @@ def stored_file(store: Store, assets: Assets, kind: str, *, shape: MeshShape = P
     key = _key(assets, kind, shape)
     if not store.exists(key):
         return None
-    tag = etag(assets, kind, shape=shape)
-    return DerivedFile(store.read(key), KINDS[kind].media_type, tag)
+    try:
+        data = store.read(key)
+    except GalleryError:  # it was deleted this very moment
+        return None
+    store.mark_as_used(key)
+    return DerivedFile(data, KINDS[kind].media_type, etag(assets, kind, shape=shape))
 
 
 def etag(assets: Assets, kind: str, *, shape: MeshShape = PLAIN) -> str:
@@ -157,6 +192,14 @@ def viewer_facts_of(store: Store, assets: Assets, *, url: Callable[[str, str], s
     }
 
 
+def near_step(shape: MeshShape, kind: str) -> MeshShape:
+    """The shape that a mesh of this kind is made in: GLB and PLY at the nearest of EXAGGERATIONS."""
+    if kind == "stl" or shape.exaggeration <= 0:
+        return shape
+    nearest = min(EXAGGERATIONS, key=lambda step: abs(math.log(step / shape.exaggeration)))
+    return replace(shape, exaggeration=nearest)
+
+
 def _key(assets: Assets, kind: str, shape: MeshShape) -> str:
     if kind not in KINDS:
         raise GalleryError(f"expected a kind of file among {', '.join(KINDS)}, got {kind!r}")
@@ -166,6 +209,7 @@ def _key(assets: Assets, kind: str, shape: MeshShape) -> str:
         raise GalleryError(f"expected an exaggeration of a mesh ({', '.join(MESHES)}), got it of {kind}")
     if (shape.width, shape.base) != (PLAIN.width, PLAIN.base) and kind != "stl":
         raise GalleryError(f"expected a width and a base of an STL, got them of {kind}")
+    shape = near_step(shape, kind)
     more = "" if shape.exaggeration == 1.0 else f"-x{shape.exaggeration:g}"
     more += "" if shape.width is None else f"-w{shape.width:g}"
     more += "" if shape.base == PLAIN.base else f"-b{shape.base:g}"
@@ -180,15 +224,66 @@ def _key(assets: Assets, kind: str, shape: MeshShape) -> str:
     condition=threading.Condition(),
 )
 def _read_or_render(store: Store, assets: Assets, kind: str, shape: MeshShape) -> bytes:
-    key = _key(assets, kind, shape)
-    if store.exists(key):
-        return store.read(key)
+    stored = stored_file(store, assets, kind, shape=shape)
+    if stored is not None:
+        return stored.data
+    shape = near_step(shape, kind)
     options: dict[str, float | None] = {}
     if kind in MESHES:
         options = {"exaggeration": shape.exaggeration}
     if kind == "stl":
         options |= {"width": shape.width, "base": shape.base}
     data = KINDS[kind].render(assets, **options)
-    if shape == PLAIN:  # anybody may ask for any shape, and the store would fill
-        store.write(key, data)
+    if shape == PLAIN or kind != "stl":  # anybody may ask for an STL of any shape, and the store would fill
+        store.write(_key(assets, kind, shape), data)
+        _limit_room(store, len(data))
     return data
+
+
+# --- the room that they take -----------------------------------------------------------------------
+
+_written: dict[str, int] = {}  # by the store: bytes that this process has written since it counted the files
+_written_lock = threading.Lock()
+
+
+def max_derived_bytes() -> int:
+    """The most bytes that derived files may take. Raises RumuError when the variable is no number."""
+    text = os.environ.get(MAX_DERIVED_VARIABLE) or str(_DEFAULT_MAX_MB)
+    if not text.strip().isdecimal() or int(text) == 0:
+        raise RumuError(
+            f"expected a whole number of megabytes, got {text!r}",
+            name=MAX_DERIVED_VARIABLE,
+            zh=f"{MAX_DERIVED_VARIABLE} 應是以 MB 計的整數，現在是 {text!r}。",
+        )
+    return int(text) * _MB
+
+
+def _limit_room(store: Store, written: int) -> None:
+    """Count what has been written, and delete the least recently used files when there is too much."""
+    most = max_derived_bytes()
+    with _written_lock:
+        before = _written.get(store.root)
+        _written[store.root] = (before or 0) + written
+        if before is not None and _written[store.root] < most / _COUNTED_AGAIN:
+            return
+        _written[store.root] = 0
+    delete_least_used(store, most=most)
+
+
+def delete_least_used(store: Store, *, most: int) -> int:
+    """Delete the derived files that were used longest ago, until the rest take nine tenths of `most`.
+
+    most: bytes; nothing is deleted as long as all files together take less. Returns how many were deleted.
+    """
+    files = sorted(store.files("derived"), key=lambda file: file.written)
+    total = sum(file.size for file in files)
+    if total <= most:
+        return 0
+    count = 0
+    for file in files:
+        if total <= _LEFT * most:
+            break
+        store.delete_file(file.key)
+        total -= file.size
+        count += 1
+    return count

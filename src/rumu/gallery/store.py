@@ -27,9 +27,19 @@ if TYPE_CHECKING:
 
 _KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9._=-]*(/[A-Za-z0-9][A-Za-z0-9._=-]*)*")
 _CHUNK = 2**20  # bytes of a stream that are in memory at a time
+_USED_AGAIN = 3600.0  # seconds after which the use of a file is remembered anew
 PART_SUFFIX = ".part"  # of a file that is still being written
 _RENAMING = frozenset({"sftp", "ssh", "smb", "ftp", "hdfs", "webhdfs"})
 """Protocols where partly written files are visible and renaming is atomic, unlike object stores."""
+
+
+@dataclass(frozen=True, slots=True)
+class StoreFile:
+    """A file of a store. size: bytes. written: when it was written or last used, in seconds since 1970."""
+
+    key: str
+    size: int
+    written: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,14 +131,26 @@ class Store:
 
         older_than: seconds since the last write, at least.
         """
+        before = time.time() - older_than
+        return (file.key for file in self.files(prefix) if file.written <= before)
+
+    def files(self, prefix: str) -> Iterator[StoreFile]:
+        """The files below a folder, also partly written ones."""
         try:
             found = self.filesystem.find(self._path(prefix), detail=True)
         except FileNotFoundError:
             return
-        before = time.time() - older_than
         for path, info in found.items():
-            if info.get("type") == "file" and _modification_time(info) <= before:
-                yield str(PurePosixPath(path).relative_to(self.root or "/"))
+            if info.get("type") == "file":
+                key = str(PurePosixPath(path).relative_to(self.root or "/"))
+                yield StoreFile(key, int(info.get("size") or 0), _modification_time(info))
+
+    def mark_as_used(self, key: str) -> None:
+        """Remember that a file is used, once an hour, where the store is on this machine."""
+        path = self.path(key)
+        with contextlib.suppress(OSError):
+            if path is not None and time.time() - path.stat().st_mtime > _USED_AGAIN:
+                os.utime(path)
 
     def delete_file(self, key: str) -> None:
         """Delete one file that `keys` gave, complete or partly written."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gzip
 import threading
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,10 +52,12 @@ class DerivedFiles:
         *,
         shape: MeshShape = PLAIN,
         client_etags: Collection[str] = (),
+        before_making: Callable[[], None] = lambda: None,
     ) -> FileContent:
         """A file derived from a work, or from a picture by its key in the store.
 
         client_etags: if the file's is among them, the data are left empty.
+        before_making: called when the file is not there yet; what it raises ends the request.
         Raises GalleryError as `rumu.gallery.derived.derived_file` does.
         """
         of: dict[str, Any]
@@ -66,7 +68,7 @@ class DerivedFiles:
         tag = etag(assets, kind, shape=shape)
         if tag in client_etags:
             return FileContent(b"", None, "", tag)
-        return self._load(tag, assets, kind, shape, of)
+        return self._load(tag, assets, kind, shape, of, before_making=before_making)
 
     def at_address(self, address: FileAddress) -> FileContent | None:
         """What was sent from this address, while it is in memory. It needs no query of the database."""
@@ -86,15 +88,23 @@ class DerivedFiles:
 
     @cachedmethod(
         lambda self: self._contents,
-        key=lambda self, tag, *_: tag,
+        key=lambda self, tag, *_, **__: tag,
         condition=lambda self: self._contents_changed,
     )
     def _load(
-        self, tag: str, assets: Assets, kind: str, shape: MeshShape, source: dict[str, Any]
+        self,
+        tag: str,
+        assets: Assets,
+        kind: str,
+        shape: MeshShape,
+        source: dict[str, Any],
+        *,
+        before_making: Callable[[], None],
     ) -> FileContent:
         """A content from the store or a worker process; once, however many requests wait for it."""
         file = stored_file(self._gallery.store, assets, kind, shape=shape)
         if file is None:
+            before_making()
             file = self._workers.call(worker_tasks.derived_file, kind=kind, shape=shape, **source)
         return FileContent(file.data, _compress(file.data, file.media_type), file.media_type, tag)
 

@@ -6,6 +6,8 @@ import io
 
 import pytest
 
+from rumu.web.rate_limits import RateLimitSettings
+
 
 def test_an_stl_of_the_size_asked_for(world):
     import trimesh
@@ -40,3 +42,17 @@ def test_an_owner_changes_and_deletes_a_collection(new_world, code_of):
     assert owner("DELETE", url).status_code == 204
     assert owner("GET", "/api/works").json()["total"] == 0
     assert code_of(owner("DELETE", url)) == "not_found"
+
+
+def test_one_client_makes_a_few_meshes_at_a_time(new_world, code_of):
+    world = new_world(rate_limits=RateLimitSettings(meshes="3/minute"))
+    visitor, url = world.browser(), "/api/works/regular-ren/files/glb"
+    first = [visitor("GET", url, params={"exaggeration": step}) for step in (1, 2, 3)]
+    assert [answer.status_code for answer in first] == [200, 200, 200]
+    refused = visitor("GET", url, params={"exaggeration": 4})
+    assert refused.status_code == 429 and code_of(refused) == "too_often"
+    assert 1 <= int(refused.headers["Retry-After"]) <= 60
+    again = visitor("GET", url, params={"exaggeration": 2.05})  # it is there already, at the nearest step
+    assert again.status_code == 200 and again.content == first[1].content
+    assert again.headers["ETag"] == first[1].headers["ETag"]
+    assert visitor("GET", "/api/works/regular-ren/files/thumb").status_code == 200  # no mesh

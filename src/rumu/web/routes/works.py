@@ -17,7 +17,7 @@ from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.single_page import single_page
 from rumu.studio.errors import Missing, Unusable
 from rumu.values import SCRIPTS
-from rumu.web.addresses import service_url
+from rumu.web.addresses import client_address, service_url
 from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
@@ -170,6 +170,8 @@ async def get_file(
 ) -> Response:
     """A picture, map or mesh. exaggeration: of a mesh's height. download: to be saved.
 
+    A GLB or PLY is answered with the nearest exaggeration of 0.1, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 2, 2.5, 3,
+    4, 5, 6, 8, 10, 15, 25, 50 and 100.
     width, base: of an STL, in millimetres: from its left to its right side (by default as large as the sheet,
     100 mm long if its size is unknown), and the thickness below its lowest point.
     """
@@ -189,7 +191,13 @@ def _file_content(
         raise Unusable(zh="只有 STL 可以指定寬度和底座厚度。", en="Only an STL has a width and a base.")
     work = find_work(service, work_id)
     etags = requested_etags(request.headers)
-    content = service.files.get(work, kind, shape=shape, client_etags=etags)
+
+    def count_mesh() -> None:
+        if kind in MESHES:
+            limit = service.settings.rate_limits.meshes
+            service.rate_limiter.hit(limit, "meshes", client_address(request))
+
+    content = service.files.get(work, kind, shape=shape, client_etags=etags, before_making=count_mesh)
     version = request.query_params.get("v")
     if version is not None and version in (content.etag, file_version(work)):
         service.files.set_address((work_id, kind, shape, version), content)
