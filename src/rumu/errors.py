@@ -8,7 +8,9 @@
     ├── RefusedImage        a picture that holds nothing to mark: blank, black, noise
     ├── CalibrationError    marks that cannot carry a calibration
     ├── GalleryError        a work that is not there or not whole
+    ├── DatabaseBusy        a database that is locked or cannot be reached at present
     └── OutputError         a file or folder that cannot be written
+        └── DiskFull        there is no space for it
 
 Each message names what was given, what was expected and what came.
 """
@@ -78,3 +80,27 @@ class GalleryError(RumuError):
 
 class OutputError(RumuError):
     """A file or folder that cannot be written."""
+
+
+class DatabaseBusy(RumuError):  # noqa: N818  what it is, not that it went wrong
+    """A database that is locked by another process, or cannot be reached at present."""
+
+
+class DiskFull(OutputError):  # noqa: N818  what it is, not that it went wrong
+    """There is no space left, on the disk or in a quota; what was begun is deleted.
+
+    place: the folder. needed: bytes at least, None if unknown.
+    """
+
+    def __init__(self, place: object, needed: int | None = None) -> None:
+        size = "" if needed is None else f"{max(0.1, needed / 2**20):.1f} MB"
+        least = f"at least {size}" if size else "more space"
+        super().__init__(
+            f"the disk or quota is full, nothing is half-written; {least} is needed there",
+            name=place,
+            zh=f"磁碟或配額已滿，沒有留下寫了一半的東西。那裡至少要有{f' {size} ' if size else '更多'}空間。",
+        )
+        self.needed = size
+
+    def __reduce__(self) -> Any:  # as it comes back from another process
+        return Exception.__new__, (type(self), *self.args), self.__dict__

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from rumu.errors import OutputError
+from rumu.errors import DiskFull, OutputError
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+
+
+def is_full(error: BaseException | None) -> bool:
+    """Whether an error, or one that led to it, says that a disk or a quota is full."""
+    while error is not None:
+        if isinstance(error, DiskFull) or (isinstance(error, OSError) and error.errno in _FULL):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 @contextlib.contextmanager
@@ -23,7 +35,8 @@ def whole_file(path: str | Path) -> Iterator[Path]:
         raise OutputError(f"{target}: expected a file to write, found a folder")
     with _workspace(target) as folder:
         part = folder / target.name
-        yield part
+        with _full_disk(target.parent, folder):
+            yield part
         with _output_errors(target):
             part.replace(target)
 
@@ -45,7 +58,8 @@ def whole_folder(path: str | Path, *, marker: str) -> Iterator[Path]:
     with _workspace(target) as folder:
         part, old = folder / "new", folder / "old"
         part.mkdir()
-        yield part
+        with _full_disk(target.parent, folder):
+            yield part
         with _output_errors(target):
             if target.exists():
                 target.replace(old)
@@ -69,9 +83,26 @@ def _workspace(target: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
+def _full_disk(place: Path, written: Path) -> Iterator[None]:
+    """Raise DiskFull where the block could not write for want of space; another error passes.
+
+    written: the folder of what was written until then, which is the least that is needed.
+    """
+    try:
+        yield
+    except (OSError, DiskFull) as error:
+        if is_full(error):
+            needed = sum(file.stat().st_size for file in written.rglob("*") if file.is_file())
+            raise DiskFull(place, needed or None) from error
+        raise
+
+
+@contextlib.contextmanager
 def _output_errors(target: Path) -> Iterator[None]:
     """Raise what the system says against writing as an OutputError."""
     try:
         yield
     except OSError as error:
+        if is_full(error):
+            raise DiskFull(target.parent) from error
         raise OutputError(f"{target}: cannot be written ({os.strerror(error.errno or 0)})") from error

@@ -24,7 +24,8 @@ from typing import Any, NoReturn, ParamSpec
 import typer
 
 from rumu.cli import INTERRUPTED
-from rumu.errors import RumuError
+from rumu.errors import DiskFull, RumuError
+from rumu.outputs import is_full
 
 P = ParamSpec("P")
 
@@ -55,6 +56,8 @@ def print_outcome(command: Callable[P, Outcome]) -> Callable[P, None]:
         as_json = bool(kwargs.get("as_json"))
         try:
             outcome = command(*args, **kwargs)
+        except DiskFull as error:
+            _fail(f"{error}  {error.zh}", as_json=as_json)
         except RumuError as error:
             _fail(str(error), as_json=as_json)
         except KeyboardInterrupt:
@@ -62,6 +65,9 @@ def print_outcome(command: Callable[P, Outcome]) -> Callable[P, None]:
         except (typer.BadParameter, typer.Exit):
             raise
         except Exception as error:
+            if is_full(error):
+                full = DiskFull(getattr(error, "filename", None) or "output")
+                _fail(f"{full}  {full.zh}", as_json=as_json)
             _fail(_unexpected(error), as_json=as_json)
         with _quiet_pipe():
             _print(outcome, as_json=as_json)

@@ -9,18 +9,23 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from threading import BoundedSemaphore
 from typing import Any
 
 from sqlalchemy import Engine, create_engine, event, text
 from sqlalchemy.engine import make_url
-from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
+from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, OperationalError, TimeoutError
 from sqlalchemy.orm import Session, sessionmaker
 
-from rumu.errors import GalleryError
+from rumu.errors import DatabaseBusy, DiskFull, GalleryError
 
 _WRITES = "rumu_writes"  # execution option of connections that write
 _UPGRADE_LOCK = 0x72756D75  # key of PostgreSQL's advisory lock for upgrades of the tables
-_TIMEOUT = 30  # seconds that a writer waits for another on SQLite
+_TIMEOUT = 30.0  # seconds that a writer waits for another on SQLite, unless told otherwise
+_MAX_WRITERS = 6  # sessions of one process that write at a time
+_TURN_TIMEOUT = 1.0  # seconds that a further one waits for its turn, where writers are told not to wait long
+_FULL_CODES = ("SQLITE_FULL", "53100")  # of SQLite and of PostgreSQL
+_BUSY_CODES = ("SQLITE_BUSY", "SQLITE_LOCKED", "08", "57P", "55P03", "53300")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,15 +45,17 @@ class Database:
         self.engine.dispose()
 
 
-def open_database(url: str | Path) -> Database:
+def open_database(url: str | Path, *, wait: float = _TIMEOUT) -> Database:
     """Open the database at a URL (`sqlite:///FILE`, `postgresql://...`) or in a file of SQLite.
 
-    Missing tables are created. Raises GalleryError for another kind of URL, a database that cannot be
-    reached, or one of another version of rumu.
+    Missing tables are created. wait: seconds that a writer waits for another on SQLite; its sessions raise
+    DatabaseBusy after that, and DiskFull where there is no space.
+    Raises GalleryError for another kind of URL, a database that cannot be reached, or one of another version
+    of rumu.
     """
     from alembic.util.exc import CommandError
 
-    engine = make_engine(database_address(url))
+    engine = make_engine(database_address(url), wait=wait)
     try:
         with connect_error(url):
             _upgrade(engine)
@@ -62,8 +69,50 @@ def open_database(url: str | Path) -> Database:
             f"open it with that version, or start with a new database ({error})"
         ) from error
     writer = engine.execution_options(**{_WRITES: True})
-    sessions = (sessionmaker(one, expire_on_commit=False).begin for one in (engine, writer))
-    return Database(engine, *sessions)
+    read, write = (sessionmaker(one, expire_on_commit=False).begin for one in (engine, writer))
+    place, turns = shown_address(url), BoundedSemaphore(_MAX_WRITERS)
+
+    @contextmanager
+    def reading() -> Iterator[Session]:
+        with _known_errors(place), read() as session:
+            yield session
+
+    @contextmanager
+    def writing() -> Iterator[Session]:
+        # further writers wait briefly: while the database is locked, they must not take all threads
+        if not turns.acquire(timeout=min(wait, _TURN_TIMEOUT) if wait < _TIMEOUT else None):
+            raise _busy(place)
+        try:
+            with _known_errors(place), write() as session:
+                yield session
+        finally:
+            turns.release()
+
+    return Database(engine, reading, writing)
+
+
+@contextmanager
+def _known_errors(place: str) -> Iterator[None]:
+    """Raise DatabaseBusy or DiskFull for what a database says when it is locked, away or out of space."""
+    try:
+        yield
+    except TimeoutError as error:
+        raise _busy(place) from error
+    except OperationalError as error:
+        reason = getattr(error.orig, "sqlite_errorname", None) or getattr(error.orig, "sqlstate", None)
+        if reason in _FULL_CODES:
+            raise DiskFull(place) from error
+        if reason is None or reason.startswith(_BUSY_CODES):
+            raise _busy(place) from error
+        raise
+
+
+def _busy(place: str) -> DatabaseBusy:
+    return DatabaseBusy(
+        "the database is locked by another program, or cannot be reached; nothing was stored, try again",
+        name=place,
+        zh="資料庫被別的程式鎖住，或者連不上；什麼都沒有存下，請稍後再試。",
+    )
 
 
 def shown_address(url: str | Path) -> str:
@@ -101,14 +150,14 @@ def database_address(url: str | Path) -> str:
     )
 
 
-def make_engine(address: str) -> Engine:
+def make_engine(address: str, *, wait: float = _TIMEOUT) -> Engine:
     """The connections of a database. Raises GalleryError for another kind, or without a driver."""
     try:
         name = make_url(address).get_backend_name()
         if name not in ("sqlite", "postgresql"):
             raise GalleryError(f"expected a database sqlite:///FILE or postgresql://..., got {name}")
         if name == "sqlite":
-            engine = create_engine(address, connect_args={"timeout": _TIMEOUT})
+            engine = create_engine(address, connect_args={"timeout": wait})
             event.listen(engine, "connect", _prepare_sqlite)
             event.listen(engine, "begin", _begin_sqlite)
             return engine

@@ -122,8 +122,9 @@ def add_capture(
         capture_key = f"captures/{capture_digest[:2]}/{capture_digest}"
         surface_key = f"surfaces/{surface_digest[:2]}/{surface_digest}"
         for key, files in ((capture_key, photographs), (surface_key, reconstructed)):
-            for file in sorted(files.iterdir()):
-                gallery.store.write(f"{key}/{file.name}", file.read_bytes())
+            with gallery.store.whole_folder(key):
+                for file in sorted(files.iterdir()):
+                    gallery.store.write(f"{key}/{file.name}", file.read_bytes())
     picture = _mean_photograph(capture)
     key = picture_key(picture, suffix=".png")
     gallery.store.write(key, picture)

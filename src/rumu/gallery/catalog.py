@@ -37,16 +37,21 @@ class Page(Generic[Item]):
 
 
 def open_gallery(
-    *, database: str | Path | None = None, files: str | Path | None = None, starter: bool = True
+    *,
+    database: str | Path | None = None,
+    files: str | Path | None = None,
+    starter: bool = True,
+    wait: float = 30.0,
 ) -> Gallery:
     """Open the gallery of this user; without works yet, it is filled with the starter gallery.
 
     database: a file of SQLite or a URL; else RUMU_DATABASE, else rumu.sqlite in RUMU_HOME.
     files: a folder or a URL of fsspec; else RUMU_FILES, else files/ in RUMU_HOME.
-    starter: False leaves an empty gallery empty. Raises GalleryError when either cannot be opened.
+    starter: False leaves an empty gallery empty. wait: seconds that a writer waits for another on SQLite.
+    Raises GalleryError when either cannot be opened.
     """
     gallery = Gallery(
-        open_database(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite"),
+        open_database(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite", wait=wait),
         Store.open(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
     )
     if starter:

@@ -20,7 +20,8 @@ from datetime import datetime
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from rumu.errors import GalleryError
+from rumu.errors import DiskFull, GalleryError
+from rumu.outputs import is_full
 
 if TYPE_CHECKING:
     from rumu.database.engine import Database
@@ -72,7 +73,7 @@ class Store:
     def write(self, key: str, data: bytes | BinaryIO) -> None:
         """Write a file completely or not at all; an existing one is replaced. data: bytes or a stream.
 
-        Raises GalleryError when it cannot be written.
+        Raises GalleryError when it cannot be written, DiskFull when there is no space.
         """
         path = self._path(key)
         try:
@@ -81,15 +82,33 @@ class Store:
             elif _RENAMING & _protocols(self.filesystem):
                 part = f"{path}.{uuid.uuid4().hex}{PART_SUFFIX}"
                 self.filesystem.makedirs(path.rpartition("/")[0], exist_ok=True)
-                self._write_remote(part, data)
-                self.filesystem.mv(part, path)
+                try:
+                    self._write_remote(part, data)
+                    self.filesystem.mv(part, path)
+                except OSError:
+                    with contextlib.suppress(OSError):
+                        self.filesystem.rm_file(part)
+                    raise
             else:
                 self._write_remote(path, data)
         except OSError as error:
+            if is_full(error):
+                raise DiskFull(self.root, _size(data)) from error
             raise GalleryError(
                 f"{key}: cannot be written to the store ({_reason(error)})",
                 zh=f"檔案無法存入（{_reason(error)}）。",
             ) from error
+
+    @contextlib.contextmanager
+    def whole_folder(self, key: str) -> Iterator[None]:
+        """Delete the folder with this key if the block raises, unless it was there before."""
+        existed = self.exists(key)
+        try:
+            yield
+        except BaseException:
+            if not existed:
+                self.delete(key)
+            raise
 
     def _write_remote(self, path: str, data: bytes | BinaryIO) -> None:
         if isinstance(data, bytes):
@@ -213,6 +232,15 @@ def _protocols(filesystem: Any) -> set[str]:
 def _reason(error: OSError) -> str:
     """What the system says, without the path that it says it of."""
     return error.strerror or type(error).__name__
+
+
+def _size(data: bytes | BinaryIO) -> int | None:
+    if isinstance(data, bytes):
+        return len(data)
+    try:
+        return data.seek(0, os.SEEK_END)
+    except (OSError, ValueError):
+        return None
 
 
 def _write_local(target: Path, data: bytes | BinaryIO) -> None:

@@ -96,11 +96,6 @@ def add_attempt(
     attempt_id = attempt_id or new_id()
     folder = f"attempts/{attempt_id}"
     picture = f"{folder}/picture.{copy.picture.ending}"
-    gallery.store.write(picture, copy.picture.data)
-    if copy.residual is not None:
-        gallery.store.write(f"{folder}/residual.json", json.dumps(copy.residual).encode())
-    if strokes is not None:
-        gallery.store.write(f"{folder}/strokes.json", strokes.encode())
     attempt = Attempt(
         id=attempt_id,
         person_id=person_id,
@@ -116,7 +111,12 @@ def add_attempt(
         version=__version__,
         created=now(),
     )
-    with gallery.database.writing() as session:
+    with gallery.store.whole_folder(folder), gallery.database.writing() as session:
+        gallery.store.write(picture, copy.picture.data)
+        if copy.residual is not None:
+            gallery.store.write(f"{folder}/residual.json", json.dumps(copy.residual).encode())
+        if strokes is not None:
+            gallery.store.write(f"{folder}/strokes.json", strokes.encode())
         # PostgreSQL locks the task until the end of this transaction
         lock = {"read": True, "key_share": True}
         if task_id is not None and session.get(Task, task_id, with_for_update=lock) is None:

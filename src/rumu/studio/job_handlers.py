@@ -9,7 +9,7 @@ from typing import Any
 from sqlalchemy import select
 
 from rumu.database.tables import Attempt, Job, Person, Work, now
-from rumu.errors import RumuError
+from rumu.errors import DatabaseBusy, RumuError
 from rumu.gallery import catalog
 from rumu.gallery.assets import assets_of
 from rumu.gallery.derived import derived_file
@@ -37,6 +37,8 @@ def run_job(gallery: Gallery, job_id: str, *, storage: Storage) -> None:
         return
     try:
         result = HANDLERS[job.kind](gallery, job.payload, Progress(database, job_id), storage)
+    except DatabaseBusy:
+        raise  # the runner has it run again
     except CancelledError:
         values: dict[str, Any] = {"state": "cancelled"}
     except Exception as error:  # a job that fails must not take the queue with it
@@ -46,12 +48,17 @@ def run_job(gallery: Gallery, job_id: str, *, storage: Storage) -> None:
     else:
         values = {"state": "done", "result": result, "done": Job.total}
     update_running(database, job_id, values | {"changed": now()})
-    gallery.store.delete(f"uploads/{job_id}")
+    gallery.store.delete(upload_folder(job_id))
 
 
 def upload_key(job_id: str, ending: str) -> str:
     """Return the key under which a job's upload is stored until the job ends."""
-    return f"uploads/{job_id}/sent{ending}"
+    return f"{upload_folder(job_id)}/sent{ending}"
+
+
+def upload_folder(job_id: str) -> str:
+    """Return the key of the folder of a job's upload."""
+    return f"uploads/{job_id}"
 
 
 def make_thumbnails(gallery: Gallery, advance: Callable[[int, int], object]) -> list[str]:

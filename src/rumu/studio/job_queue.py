@@ -15,7 +15,8 @@ from sqlalchemy.orm import Session
 
 from rumu.database.engine import Database
 from rumu.database.tables import Job, new_id, now
-from rumu.errors import RumuError
+from rumu.errors import DiskFull, RumuError
+from rumu.outputs import is_full
 from rumu.studio.errors import Missing, NotAllowed, StudioError, without_folders
 from rumu.studio.people import Identity
 
@@ -96,6 +97,15 @@ def take(database: Database) -> str | None:
         return job.id
 
 
+def requeue(database: Database, job_id: str) -> None:
+    """Queue a running job again, or end it as failed after MAX_TRIES. Raises DatabaseBusy."""
+    with database.writing() as session:
+        running = update(Job).where(Job.id == job_id, Job.state == "running")
+        session.execute(running.where(Job.tries < MAX_TRIES).values(state="queued", changed=now()))
+        busy = _failure("資料庫一直被鎖住。", "The database was locked at every try.")
+        session.execute(running.where(Job.tries >= MAX_TRIES).values(busy | {"changed": now()}))
+
+
 def failure_values(error: Exception) -> dict[str, Any]:
     """Return the values of the row of a job that raised this error."""
     if isinstance(error, StudioError):
@@ -103,6 +113,8 @@ def failure_values(error: Exception) -> dict[str, Any]:
     if isinstance(error, RumuError):  # some errors of lower packages are in English only
         text = without_folders(" ".join(str(error).split()))
         return _failure(without_folders(error.zh or f"無法完成：{text}"), text)
+    if is_full(error):
+        return failure_values(DiskFull("files"))
     name = type(error).__name__
     return _failure(f"伺服器出了意外（{name}）。", f"Something unexpected happened on the server ({name}).")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import threading
 from collections.abc import Callable
@@ -10,7 +11,8 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from rumu.database.engine import Database
 from rumu.database.tables import now
-from rumu.studio.job_queue import failure_values, requeue_interrupted, take, update_running
+from rumu.errors import DatabaseBusy, DiskFull
+from rumu.studio.job_queue import failure_values, requeue, requeue_interrupted, take, update_running
 
 _POLL_INTERVAL = 2.0  # seconds between two looks at the queue when nobody wakes the runner
 _log = logging.getLogger(__name__)
@@ -56,13 +58,18 @@ class JobRunner:
                     self._wake.clear()
                 else:
                     self._run(job_id)
-            except SQLAlchemyError:
+            except (SQLAlchemyError, DatabaseBusy, DiskFull):
                 _log.exception("the queue of jobs cannot be read")
                 self._stopped.wait(_POLL_INTERVAL)
 
     def _run(self, job_id: str) -> None:
         try:
             self._run_job(job_id)
+        except DatabaseBusy:
+            while not self._stopped.wait(_POLL_INTERVAL):
+                with contextlib.suppress(DatabaseBusy):
+                    requeue(self._database, job_id)
+                    return
         except Exception as error:
             if self._stopped.is_set():
                 return

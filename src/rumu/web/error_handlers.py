@@ -11,7 +11,8 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
-from rumu.errors import RumuError
+from rumu.errors import DatabaseBusy, RumuError
+from rumu.outputs import is_full
 from rumu.studio.errors import (
     Busy,
     Clash,
@@ -65,6 +66,18 @@ def error_response(error: Exception) -> JSONResponse:
     """The response to an error. Of those without a sentence in Chinese, pages choose words by the code."""
     headers: dict[str, str] = {}
     match error:
+        case _ if is_full(error):
+            status, code = 507, "disk_full"
+            needed = getattr(error, "needed", "")
+            zh = f"伺服器的磁碟或配額已滿，什麼都沒有存下。請管理的人清出{needed or '一些'}空間，然後再試。"
+            en = (
+                "The disk or quota of the server is full; nothing was stored. "
+                f"Whoever runs it must free {needed or 'some space'}; then try again."
+            )
+        case DatabaseBusy():
+            status, code, zh = 503, "database_busy", str(error.zh)
+            en = f"{error.en[0].upper()}{error.en[1:]}."
+            headers["Retry-After"] = str(_BUSY_SECONDS)
         case StudioError():
             status = next((status for kind, status in _STATUS if isinstance(error, kind)), 400)
             code, zh, en = error.code, error.zh, error.en
@@ -90,7 +103,7 @@ def error_response(error: Exception) -> JSONResponse:
 
 async def _handle(request: Request, error: Exception) -> JSONResponse:
     response = error_response(error)
-    if response.status_code == 500:
+    if response.status_code in (500, 507):
         _log.exception("%s %s", request.method, request.url.path, exc_info=error)
     return response
 

@@ -22,6 +22,7 @@ from rumu.web.files import DerivedFiles
 from rumu.web.rate_limits import RateLimiter
 from rumu.web.settings import ServiceSettings
 
+WRITE_WAIT = 5.0  # seconds that a request waits for SQLite's write lock, before it is told to come back
 MAX_MARKING_THREADS = 48  # threads that wait for marks; further requests wait without a thread
 
 
@@ -39,7 +40,7 @@ class Service:
     def __init__(self, settings: ServiceSettings, *, lock: ServerLock | None = None) -> None:
         storage = settings.storage
         self.settings = settings
-        self.gallery = open_gallery(database=storage.database, files=storage.files)
+        self.gallery = open_gallery(database=storage.database, files=storage.files, wait=WRITE_WAIT)
         self.tickets = open_tickets(self.gallery.database)
         self.rate_limiter = RateLimiter()
         self.workers = WorkerPool(storage, processes=settings.processes)

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Depends, File, Form, UploadFile
 
 from rumu.database.tables import new_id
 from rumu.studio import job_queue, worker_tasks
-from rumu.studio.job_handlers import upload_key
+from rumu.studio.job_handlers import upload_folder, upload_key
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import HEAD, check_zip, folder_name
 from rumu.web.dependencies import CleanText, ServiceDep, ShortText, TeacherUser
@@ -85,10 +85,11 @@ def import_zip(
     archive.file.seek(0)
     job_id = new_id()
     key = upload_key(job_id, ".zip")
-    service.gallery.store.write(key, archive.file)
     name = folder_name(archive.filename or "")
     payload = {"upload": key, "facts": facts, "name": name, "person": user.id}
-    with service.gallery.database.writing() as session:
+    store = service.gallery.store
+    with store.whole_folder(upload_folder(job_id)), service.gallery.database.writing() as session:
+        store.write(key, archive.file)
         job = job_queue.add(session, "import", payload, person_id=user.id, job_id=job_id)
     service.runner.wake()
     return {"job": job}
