@@ -6,7 +6,7 @@ import { common, localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import type { Bilingual } from "../types";
 import { Dialog, ErrorMessage, Field } from "../ui";
-import { licenceField } from "./labels";
+import { licenceField } from "./licences";
 import { clearLastList } from "./listState";
 
 export type Collection = { id: string; title: Bilingual; note: Bilingual; source: string; licence: string; works: number };

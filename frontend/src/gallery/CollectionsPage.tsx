@@ -6,7 +6,7 @@ import type { Page, WorkCard } from "../types";
 import { ErrorPage, Facts, Loading, useLoaded } from "../ui";
 import { type Collection, CollectionTools } from "./CollectionTools";
 import { RelitThumb } from "./GalleryCard";
-import { licenceName } from "./labels";
+import { Licence, translated } from "./licences";
 import { TextWithLinks } from "./WorkFacts";
 import "./gallery.css";
 import "./work.css";
@@ -50,9 +50,9 @@ function CollectionItem({ item, onChange }: { item: Collection; onChange: (() =>
         <h2><a href={`#/?collection=${encodeURIComponent(item.id)}`}>{localize(item.title)}</a></h2>
         {localize(item.note) && <p>{localize(item.note)}</p>}
         <p class="note">
-          <Facts items={[t(item.works === 1 ? "countOne" : "count", { n: item.works.toLocaleString() }), item.licence && `${t("licence")}: ${licenceName(item.licence)}`]} />
+          <Facts items={[t(item.works === 1 ? "countOne" : "count", { n: item.works.toLocaleString() }), item.licence && <>{t("licence")}{t("colon")}<Licence licence={item.licence} /></>]} />
         </p>
-        {item.source && <p class="note"><TextWithLinks text={item.source} /></p>}
+        {item.source && <p class="note"><TextWithLinks text={translated(item.source)} /></p>}
         {onChange && <CollectionTools item={item} onChange={onChange} />}
       </div>
     </li>

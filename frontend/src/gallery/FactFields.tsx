@@ -4,7 +4,8 @@ import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import type { Facets, Work } from "../types";
 import { Field, useLoaded } from "../ui";
-import { licenceField, licenceName, scriptName, SCRIPTS } from "./labels";
+import { scriptName, SCRIPTS } from "./labels";
+import { licenceField, licenceName } from "./licences";
 
 const LICENCES = ["CC0-1.0", "CC-BY-4.0", "CC-BY-SA-4.0", "public domain", "公有領域"];
 

@@ -9,7 +9,8 @@ import { Icon } from "../viewer/Icon";
 import { ViewerPanel } from "../viewer/ViewerPanel";
 import { DEFAULT_VIEW, stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
 import type { Viewer } from "../viewer/types";
-import { licenceName, withoutNumber } from "./labels";
+import { withoutNumber } from "./labels";
+import { Licence } from "./licences";
 import { TourEditor } from "./TourEditor";
 import { loadWork } from "./WorkPage";
 import "./gallery.css";
@@ -84,7 +85,7 @@ function StepViewer({ step, onViewer, onState }: { step: TourStep; onViewer: (vi
     <>
       <ViewerPanel surface={surface} initial={initial} onViewer={onViewer} onState={onState} />
       <p class="note">
-        <Facts items={[<a href={`#/works/${encodeURIComponent(work.id)}`}>{localize(work.title)}</a>, localize(work.hand), licenceName(work.licence), localize(surface.facts.source_text)]} />
+        <Facts items={[<a href={`#/works/${encodeURIComponent(work.id)}`}>{localize(work.title)}</a>, localize(work.hand), <Licence licence={work.licence} />, localize(surface.facts.source_text)]} />
       </p>
     </>
   );

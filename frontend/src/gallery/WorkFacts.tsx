@@ -1,8 +1,10 @@
+import type { ComponentChildren } from "preact";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import type { ViewerFacts, Work } from "../types";
 import { formatLength } from "../viewer/scales";
-import { licenceName, scriptName } from "./labels";
+import { Licence, translated } from "./licences";
+import { scriptName } from "./labels";
 
 type WorkTexts = Pick<
   Work,
@@ -11,14 +13,14 @@ type WorkTexts = Pick<
 
 /** The label beside a work, as in a museum. `alone`: in a page without the gallery, so that nothing links to it. */
 export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; facts: ViewerFacts; alone?: boolean }) {
-  const rows: [Parameters<typeof t>[0], string][] = [
+  const rows: [Parameters<typeof t>[0], ComponentChildren][] = [
     ["dynasty", localize(work.period) || work.dynasty],
     ["script", scriptName(work.script)],
     ["material", localize(work.material)],
     ["size", size(facts)],
-    ["source", work.source],
-    ["licence", licenceName(work.licence)],
-    ["attribution", work.attribution],
+    ["source", work.source && <TextWithLinks text={translated(work.source)} />],
+    ["licence", <Licence licence={work.licence} />],
+    ["attribution", work.attribution && <TextWithLinks text={translated(work.attribution)} />],
   ];
   return (
     <header class="facts">
@@ -32,7 +34,7 @@ export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; fac
         {rows.filter(([, value]) => value).map(([name, value]) => (
           <div key={name}>
             <dt>{t(name)}</dt>
-            <dd><TextWithLinks text={value} /></dd>
+            <dd>{value}</dd>
           </div>
         ))}
         <div>

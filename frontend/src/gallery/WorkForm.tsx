@@ -6,7 +6,7 @@ import type { Bilingual, ViewerFacts, Work } from "../types";
 import { Dialog, ErrorMessage } from "../ui";
 import { FactFields } from "./FactFields";
 import { clearLastList } from "./listState";
-import { licenceField } from "./labels";
+import { licenceField } from "./licences";
 
 /** `facts`: the viewer's data where the change affects it, else null. */
 export type Edited = { work: Work; facts: ViewerFacts | null };

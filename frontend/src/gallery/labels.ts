@@ -1,22 +1,13 @@
-// Names of scripts and licences, titles and messages as the gallery shows them.
+// Names of scripts, titles and messages as the gallery shows them.
 
 import { common, localize } from "../i18n";
-import { t } from "../i18n/gallery";
 
 export const SCRIPTS = ["seal", "clerical", "regular", "running", "cursive"] as const;
-/** The service's licence of a work whose licence nobody stated. */
-const NO_LICENCE = "none stated";
-
 /** 楷書 or Regular; anything but the five scripts stays as it is. */
 export function scriptName(script: string): string {
   const known = SCRIPTS.find((name) => name === script);
   return known ? common(known) : script;
 }
-
-export const licenceName = (licence: string): string => (licence === NO_LICENCE ? t("noLicence") : licence);
-
-/** The licence as the value of an input: empty where none was stated. */
-export const licenceField = (licence: string): string => (licence === NO_LICENCE ? "" : licence);
 
 const NUMBER = /^\s*(?:\d+|[一二三四五六七八九十百]+)\s*[.、．:：)）]\s*(?=\S)/u;
 

@@ -22,6 +22,7 @@ export const t = translator({
   source: { zh: "來源", en: "Source" },
   licence: { zh: "授權", en: "Licence" },
   attribution: { zh: "署名", en: "Credit" },
+  colon: { zh: "：", en: ": " },
   noLicence: { zh: "未註明", en: "none stated" },
   heightFrom: { zh: "高度從何而來", en: "Where the height comes from" },
   size: { zh: "尺寸", en: "Size" },

@@ -37,6 +37,8 @@ export const t = translator({
   exaggeration: { zh: "起伏", en: "Relief" },
   mixture: { zh: "三燈混合", en: "Three lamps" },
   reset: { zh: "回到全景", en: "See all of it" },
+  hidePins: { zh: "隱藏註解的號碼", en: "Hide the numbers of notes" },
+  showPins: { zh: "顯示註解的號碼", en: "Show the numbers of notes" },
   pair: { zh: "兩件並看", en: "Two side by side" },
   copyLink: { zh: "複製這個畫面的連結", en: "Copy a link to this view" },
   copied: { zh: "已複製", en: "Copied" },
@@ -79,6 +81,8 @@ export const t = translator({
   keyHome: { zh: "回到全景", en: "see all of it" },
   keyModes: { zh: "紙面、立體、網格、高度、等高線", en: "sheet, surface, mesh, heights, contours" },
   keyTools: { zh: "燈光、移動、剖面、量尺", en: "light, move, cross-section, ruler" },
+  keyPins: { zh: "顯示或隱藏註解的號碼", en: "show or hide the numbers of notes" },
+  keysAnywhere: { zh: "在這一頁隨時可按，不必先點一下作品；打字時除外。", en: "Keys work anywhere on this page, without a click on the work first; not while you type." },
   keyFull: { zh: "全螢幕", en: "full screen" },
   keyHelp: { zh: "這個說明", en: "this help" },
 });

@@ -10,7 +10,8 @@ import type { Viewer } from "./types";
 
 const PIECES = 96;
 
-export type Pins = { items: Annotation[]; chosen: string | null; choose: (id: string | null) => void };
+/** shown: false leaves only the pin that is chosen. */
+export type Pins = { items: Annotation[]; chosen: string | null; choose: (id: string | null) => void; shown: boolean };
 
 export function SheetOverlay({ viewer, pins }: { viewer: Viewer; pins: Pins | null }) {
   const [, redraw] = useReducer((n: number) => n + 1, 0);
@@ -25,7 +26,7 @@ export function SheetOverlay({ viewer, pins }: { viewer: Viewer; pins: Pins | nu
       </svg>
       {ruler && <RulerReading viewer={viewer} line={ruler} />}
       {pins?.items.map((pin, k) => {
-        const position = viewer.project(pin.x, pin.y);
+        const position = pins.shown || pin.id === pins.chosen ? viewer.project(pin.x, pin.y) : null;
         if (!position) return null;
         return (
           <button key={pin.id} type="button" class="pin" aria-pressed={pin.id === pins.chosen} aria-label={`${k + 1}. ${localize(pin.title)}`}

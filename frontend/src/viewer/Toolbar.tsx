@@ -23,6 +23,9 @@ type Props = {
   tool: Tool;
   pairing: boolean;
   canPin: boolean;
+  /** null: the work has no notes. */
+  pinsShown: boolean | null;
+  togglePins: () => void;
   mode: (mode: Mode) => void;
   setTool: (tool: Tool) => void;
   files: Downloads | null;
@@ -32,7 +35,7 @@ type Props = {
   onFull: () => void;
 };
 
-export function Toolbar({ viewer, state, tool, pairing, canPin, mode, setTool, files, onPair, link, onHelp, onFull }: Props) {
+export function Toolbar({ viewer, state, tool, pairing, canPin, pinsShown, togglePins, mode, setTool, files, onPair, link, onHelp, onFull }: Props) {
   if (viewer && !viewer.field) return <PictureToolbar pairing={pairing} onPair={onPair} viewer={viewer} files={files} />;
   const disabled = !viewer;
   const tools: Tool[] = canPin ? ["light", "move", "section", "ruler", "pin"] : ["light", "move", "section", "ruler"];
@@ -77,6 +80,7 @@ export function Toolbar({ viewer, state, tool, pairing, canPin, mode, setTool, f
       )}
       <div class="tools-end">
         <Button icon="home" label={t("reset")} disabled={disabled} onClick={() => viewer?.animateTo({ camera: null }, 500)} />
+        {pinsShown !== null && <Toggle icon="notes" label={t(pinsShown ? "hidePins" : "showPins")} on={pinsShown} disabled={disabled} onClick={togglePins} />}
         {onPair && <Toggle icon="pair" label={t("pair")} on={pairing} disabled={disabled} onClick={onPair} />}
         <HeadsetButtons viewer={viewer} />
         {link && <CopyLink link={link} />}
@@ -171,13 +175,30 @@ function Menu({ icon, label, children }: { icon: IconName; label: string; childr
     box.current.querySelector("summary")?.focus();
   };
   return (
-    <details class="menu" ref={box} onKeyDown={leave}>
+    <details class="menu" ref={box} onKeyDown={leave} onToggle={() => box.current?.open && placeMenu(box.current)}>
       <summary class="tool" title={label} aria-label={label}>
         <Icon name={icon} />
       </summary>
       <div class="menu-list">{children}</div>
     </details>
   );
+}
+
+const MENU_GAP = 8; // CSS pixels between a menu and the edges of the window
+
+/** Opens a menu to the side that has more space, not higher than that, and within the width of the window. */
+function placeMenu(menu: HTMLDetailsElement): void {
+  const list = menu.querySelector<HTMLElement>(".menu-list");
+  if (!list) return;
+  const button = menu.getBoundingClientRect();
+  const [above, below] = [button.top - 2 * MENU_GAP, innerHeight - button.bottom - 2 * MENU_GAP];
+  menu.classList.toggle("down", below > above);
+  list.style.maxHeight = `${Math.max(above, below)}px`;
+  list.style.translate = "none";
+  const { left, right } = list.getBoundingClientRect();
+  const width = document.documentElement.clientWidth;
+  const shift = left < MENU_GAP ? MENU_GAP - left : Math.min(0, width - MENU_GAP - right);
+  list.style.translate = `${shift}px 0`;
 }
 
 const FILES = ["picture", "glb", "stl", "ply", "height", "normals16", "manifest", "page"] as const;

@@ -7,6 +7,7 @@ import { t } from "../i18n/viewer";
 import type { Bilingual, ViewerFacts } from "../types";
 import { Dialog, ErrorMessage, Loading } from "../ui";
 import { LightDial } from "./LightDial";
+import { belongsToFocus, isModified, listenForKeys } from "./keys";
 import { Legend, ScaleBar } from "./Legend";
 import { type Pins, SheetOverlay } from "./SheetOverlay";
 import { SectionPlot } from "./SectionPlot";
@@ -22,7 +23,7 @@ type PanelProps = {
   /** A second work beside the first, with the same light and camera. */
   beside?: TitledSurface | null;
   files?: Downloads | null;
-  pins?: Pins | null;
+  pins?: Omit<Pins, "shown"> | null;
   onState?: (state: ViewState) => void;
   onViewer?: (viewer: Viewer | null) => void;
   /** If given, pins can be set. */
@@ -44,12 +45,21 @@ export function ViewerPanel(props: PanelProps) {
   const [touched, setTouched] = useState<"first" | "second">("first");
   const [tool, setTool] = useState<Tool>(props.initial.mode === "sheet" ? "light" : "move");
   const [help, setHelp] = useState(false);
+  const [pinsShown, setPinsShown] = useState(loadPinsShown);
+  const plot = useRef<HTMLDivElement>(null);
+  const stages = useRef<HTMLDivElement>(null);
   const { onState, onViewer } = props;
+  const pins = props.pins?.items.length ? { ...props.pins, shown: pinsShown } : null;
+  const togglePins = () => {
+    savePinsShown(!pinsShown);
+    setPinsShown(!pinsShown);
+  };
 
   useEffect(() => {
     viewer?.link(second);
     return () => viewer?.link(null);
   }, [viewer, second]);
+  useEffect(() => listenForKeys(() => box.current?.querySelector<HTMLElement>(touched === "second" ? ".viewer-stage:last-child .viewer-host" : ".viewer-host") ?? null), [touched]);
   if (viewer) viewer.tool = tool;
   if (second) second.tool = tool === "pin" ? "move" : tool;
 
@@ -64,14 +74,20 @@ export function ViewerPanel(props: PanelProps) {
     viewer?.animateTo({ mode, ...(other || isOblique(mode) !== isOblique(state.mode) ? { camera: null } : {}) }, 700);
     if (other && (tool === "light" || tool === "move")) setTool(flat(mode) ? "light" : "move");
   };
+  const chooseTool = (next: Tool) => {
+    setTool(next);
+    // a work that is drawn on must be in sight; on a phone the toolbar is below it
+    if (next !== "light" && next !== "move") stages.current?.scrollIntoView({ block: "nearest", behavior: prefersStill() ? "auto" : "smooth" });
+  };
   const keys = (event: KeyboardEvent) => {
-    if (event.target instanceof HTMLInputElement || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (isModified(event) || belongsToFocus(event)) return;
     const mode = MODES[Number(event.key) - 1];
     const tools: Record<string, Tool> = { l: "light", m: "move", c: "section", r: "ruler" };
     const picked = tools[event.key];
     if (event.key === "?") setHelp(true);
     else if (mode) setMode(mode);
-    else if (picked) setTool(picked);
+    else if (picked) chooseTool(picked);
+    else if (event.key === "n" && pins) togglePins();
     else if (event.key === "f") void toggleFull(box.current);
     else return;
     event.preventDefault();
@@ -81,15 +97,18 @@ export function ViewerPanel(props: PanelProps) {
   const { facts, title } = onSecond ? beside : surface;
   const lines = onSecond ? second.state : state;
   const points = acting?.field && lines.section ? acting.section(lines.section) : null;
+  // when a cut is finished, not while it is drawn: scrolling would move the picture under the hand
+  const showPlot = () => void setTimeout(() => plot.current?.scrollIntoView({ block: "nearest", behavior: prefersStill() ? "auto" : "smooth" }), PLOT_DELAY_MS);
+  const cutting = tool === "section" || points !== null;
   const sign = beside && (points || tool === "section" || tool === "ruler") ? <ActiveSign /> : null;
   return (
     <section class="viewer" ref={box} aria-label={t("viewer")} onKeyDown={keys}>
-      <div class={`viewer-stages mode-${state.mode} tool-${tool}`} data-count={beside ? 2 : 1}>
+      <div ref={stages} class={`viewer-stages mode-${state.mode} tool-${tool}${cutting ? " cutting" : ""}`} data-count={beside ? 2 : 1} onPointerUp={() => tool === "section" && showPlot()}>
         <ViewerHost surface={surface} initial={state} onState={change} onPoint={onPoint} onTouch={() => setTouched("first")} sign={!onSecond && sign}
           onViewer={(ready) => { setViewer(ready); onViewer?.(ready); }}>
           {(ready) => (
             <>
-              <SheetOverlay viewer={ready} pins={props.pins ?? null} />
+              <SheetOverlay viewer={ready} pins={pins} />
               {(state.mode === "heights" || state.mode === "contours") && <Legend viewer={ready} />}
               <ScaleBar viewer={ready} />
               {ready.field && <LightDial state={state} onTurn={(light) => ready.set(light)} />}
@@ -104,15 +123,15 @@ export function ViewerPanel(props: PanelProps) {
           </ViewerHost>
         )}
       </div>
-      <Toolbar viewer={viewer} state={state} tool={tool} mode={setMode} setTool={setTool} pairing={beside !== null} canPin={onPoint !== undefined}
-        files={props.files ?? null} onPair={props.onPair} link={props.link} onHelp={() => setHelp(true)} onFull={() => void toggleFull(box.current)} />
       {points && (
-        <div class="viewer-profile">
+        <div class="viewer-profile" ref={plot}>
           {beside && <strong class="profile-of">{localize(title)}</strong>}
           <SectionPlot points={points} unit={facts.unit} note={localize(facts.source_text)} />
           <button type="button" class="quiet" onClick={() => acting?.set({ section: null })}>{t("clearSection")}</button>
         </div>
       )}
+      <Toolbar viewer={viewer} state={state} tool={tool} mode={setMode} setTool={chooseTool} pairing={beside !== null} canPin={onPoint !== undefined} pinsShown={pins && pinsShown} togglePins={togglePins}
+        files={props.files ?? null} onPair={props.onPair} link={props.link} onHelp={() => setHelp(true)} onFull={() => void toggleFull(box.current)} />
       {tool === "section" && !points && <p class="viewer-hint">{t("drawSection")}</p>}
       {tool === "ruler" && !lines.ruler && <p class="viewer-hint">{t("drawRuler")}</p>}
       {tool === "pin" && <p class="viewer-hint">{t("setPin")}</p>}
@@ -183,6 +202,28 @@ const ActiveSign = () => (
   </p>
 );
 
+const PLOT_DELAY_MS = 60; // the plot is on the page one frame after the pointer is lifted
+const prefersStill = (): boolean => matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+const PINS_KEY = "rumu.pins";
+const HIDDEN = "hidden";
+
+function loadPinsShown(): boolean {
+  try {
+    return localStorage.getItem(PINS_KEY) !== HIDDEN;
+  } catch {
+    return true; // without storage
+  }
+}
+
+function savePinsShown(shown: boolean): void {
+  try {
+    localStorage.setItem(PINS_KEY, shown ? "shown" : HIDDEN);
+  } catch {
+    // the choice holds until the page is left
+  }
+}
+
 const isOblique = (mode: Mode): boolean => mode === "surface" || mode === "mesh";
 
 async function toggleFull(box: HTMLElement | null): Promise<void> {
@@ -197,6 +238,7 @@ const HELP_KEYS: [string, Parameters<typeof t>[0]][] = [
   ["0", "keyHome"],
   ["1 – 5", "keyModes"],
   ["L M C R", "keyTools"],
+  ["N", "keyPins"],
   ["F", "keyFull"],
   ["?", "keyHelp"],
 ];
@@ -205,6 +247,7 @@ const GESTURES: Parameters<typeof t>[0][] = ["gestureLight", "gestureOrbit", "ge
 function HelpDialog({ onClose }: { onClose: () => void }) {
   return (
     <Dialog title={t("help")} onClose={onClose}>
+      <p class="note">{t("keysAnywhere")}</p>
       <ul class="gestures">
         {GESTURES.map((name) => (
           <li key={name}>{t(name)}</li>

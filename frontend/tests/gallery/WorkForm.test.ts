@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { changesOf } from "../../src/gallery/WorkForm";
-import { licenceField } from "../../src/gallery/labels";
+import { licenceField } from "../../src/gallery/licences";
 import type { Work } from "../../src/types";
 
 const work = {
