@@ -81,7 +81,8 @@ def test_every_fact_can_be_changed_and_is_seen_at_once(as_person: LogIn) -> None
     form.get_by_label("Script").select_option("clerical")
     saved(form)
     beside = page.locator(".facts")
-    for value in (*list(new.values())[1:], "Clerical"):
+    shown = {**new, "Script": "Clerical", "Licence": "CC BY 4.0, Attribution"}
+    for value in list(shown.values())[1:]:
         expect(beside).to_contain_text(value)
 
     form = form_of(page)
@@ -144,10 +145,10 @@ def test_why_an_import_failed_is_told_in_the_reader_s_language(as_person: LogIn)
     page.locator("input[type=file]").set_input_files(broken)  # type: ignore[arg-type]
     page.get_by_role("button", name="Send").click()
     alert = page.locator(".job").get_by_role("alert")
-    expect(alert).to_contain_text("Expected a whole zip file without a password")
+    expect(alert).to_contain_text("Expected a whole zip file; the end of this one is missing")
     expect(alert).not_to_contain_text("zip 檔")
     page.get_by_role("button", name="中文").click()
-    expect(alert).to_have_text("這不是完整的 zip 檔。")
+    expect(alert).to_contain_text("這不是完整的 zip 檔：缺了結尾")
 
 
 def test_a_pupil_is_not_offered_to(as_person: LogIn) -> None:
