@@ -9,7 +9,8 @@ import pytest
 
 from rumu.errors import GalleryError, OutputError
 from rumu.gallery.annotations import add_annotation, annotations_of
-from rumu.gallery.archive import export_gallery, holds_starter
+from rumu.gallery.archive import export_gallery
+from rumu.gallery.archive_import import holds_starter
 from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import change_work, delete_work, work, works
 from rumu.gallery.seed import add_starter_works
@@ -148,9 +149,9 @@ def broken(folder, how: str) -> None:
     [
         ("missing", "expected a file of the export"),
         ("other", "its content is not what its name says"),
-        ("outside", "expected a file in pictures"),
-        ("elsewhere", "expected a file in pictures"),
-        ("no work", "line 1: expected a work"),
+        ("outside", "line 1: expected the files of this work"),
+        ("elsewhere", "line 1: expected the files of this work"),
+        ("no work", "line 1: collection_id"),
         ("room", "expected a collection"),
     ],
 )

@@ -180,7 +180,7 @@ def import_works(
     as_json: AsJson = False,
 ) -> Outcome:
     """Every work of a folder; run it again to go on where it was ended. Options say what no label says."""
-    from rumu.gallery.archive import holds_starter
+    from rumu.gallery.archive_import import holds_starter
     from rumu.gallery.assets import delete_orphans
     from rumu.gallery.bulk_import import import_folder
     from rumu.gallery.catalog import open_gallery

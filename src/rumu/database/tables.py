@@ -34,6 +34,16 @@ def now() -> datetime:
     return datetime.now(UTC)
 
 
+def reject_control_characters(text: str) -> str:
+    """A text that every database can store: no control characters but line breaks and tabs, no surrogates.
+
+    Raises ValueError for others.
+    """
+    if any((ord(c) < 32 and c not in "\n\r\t") or ord(c) == 127 or 0xD800 <= ord(c) <= 0xDFFF for c in text):
+        raise ValueError("expected text without control characters")
+    return text
+
+
 class UtcTime(TypeDecorator[datetime]):
     """A time in UTC: SQLite stores no time zone, and PostgreSQL returns times in its own."""
 
@@ -67,6 +77,8 @@ Base.metadata.naming_convention = {
 }
 
 Id = String(64)
+ID_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$"
+"""The form of an id, which stands in addresses and file names as it is."""
 
 
 class Collection(Base):

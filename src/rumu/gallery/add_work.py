@@ -21,7 +21,7 @@ from sqlalchemy import func, select
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError
-from rumu.gallery.assets import picture_key
+from rumu.gallery.assets import folder_digest, picture_key
 from rumu.gallery.metadata import (
     EMPTY,
     NO_LICENCE,
@@ -292,10 +292,7 @@ def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
         encoding = read_description(folder / "capture.json").encoding
         description |= {} if encoding is None else {"encoding": encoding}
     (target / "capture.json").write_text(json.dumps(description), encoding="utf-8")
-    digest = hashlib.sha256()
-    for file in sorted(target.iterdir()):
-        digest.update(file.name.encode() + b"\0" + hashlib.sha256(file.read_bytes()).digest())
-    return digest.hexdigest()
+    return folder_digest({file.name: file for file in target.iterdir()})
 
 
 def _write_surface(surface: Surface, folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""The gallery, or collections of it, exported as a folder and imported again.
+"""The gallery, or collections of it, exported as a folder; `archive_import` imports it again.
 
     gallery.json   what the folder is, the collections and the tours
     works.jsonl    one work a line: its metadata, its annotations, its files
@@ -11,23 +11,21 @@ same ids, metadata, annotations, tours and bytes.
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any, TypeVar
 
-from sqlalchemy import DateTime, select, update
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from rumu.csv_tables import TableWriter
-from rumu.database.tables import Annotation, Base, Collection, Tour, UtcTime, Work
+from rumu.database.tables import Annotation, Base, Collection, Tour, Work
 from rumu.errors import GalleryError, OutputError
 from rumu.gallery.catalog import collection as find_collection
 from rumu.gallery.masters import LABELS
-from rumu.gallery.metadata import CollectionMetadata, insert_rows, search_text
 from rumu.gallery.store import Gallery
 from rumu.outputs import whole_folder
 from rumu.values import Bilingual
@@ -182,151 +180,3 @@ def _label(work: Work) -> dict[str, str]:
         "calligrapher_zh": work.hand_zh,
         "work": work.title_zh,
     }
-
-
-# --- import ----------------------------------------------------------------------------------------
-
-
-def import_archive(
-    gallery: Gallery,
-    folder: Path,
-    *,
-    collection: CollectionMetadata | None = None,
-    only_add: bool = False,
-    progress: Progress | None = None,
-) -> ImportResult:
-    """Import an exported folder. An existing work is updated only if nobody has changed it here.
-
-    collection: for new works, instead of their own; existing works stay as they are.
-    Raises GalleryError when the folder is not complete: a line that is no work, a missing file or one whose
-    content does not match its name.
-    """
-    manifest = _read_manifest(folder)
-    collections = manifest["collections"] if collection is None else [collection.row()]
-    titles = {one["id"]: Bilingual(one["title_zh"], one["title_en"]) for one in collections}
-    entries = list(_read_entries(folder))
-    if collection is not None:
-        entries = [entry | {"collection_id": collection.id} for entry in entries]
-    result = ImportResult(tuple(titles))
-    with gallery.database.writing() as session:
-        insert_rows(session, Collection, [_from_json(Collection, one) for one in collections])
-    done = 0
-    for batch in split(entries, BATCH):
-        result = result.and_then(
-            _import_batch(gallery, folder, batch, titles, update_same=collection is None)
-        )
-        done += len(batch)
-        if progress is not None:
-            progress(done, len(entries))
-    with gallery.database.writing() as session:
-        insert_rows(session, Tour, [_from_json(Tour, tour) for tour in manifest["tours"]])
-    return result
-
-
-def holds_starter(folder: Path) -> bool:
-    """Whether an export holds the starter gallery; an empty gallery then need not begin with it."""
-    if not (folder / MANIFEST).is_file():
-        return False
-    return any(one["id"] == "starter" for one in _read_manifest(folder)["collections"])
-
-
-def _import_batch(
-    gallery: Gallery,
-    folder: Path,
-    batch: Sequence[Mapping[str, Any]],
-    titles: Mapping[str, Bilingual],
-    *,
-    update_same: bool,
-) -> ImportResult:
-    existing = _existing_works(gallery, batch)
-    for entry in batch:
-        if entry["id"] not in existing:
-            for key in entry["files"]:
-                gallery.store.write(key, _read_file(folder, key))
-    rows = [_work_row(entry, titles) for entry in batch]
-    same = [row for row in rows if update_same and existing.get(row["id"]) == (row["digest"], True)]
-    with gallery.database.writing() as session:
-        added = insert_rows(session, Work, [row for row in rows if row["id"] not in existing])
-        for row in same:  # such as a starter work that was renamed before the export
-            session.execute(update(Work).where(Work.id == row["id"]).values(row))
-        annotations = [
-            _from_json(Annotation, one)
-            for entry in batch
-            if entry["id"] in added or entry["id"] in existing
-            for one in entry["annotations"]
-        ]
-        insert_rows(session, Annotation, annotations)
-    conflicts = tuple(
-        (entry["id"], Bilingual("別的作品已用這個編號。", "another work has this id"))
-        for entry in batch
-        if existing.get(entry["id"], (entry["digest"],))[0] != entry["digest"]
-    )
-    return ImportResult((), len(added), len(batch) - len(added) - len(conflicts), conflicts)
-
-
-def _existing_works(gallery: Gallery, batch: Sequence[Mapping[str, Any]]) -> dict[str, tuple[str, bool]]:
-    """The digest of each work of the batch that is in the gallery, and whether it was never changed."""
-    names = [entry["id"] for entry in batch]
-    columns = select(Work.id, Work.digest, Work.changed == Work.created)
-    with gallery.database.reading() as session:
-        rows = session.execute(columns.where(Work.id.in_(names)))
-        return {row[0]: (row[1], bool(row[2])) for row in rows}
-
-
-def _work_row(entry: Mapping[str, Any], titles: Mapping[str, Bilingual]) -> dict[str, Any]:
-    row = _from_json(Work, entry)
-    if row["collection_id"] not in titles:
-        name = row["collection_id"]
-        raise GalleryError(f"{entry['id']}: expected a collection of {MANIFEST}, got {name!r}")
-    return row | {"search": search_text(row, collection=titles[row["collection_id"]])}
-
-
-def _from_json(table: type[Base], values: Mapping[str, Any]) -> dict[str, Any]:
-    """The columns of a table from JSON values; texts of time columns become datetimes."""
-    row = {}
-    for column in table.__table__.columns:
-        if column.name in values:
-            value = values[column.name]
-            is_time = isinstance(column.type, UtcTime | DateTime) and isinstance(value, str)
-            row[column.name] = datetime.fromisoformat(value) if is_time else value
-    return row
-
-
-def _read_manifest(folder: Path) -> dict[str, Any]:
-    path = folder / MANIFEST
-    try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise GalleryError(f"{path}: expected JSON, cannot read it ({error})") from error
-    if not isinstance(manifest, dict) or (manifest.get("kind"), manifest.get("format")) != (KIND, FORMAT):
-        raise GalleryError(f"{path}: expected a gallery of format {FORMAT}, got something else")
-    return manifest
-
-
-def _read_entries(folder: Path) -> Iterator[dict[str, Any]]:
-    path = folder / WORKS
-    needed = {"id", "collection_id", "picture", "digest", "files", "annotations"}
-    try:
-        with path.open(encoding="utf-8") as lines:
-            for number, line in enumerate(lines, start=1):
-                entry = json.loads(line)
-                if not isinstance(entry, dict) or not needed <= set(entry):
-                    fields = ", ".join(sorted(needed))
-                    raise GalleryError(f"{path} line {number}: expected a work with {fields}")
-                yield entry
-    except (OSError, ValueError) as error:
-        raise GalleryError(f"{path}: expected one work a line, cannot read it ({error})") from error
-
-
-def _read_file(folder: Path, key: str) -> bytes:
-    """A file of the export; a picture's name is the digest of its content, and that is checked."""
-    if key.split("/", maxsplit=1)[0] not in _FOLDERS or ".." in key.split("/"):
-        raise GalleryError(f"expected a file in {', '.join(_FOLDERS)}, got {key!r}")
-    path = folder / FILES / key
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise GalleryError(f"{path}: expected a file of the export, there is none") from error
-    if key.startswith("pictures/") and hashlib.sha256(data).hexdigest() != PurePosixPath(key).stem:
-        raise GalleryError(f"{path}: its content is not what its name says")
-    return data

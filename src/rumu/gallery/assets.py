@@ -13,7 +13,7 @@ import hashlib
 import math
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -91,6 +91,16 @@ def picture_key(data: bytes, *, suffix: str) -> str:
     """The key of a picture with this content. suffix: such as '.png', lower case."""
     digest = hashlib.sha256(data).hexdigest()
     return f"pictures/{digest[:2]}/{digest}{suffix}"
+
+
+def folder_digest(files: Mapping[str, Path]) -> str:
+    """The digest of the files of a folder: of their names, by which they are given, and of their contents."""
+    digest = hashlib.sha256()
+    for name, path in sorted(files.items()):
+        with path.open("rb") as stream:
+            content = hashlib.file_digest(stream, "sha256")
+        digest.update(name.encode() + b"\0" + content.digest())
+    return digest.hexdigest()
 
 
 def derived_folder(digest: str) -> str:

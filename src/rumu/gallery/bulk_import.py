@@ -18,7 +18,8 @@ from rumu.containment import FolderFiles
 from rumu.database.tables import Work
 from rumu.errors import GalleryError, ImageError
 from rumu.gallery.add_work import store_suffix
-from rumu.gallery.archive import BATCH, MANIFEST, ImportResult, Progress, import_archive, split
+from rumu.gallery.archive import BATCH, MANIFEST, ImportResult, Progress, split
+from rumu.gallery.archive_import import import_archive
 from rumu.gallery.assets import picture_key
 from rumu.gallery.labels import LabelledPicture, SharedMetadata, collection_of, read_description, read_labels
 from rumu.gallery.masters import LABELS, read_label_table
@@ -128,17 +129,24 @@ def _import_batch(
     gallery: Gallery, batch: Sequence[_Picture], collection: CollectionMetadata
 ) -> ImportResult:
     by_digest = {one.label.metadata.digest(one.data): one for one in batch if one.reason is None}
-    left_out = tuple((one.label.file, one.reason) for one in batch if one.reason is not None)
+    left_out = [(one.label.file, one.reason) for one in batch if one.reason is not None]
     with gallery.database.reading() as session:
         existing = set(session.scalars(select(Work.digest).where(Work.digest.in_(list(by_digest)))))
-    new = {digest: by_digest[digest] for digest in set(by_digest) - existing}
-    with ThreadPoolExecutor(_THREADS) as threads:
-        list(threads.map(lambda picture: gallery.store.write(picture.key, picture.data), new.values()))
-    rows = []
-    for digest, picture in new.items():
+    rows, pictures = [], []
+    for digest, picture in by_digest.items():
         label, (width, height) = picture.label, picture.size
         files = StoredFiles(picture=picture.key, digest=digest, width=width, height=height)
-        rows.append(work_row(label.metadata, files, collection=collection, position=label.number))
-    with gallery.database.writing() as session:
-        added = len(insert_works(session, collection, rows))
-    return ImportResult((collection.id,), added, len(batch) - len(left_out) - added, left_out)
+        if digest in existing:
+            continue
+        try:
+            rows.append(work_row(label.metadata, files, collection=collection, position=label.number))
+            pictures.append(picture)
+        except GalleryError as error:
+            left_out.append((label.file, Bilingual(error.zh or f"無法使用：{error}", str(error))))
+    with ThreadPoolExecutor(_THREADS) as threads:
+        list(threads.map(lambda picture: gallery.store.write(picture.key, picture.data), pictures))
+    added = 0
+    if rows:
+        with gallery.database.writing() as session:
+            added = len(insert_works(session, collection, rows))
+    return ImportResult((collection.id,), added, len(batch) - len(left_out) - added, tuple(left_out))

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from rumu.database.tables import Collection, Work, now
+from rumu.gallery.rows import check_work_row
 from rumu.gallery.vocabulary import dynasty_name, fold, script_name
 from rumu.values import Bilingual
 
@@ -87,7 +88,10 @@ def work_row(
     position: int,
     work_id: str | None = None,
 ) -> dict[str, Any]:
-    """The columns of tables.Work. work_id: by default it is made of the collection and the digest."""
+    """The columns of tables.Work. work_id: by default it is made of the collection and the digest.
+
+    Raises GalleryError when one of them is not as rumu.gallery.rows has it, such as with control characters.
+    """
     plain = ("character", "script", "dynasty", "source", "licence", "attribution", "origin")
     row = (
         {
@@ -100,10 +104,12 @@ def work_row(
         | _columns("period", metadata.period)
         | _columns("material", metadata.material, max_length=None)
         | {name: getattr(metadata, name) for name in plain}
+        | {"dynasty": metadata.dynasty[:40], "licence": metadata.licence[:200]}
         | asdict(files)
     )
     time = now()  # the same for both columns: an archive's import sees by it that nobody has changed the work
-    return row | {"search": search_text(row, collection=collection.title), "created": time, "changed": time}
+    row |= {"search": search_text(row, collection=collection.title), "created": time, "changed": time}
+    return check_work_row(row)
 
 
 def _columns(name: str, text: Bilingual, *, max_length: int | None = _MAX_LENGTH) -> dict[str, str]:

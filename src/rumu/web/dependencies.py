@@ -9,6 +9,7 @@ from anyio.to_thread import run_sync
 from fastapi import Depends, HTTPException, Path, Query, Request, Response
 from pydantic import AfterValidator, StringConstraints
 
+from rumu.database.tables import ID_PATTERN, reject_control_characters
 from rumu.studio.errors import NotAllowed, Unusable
 from rumu.studio.people import Identity
 from rumu.studio.tickets import DAYS_VALID, Ticket
@@ -16,7 +17,6 @@ from rumu.web.addresses import SessionCookie
 from rumu.web.service import CurrentSession, Service
 
 FIRST_YEAR, LAST_YEAR = 1970, 2200  # of times that people enter
-ID_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$"
 
 
 async def get_service(request: Request) -> Service:
@@ -97,16 +97,6 @@ def set_session_cookie(request: Request, response: Response, service: Service, t
         httponly=True,
         samesite="lax",
     )
-
-
-def reject_control_characters(text: str) -> str:
-    """A text that every database can store: no control characters but line breaks and tabs, no surrogates.
-
-    Raises ValueError for others.
-    """
-    if any((ord(c) < 32 and c not in "\n\r\t") or ord(c) == 127 or 0xD800 <= ord(c) <= 0xDFFF for c in text):
-        raise ValueError("expected text without control characters")
-    return text
 
 
 def check_time(time: datetime) -> datetime:

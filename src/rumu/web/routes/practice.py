@@ -6,11 +6,12 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
+from rumu.database.tables import ID_PATTERN
 from rumu.gallery.derived import derived_file
 from rumu.studio import practice
 from rumu.studio.access import find_visible_person
 from rumu.studio.practice_pdf import PracticeSheet, practice_pdf, printed_attempts
-from rumu.web.dependencies import ID_PATTERN, CurrentUser, QueryId, ServiceDep
+from rumu.web.dependencies import CurrentUser, QueryId, ServiceDep
 from rumu.web.responses import csv_response, download_response
 from rumu.web.schemas import Extended, LanguageName
 from rumu.web.studio_schemas import PracticeRead
