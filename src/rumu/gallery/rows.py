@@ -7,6 +7,7 @@ is checked here, by one schema: its type, its range, its length, the form of ids
 from __future__ import annotations
 
 import re
+from datetime import datetime
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import (
@@ -30,6 +31,14 @@ PICTURE_KEY = r"^pictures/[0-9a-f]{2}/[0-9a-f]{64}\.[a-z]{3,5}$"
 _FOLDER_KEY = r"/[0-9a-f]{2}/[0-9a-f]{64}$"
 _FILE_KEY = re.compile(r"(?:captures|surfaces)/[0-9a-f]{2}/[0-9a-f]{64}/[A-Za-z0-9][A-Za-z0-9._=-]{0,80}")
 
+
+def _check_year(time: datetime) -> datetime:
+    """A time that every database and every time zone can hold. Raises ValueError for another."""
+    if not 1970 < time.year < 2200:
+        raise ValueError("expected a year between 1970 and 2200")
+    return time
+
+
 _clean = AfterValidator(reject_control_characters)
 RowId = Annotated[str, StringConstraints(pattern=ID_PATTERN)]
 Line = Annotated[str, StringConstraints(max_length=200), _clean]
@@ -37,6 +46,7 @@ Passage = Annotated[str, StringConstraints(max_length=20_000), _clean]
 Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 Position = Annotated[int, Field(ge=0, lt=2**31)]
 Pixels = Annotated[int, Field(ge=1, le=200_000)]
+Time = Annotated[AwareDatetime, AfterValidator(_check_year)]
 Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 
 
@@ -54,7 +64,7 @@ class CollectionRow(_Row):
     note_en: Passage = ""
     source: Passage = ""
     licence: Line = ""
-    created: AwareDatetime
+    created: Time
 
 
 class AnnotationRow(_Row):
@@ -69,7 +79,7 @@ class AnnotationRow(_Row):
     text_zh: Passage = ""
     text_en: Passage = ""
     position: Position = 0
-    created: AwareDatetime
+    created: Time
 
 
 class StepRow(_Row):
@@ -91,7 +101,7 @@ class TourRow(_Row):
     title_en: Line
     steps: Annotated[list[StepRow], Field(max_length=100)]
     position: Position = 0
-    created: AwareDatetime
+    created: Time
 
 
 class WorkRow(_Row):
@@ -127,8 +137,8 @@ class WorkRow(_Row):
     width: Pixels
     height: Pixels
     spacing: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
-    created: AwareDatetime
-    changed: AwareDatetime
+    created: Time
+    changed: Time
 
     @model_validator(mode="after")
     def _check_kind(self) -> Self:

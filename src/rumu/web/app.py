@@ -45,7 +45,7 @@ _ABOUT = (
 _ROUTERS = (
     *(people.router, people.people_router, works.router, imports.router, works.annotations_router),
     *(tours.router, marks.router, attempts.router, practice.router, classes.router),
-    *(comparisons.router, jobs.router, iiif.router),
+    *(comparisons.router, jobs.router, iiif.router, works.slash_router),
 )
 
 

@@ -122,6 +122,9 @@ ShortText = Annotated[str, StringConstraints(max_length=200, strip_whitespace=Tr
 LongText = Annotated[str, StringConstraints(max_length=8000), _CLEAN]
 Id = Annotated[str, StringConstraints(pattern=ID_PATTERN)]
 PathId = Annotated[str, Path(pattern=ID_PATTERN, description="An id that the service gave.")]
+WorkId = Annotated[
+    str, Path(max_length=200, description="The id of a work. Imports once let in ids of any form."), _CLEAN
+]
 QueryId = Annotated[str | None, Query(pattern=ID_PATTERN, description="An id that the service gave.")]
 SearchText = Annotated[CleanText | None, Query(max_length=200)]
 Offset = Annotated[int, Query(ge=0, le=10_000_000)]

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from datetime import datetime
 from typing import Annotated, Any, Literal
+from urllib.parse import quote
 
 from pydantic import AliasPath, BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from rumu.database.tables import Work
 from rumu.gallery.assets import VERSION
+from rumu.gallery.vocabulary import HEIGHT_SOURCES
 from rumu.studio.passwords import MAX_PASSWORD
 from rumu.values import Script
 from rumu.web.addresses import service_url
@@ -165,7 +168,26 @@ def file_version(work: Work) -> str:
 def file_urls(work: Work, kinds: Iterable[str]) -> list[str]:
     """The URLs of files of a work, with their version, so that clients may keep the files for ever."""
     version = file_version(work)
-    return [service_url(f"/api/works/{work.id}/files/{kind}?v={version}") for kind in kinds]
+    work_id = quote(work.id, safe="")
+    return [service_url(f"/api/works/{work_id}/files/{kind}?v={version}") for kind in kinds]
+
+
+def _usable_numbers(work: Any) -> dict[str, Any]:
+    """The numbers of a work; unknown in place of what imports once stored unchecked, such as 'abc'.
+
+    One work must not end the list of all.
+    """
+    numbers: dict[str, Any] = {}
+    for name in ("width", "height"):
+        value = getattr(work, name)
+        numbers[name] = value if isinstance(value, int) else 0
+    spacing = work.spacing
+    usable = isinstance(spacing, float | int) and math.isfinite(spacing) and spacing > 0
+    known = work.height_source in HEIGHT_SOURCES
+    return numbers | {
+        "spacing": spacing if usable else None,
+        "height_source": work.height_source if known else "inflation",
+    }
 
 
 class WorkSummary(Schema):
@@ -190,7 +212,7 @@ class WorkSummary(Schema):
     @classmethod
     def _add_urls(cls, work: Any) -> Any:
         thumb, thumb_normals = file_urls(work, ("thumb", "thumb-normals"))
-        return Extended(work, thumb=thumb, thumb_normals=thumb_normals)
+        return Extended(work, thumb=thumb, thumb_normals=thumb_normals, **_usable_numbers(work))
 
 
 class WorkPage(Schema):

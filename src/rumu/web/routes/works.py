@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal
+from urllib.parse import quote
 
 from anyio.to_thread import run_sync
 from fastapi import APIRouter, Depends, Query, Request, Response
@@ -18,7 +20,7 @@ from rumu.gallery.single_page import single_page
 from rumu.studio.errors import Missing, Unusable
 from rumu.values import SCRIPTS
 from rumu.web.addresses import client_address, service_url
-from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep
+from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep, WorkId
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
 from rumu.web.schemas import (
@@ -133,7 +135,7 @@ def delete_collection(service: ServiceDep, user: OwnerUser, collection_id: PathI
 
 
 @router.get("/api/works/{work_id}", response_model=WorkRead)
-def get_work(service: ServiceDep, work_id: PathId) -> Extended:
+def get_work(service: ServiceDep, work_id: WorkId) -> Extended:
     """All that is known of a work."""
     work = find_work(service, work_id)
     previous, following = catalog.neighbours(service.gallery, work_id)
@@ -147,13 +149,13 @@ def get_work(service: ServiceDep, work_id: PathId) -> Extended:
 
 
 @router.get("/api/works/{work_id}/viewer", response_model=SurfaceRead)
-def get_surface(service: ServiceDep, work_id: PathId) -> dict[str, Any]:
+def get_surface(service: ServiceDep, work_id: WorkId) -> dict[str, Any]:
     """What the viewer needs of a work; the files at the URLs in it never change."""
     service.files.get(find_work(service, work_id), "facts")
     return viewer_facts(
         service.gallery,
         work_id,
-        url=lambda kind, tag: service_url(f"/api/works/{work_id}/files/{kind}?v={tag}"),
+        url=lambda kind, tag: service_url(f"/api/works/{quote(work_id, safe='')}/files/{kind}?v={tag}"),
     )
 
 
@@ -162,7 +164,7 @@ async def get_file(
     *,
     request: Request,
     service: ServiceDep,
-    work_id: PathId,
+    work_id: WorkId,
     kind: FileKind,
     v: Annotated[str | None, Query(max_length=80, description="The version, as URLs give it.")] = None,
     download: bool = False,
@@ -175,7 +177,8 @@ async def get_file(
     width, base: of an STL, in millimetres: from its left to its right side (by default as large as the sheet,
     100 mm long if its size is unknown), and the thickness below its lowest point.
     """
-    name = f"{work_id}.{kind}" if kind in MESHES else f"{work_id}-{kind}{KINDS[kind].suffix}"
+    stem = _file_stem(work_id)
+    name = f"{stem}.{kind}" if kind in MESHES else f"{stem}-{kind}{KINDS[kind].suffix}"
     content = service.files.at_address((work_id, kind, shape, v or ""))
     if content is None:
         content = await run_sync(_file_content, request, service, work_id, kind, shape)
@@ -205,16 +208,16 @@ def _file_content(
 
 
 @router.get("/api/works/{work_id}/export.html", response_class=Response)
-def export_work(service: ServiceDep, work_id: PathId) -> Response:
+def export_work(service: ServiceDep, work_id: WorkId) -> Response:
     """The work with the viewer inside, in one file that needs no server and no network."""
     find_work(service, work_id)
     page = single_page(service.gallery, work_id, static=service.settings.static)
-    headers = {"Content-Disposition": f'attachment; filename="{work_id}.html"'}
+    headers = {"Content-Disposition": f'attachment; filename="{_file_stem(work_id)}.html"'}
     return Response(page, media_type="text/html; charset=utf-8", headers=headers)
 
 
 @router.patch("/api/works/{work_id}", response_model=WorkRead)
-def update_work(service: ServiceDep, user: OwnerUser, work_id: PathId, changes: WorkUpdate) -> Extended:
+def update_work(service: ServiceDep, user: OwnerUser, work_id: WorkId, changes: WorkUpdate) -> Extended:
     """Change what is known of a work. A spacing of null takes the spacing back."""
     work = find_work(service, work_id)
     values = to_columns(changes.model_dump())
@@ -232,7 +235,7 @@ def update_work(service: ServiceDep, user: OwnerUser, work_id: PathId, changes: 
 
 
 @router.delete("/api/works/{work_id}", status_code=204)
-def delete_work(service: ServiceDep, user: OwnerUser, work_id: PathId) -> None:
+def delete_work(service: ServiceDep, user: OwnerUser, work_id: WorkId) -> None:
     """Delete a work with everything that belongs to it, attempts too."""
     find_work(service, work_id)
     catalog.delete_work(service.gallery, work_id)
@@ -289,3 +292,18 @@ def to_columns(values: dict[str, Any]) -> dict[str, Any]:
         elif value is not None:
             columns[name] = value
     return columns
+
+
+def _file_stem(work_id: str) -> str:
+    """The id as the start of a file's name in a header."""
+    return re.sub(r"[^A-Za-z0-9._~-]", "_", work_id)
+
+
+slash_router = APIRouter(tags=["works"], include_in_schema=False)
+"""Works with a slash in their id, which imports once let in. It is included last: other routes come first."""
+
+slash_router.get("/api/works/{work_id:path}/viewer", response_model=SurfaceRead)(get_surface)
+slash_router.get("/api/works/{work_id:path}/files/{kind}", response_class=Response)(get_file)
+slash_router.get("/api/works/{work_id:path}", response_model=WorkRead)(get_work)
+slash_router.patch("/api/works/{work_id:path}", response_model=WorkRead)(update_work)
+slash_router.delete("/api/works/{work_id:path}", status_code=204)(delete_work)
