@@ -57,6 +57,14 @@ def test_english_is_set_and_can_be_read(sheet):
         assert words in text
 
 
+def test_an_unknown_hand_leaves_no_gap_between_dots(sheet):
+    known, unknown = sheet(language="en", name="Lin"), sheet(language="en", name="Lin")
+    unknown.curve.work.hand_en = ""
+    texts = [" ".join(text_of(practice_pdf(one)).split()) for one in (known, unknown)]
+    assert "Lin · somebody · 3 copies" in texts[0]
+    assert "Lin · 3 copies" in texts[1]
+
+
 def test_many_attempts_and_remarks_stay_on_one_page(sheet):
     whole = sheet(count=40, remarks=9)
     assert [a.id for a in printed_attempts(whole.curve)] == ["0", "37", "38", "39"]
