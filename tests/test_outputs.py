@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import errno
+import os
 import pickle
+import subprocess
+import sys
 
 import pytest
 
@@ -62,3 +65,51 @@ def test_a_command_says_it_in_one_line_in_both_languages(error, capsys):
     line = capsys.readouterr().err
     assert line.startswith("rumu: /srv/out/a.png: the disk or quota is full") and line.count("\n") == 1
     assert "磁碟或配額已滿" in line
+
+
+LIMITED = (  # a file that may not grow beyond 200 kB stands for a disk that is full
+    "import resource, runpy, sys\nresource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))\n"
+    "sys.argv = ['rumu', *sys.argv[1:]]\nfrom rumu.cli import main\nmain()\n"
+)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs limits of processes")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("relief", "big.png", "-o", "out"),
+        ("stl", "big.png", "-o", "out.stl"),
+        ("assess", "big.png", "--reference", "big.png", "--report", "out.html"),
+        ("gallery", "export", "regular-shui", "--html", "-o", "out.html"),
+    ],
+)
+def test_commands_on_a_full_disk(rumu, tmp_path, arguments):
+    import numpy as np
+    from PIL import Image
+
+    page = np.random.default_rng(0).integers(200, 255, (900, 900), dtype=np.uint8)
+    page[100:800, 400:480] = page[400:480, 100:800] = 10
+    Image.fromarray(page).save(tmp_path / "big.png")
+    rumu("gallery", "list")  # makes the database, which SQLite reports on in its own words
+    ended = subprocess.run(
+        [sys.executable, "-c", LIMITED, *arguments], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 1, ended
+    assert ended.stderr.count("\n") == 1 and "the disk or quota is full" in ended.stderr, ended.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["big.png"]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")  # noqa: PTH110
+def test_output_that_cannot_be_printed():
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        ended = subprocess.run(
+            [sys.executable, "-m", "rumu.cli", "gallery", "list"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert (ended.returncode, ended.stderr) == (
+        1,
+        "rumu: the output cannot be written (No space left on device)\n",
+    )

@@ -5,20 +5,23 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import shutil
-import tempfile
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from rumu.errors import DiskFull, OutputError
+from rumu.workspaces import sweep, temporary_folder
 
-_FULL = (errno.ENOSPC, errno.EDQUOT)
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_FULL_WORDS = re.compile(r"database or disk is full|\d+ requested and \d+ written")  # SQLite, numpy
 
 
 def is_full(error: BaseException | None) -> bool:
     """Whether an error, or one that led to it, says that a disk or a quota is full."""
     while error is not None:
         if isinstance(error, DiskFull) or (isinstance(error, OSError) and error.errno in _FULL):
+            return True
+        if _FULL_WORDS.search(str(error)):
             return True
         error = error.__cause__ or error.__context__
     return False
@@ -73,13 +76,13 @@ def whole_folder(path: str | Path, *, marker: str) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def _workspace(target: Path) -> Iterator[Path]:
-    with _output_errors(target):
-        target.parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
-    try:
+    with contextlib.ExitStack() as stack:
+        with _output_errors(target):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            sweep(target.parent)
+            making = temporary_folder(parent=target.parent, prefix=f".{target.name}.")
+            folder = stack.enter_context(making)
         yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 @contextlib.contextmanager
@@ -90,7 +93,7 @@ def _full_disk(place: Path, written: Path) -> Iterator[None]:
     """
     try:
         yield
-    except (OSError, DiskFull) as error:
+    except Exception as error:
         if is_full(error):
             needed = sum(file.stat().st_size for file in written.rglob("*") if file.is_file())
             raise DiskFull(place, needed or None) from error

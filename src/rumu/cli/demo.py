@@ -63,7 +63,7 @@ def _serve_gallery(port: int, *, opens: bool) -> None:
     from rumu.cli.serve import announce
     from rumu.errors import RumuError
     from rumu.gallery.catalog import open_gallery
-    from rumu.gallery.store import user_home
+    from rumu.homes import user_home
     from rumu.studio.job_handlers import make_thumbnails
     from rumu.studio.storage import Storage
     from rumu.web.server import listen, serve

@@ -54,6 +54,7 @@ def print_outcome(command: Callable[P, Outcome]) -> Callable[P, None]:
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
         as_json = bool(kwargs.get("as_json"))
+        _sweep_killed()
         try:
             outcome = command(*args, **kwargs)
         except DiskFull as error:
@@ -76,6 +77,18 @@ def print_outcome(command: Callable[P, Outcome]) -> Callable[P, None]:
             raise SystemExit(FAILED)
 
     return run
+
+
+def _sweep_killed() -> None:
+    """Delete temporary folders that killed commands left, in the system's folder and in the person's data."""
+    from rumu.homes import user_home
+    from rumu.workspaces import sweep
+
+    sweep()
+    with contextlib.suppress(RumuError, OSError):  # said by the command that needs the folder
+        home = user_home()
+        for folder in (home, *(entry for entry in home.iterdir() if entry.is_dir())):
+            sweep(folder)
 
 
 def plain(value: Any) -> Any:
@@ -112,10 +125,13 @@ def _quiet_pipe() -> Iterator[None]:
     """`rumu ... | head` ends quietly when the reader leaves."""
     try:
         yield
-    except BrokenPipeError:
+    except OSError as error:
         # Python flushes stdout once more at exit; it must find a file that takes it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise SystemExit(FINE) from None
+        if isinstance(error, BrokenPipeError):
+            raise SystemExit(FINE) from None
+        _complain(f"the output cannot be written ({error.strerror or error})")
+        raise SystemExit(FAILED) from None
 
 
 def _print(outcome: Outcome, *, as_json: bool) -> None:

@@ -11,7 +11,6 @@ import hashlib
 import io
 import json
 import shutil
-import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -34,6 +33,7 @@ from rumu.gallery.metadata import (
 )
 from rumu.gallery.store import Gallery
 from rumu.values import Bilingual
+from rumu.workspaces import temporary_folder
 
 if TYPE_CHECKING:
     from rumu.gallery.fonts import Face
@@ -113,8 +113,8 @@ def add_capture(
     path = Path(path)
     capture = read_capture(path, within=within)
     folder = path if path.is_dir() else path.parent
-    with tempfile.TemporaryDirectory(prefix="rumu-") as temporary:
-        photographs, reconstructed = Path(temporary) / "capture", Path(temporary) / "surface"
+    with temporary_folder() as temporary:
+        photographs, reconstructed = temporary / "capture", temporary / "surface"
         capture_digest = _copy_capture(capture, folder, photographs)
         surface = reconstruct(read_capture(photographs, within=photographs), solver=solver, rectify=rectify)
         _write_surface(surface, reconstructed)

@@ -11,7 +11,6 @@ import contextlib
 import dataclasses
 import hashlib
 import math
-import tempfile
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -25,6 +24,7 @@ from sqlalchemy import or_, select
 from rumu.database.tables import Work
 from rumu.errors import GalleryError, RefusedImage
 from rumu.gallery.store import PART_SUFFIX, Gallery, Store
+from rumu.workspaces import temporary_folder
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -229,7 +229,7 @@ def decode_picture(data: bytes, *, longest: float = math.inf) -> Picture:
 @contextlib.contextmanager
 def picture_file(data: bytes) -> Iterator[Path]:
     """A picture as a temporary file; its name says nothing."""
-    with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
-        path = Path(folder) / "picture"
+    with temporary_folder() as folder:
+        path = folder / "picture"
         path.write_bytes(data)
         yield path

@@ -5,7 +5,6 @@ All functions may be called from many threads, and from several processes on one
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +21,8 @@ from rumu.gallery.filters import Filters, check_script, conditions
 from rumu.gallery.metadata import search_text
 from rumu.gallery.seed import add_starter_works
 from rumu.gallery.starter import suggest
-from rumu.gallery.store import Gallery, Store, user_home
+from rumu.gallery.store import Gallery, Store
+from rumu.homes import database_place, files_place
 from rumu.values import Bilingual
 
 Item = TypeVar("Item")
@@ -51,8 +51,8 @@ def open_gallery(
     Raises GalleryError when either cannot be opened.
     """
     gallery = Gallery(
-        open_database(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite", wait=wait),
-        Store.open(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
+        open_database(database_place(database), wait=wait),
+        Store.open(files_place(files)),
     )
     if starter:
         add_starter_works(gallery)

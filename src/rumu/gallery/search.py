@@ -21,7 +21,7 @@ import numpy as np
 from rumu.errors import GalleryError, OutputError, RumuError
 from rumu.executors import in_order
 from rumu.gallery.masters import Master, MasterPaths, read_masters
-from rumu.gallery.store import user_home
+from rumu.homes import user_home
 from rumu.registration.descriptor import (
     VERSION,
     DescriptorSettings,

@@ -10,8 +10,6 @@ import contextlib
 import os
 import re
 import shutil
-import sys
-import tempfile
 import time
 import uuid
 from collections.abc import Iterator
@@ -22,6 +20,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from rumu.errors import DiskFull, GalleryError
 from rumu.outputs import is_full
+from rumu.workspaces import temporary_folder
 
 if TYPE_CHECKING:
     from rumu.database.engine import Database
@@ -187,8 +186,8 @@ class Store:
         if path is not None:
             yield path
             return
-        with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
-            copy = Path(folder) / PurePosixPath(key).name
+        with temporary_folder() as folder:
+            copy = folder / PurePosixPath(key).name
             for name in [key] if self.filesystem.isfile(self._path(key)) else list(self.keys(key)):
                 target = copy / PurePosixPath(name).relative_to(key)
                 target.parent.mkdir(parents=True, exist_ok=True)
@@ -207,21 +206,6 @@ class Gallery:
 
     database: Database
     store: Store
-
-
-def user_home() -> Path:
-    """The folder for a person's data: RUMU_HOME, or the platform's folder for application data.
-
-    It need not exist yet.
-    """
-    chosen = os.environ.get("RUMU_HOME")
-    if chosen:
-        return Path(chosen)
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "rumu"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Application Support" / "rumu"
-    return Path(os.environ.get("XDG_DATA_HOME", Path.home() / ".local" / "share")) / "rumu"
 
 
 def _protocols(filesystem: Any) -> set[str]:

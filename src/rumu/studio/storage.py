@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from rumu.gallery.store import user_home
+from rumu.homes import database_place, files_place
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +29,7 @@ class Storage:
     ) -> Storage:
         """Return the storage as given, else as RUMU_DATABASE and RUMU_FILES say, else in RUMU_HOME."""
         return Storage(
-            database=str(database or os.environ.get("RUMU_DATABASE") or user_home() / "rumu.sqlite"),
-            files=str(files or os.environ.get("RUMU_FILES") or user_home() / "files"),
+            database=database_place(database),
+            files=files_place(files),
             calibration=calibration,
         )

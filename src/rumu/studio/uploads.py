@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -22,6 +21,7 @@ from rumu.studio.job_queue import Progress
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import unpack
 from rumu.values import Bilingual
+from rumu.workspaces import temporary_folder
 
 TEXTS = ("title", "hand", "period", "material")
 WORDS = ("character", "script", "dynasty", "source", "licence", "attribution")
@@ -52,8 +52,8 @@ def add_work(gallery: Gallery, data: bytes, facts: Mapping[str, str], *, spacing
     Raises Unusable, ImageError or RefusedImage when it is no writing.
     """
     method = facts.get("method") or "inflation"
-    with tempfile.TemporaryDirectory(prefix="rumu-") as folder:
-        path = Path(folder) / f"picture.{format_of(data)}"
+    with temporary_folder() as folder:
+        path = folder / f"picture.{format_of(data)}"
         path.write_bytes(data)
         collection = find_or_name_collection(gallery, facts.get("collection", ""))
         return add_picture(
@@ -85,9 +85,9 @@ def import_zip(
     add works, see `import_archive`. Works that exist already are counted and left unchanged, so that an
     import can be repeated. `assumed` of the result says what had to be assumed of the zip, if anything.
     """
-    with tempfile.TemporaryDirectory(prefix="rumu-") as temporary:
+    with temporary_folder() as temporary:
         progress(0, 0, "解開 Unpacking")
-        unpacked = unpack(packed, Path(temporary) / name)
+        unpacked = unpack(packed, temporary / name)
         assumed = {} if unpacked.assumed is None else {"assumed": unpacked.assumed._asdict()}
         folder, is_capture = _find_content(unpacked.folder)
         if not is_capture:

@@ -1,0 +1,78 @@
+"""kill -9 of every command that works long: no process and no folder of it stays."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from tests.test_workspaces import holder
+
+
+def processes_with(marker: str) -> set[int]:
+    """Numbers of the processes whose environment holds the marker."""
+    found = set()
+    for entry in os.scandir("/proc"):
+        if entry.name.isdecimal() and int(entry.name) != os.getpid():
+            try:
+                if marker.encode() in Path(f"/proc/{entry.name}/environ").read_bytes():
+                    found.add(int(entry.name))
+            except OSError:
+                continue
+    return found
+
+
+COMMANDS = {
+    "assess": ("assess", "--pairs", "pairs.csv", "-o", "out.csv", "--jobs", "2"),
+    "find": ("find", "copy.png", "--masters", "masters"),
+    "reconstruct": ("reconstruct", "capture", "-o", "out"),
+    "demo": ("demo", "--no-open", "--port", "0"),
+    "serve": ("serve", "--port", "0", "--processes", "2"),
+    "import": ("gallery", "import", "masters"),
+}
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for processes in /proc")
+@pytest.mark.parametrize("name", COMMANDS)
+def test_nothing_outlives_a_killed_command_for_long(name, desk, capture, tmp_path_factory):
+    """Its workers end; the next command sweeps what it left in both folders, and another's stays."""
+    home, temporary = tmp_path_factory.mktemp("home"), tmp_path_factory.mktemp("tmp")
+    env = os.environ | {"RUMU_HOME": str(home), "TMPDIR": str(temporary)}
+    (desk / "pairs.csv").write_text("copy,reference\n" + "copy.png,master.png\n" * 200)
+    (desk / "masters").mkdir()
+    for number in range(60):
+        copied = (desk / "master.png").read_bytes() + bytes([number])
+        (desk / "masters" / f"{number}.png").write_bytes(copied)
+    rows = "".join(f"{number}.png\n" for number in range(60))
+    (desk / "masters" / "labels.csv").write_text(f"file\n{rows}")
+    for seconds in (1.2, 2.6):
+        process = subprocess.Popen(
+            [sys.executable, "-m", "rumu.cli", *COMMANDS[name]], cwd=desk, env=env, stdout=-3, stderr=-3
+        )
+        time.sleep(seconds)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    until = time.monotonic() + 30
+    while (left := processes_with(f"RUMU_HOME={home}")) and time.monotonic() < until:
+        time.sleep(0.2)
+    assert not left
+    other = holder(temporary)
+    swept = subprocess.run(
+        [sys.executable, "-m", "rumu.cli", "gallery", "list", "--json"],
+        env=env,
+        capture_output=True,
+        check=False,
+    )
+    assert swept.returncode == 0, swept.stderr
+    subprocess.run(
+        [sys.executable, "-m", "rumu.cli", "relief", "copy.png", "-o", "o2"], cwd=desk, env=env, check=True
+    )
+    kept = [path for path in temporary.iterdir() if path.name.startswith("rumu-")]
+    other.kill(), other.wait()
+    assert len(kept) == 1
+    for folder in (desk, home, *(path for path in home.iterdir() if path.is_dir())):
+        assert not [path for path in folder.iterdir() if "rumu-" in path.name]
