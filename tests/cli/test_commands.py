@@ -1,4 +1,4 @@
-"""kill -9 of every command that works long: no process and no folder of it stays."""
+"""Commands as whole processes: what stays when one is killed (kill -9) is no process, and soon no folder."""
 
 from __future__ import annotations
 
