@@ -12,6 +12,7 @@ from PIL import Image
 
 from rumu.errors import OutputError, SurfaceError
 from rumu.surface.folder import read_surface, write_surface
+from rumu.surface.relief import relief
 from rumu.values import Surface
 
 FILES = {
@@ -160,3 +161,33 @@ def test_a_folder_that_is_no_surface_and_names_that_are_not_plain(tmp_path):
         with pytest.raises(SurfaceError, match="plain file name"):
             write_surface(surface(), tmp_path / "out", extra={name: ""})
     assert list(tmp_path.iterdir()) == []
+
+
+def test_without_float_files_it_comes_back_from_its_pictures(tmp_path):
+    gray = np.full((80, 100), 0.8, np.float32)
+    gray[20:60, 40:55] = 0.1
+    for image in (gray, np.stack([gray, gray * 0.9, gray * 0.7], axis=-1)):
+        surface = relief(image)
+        write_surface(surface, tmp_path / "out", floats=False)
+        assert not list((tmp_path / "out").glob("*.tif"))
+        back = read_surface(tmp_path / "out")
+        assert back.albedo.shape == surface.albedo.shape
+        np.testing.assert_array_equal(back.mask, surface.mask)
+        np.testing.assert_allclose(back.height, surface.height, atol=float(np.ptp(surface.height)) / 60000)
+        np.testing.assert_allclose(back.normals, surface.normals, atol=1e-4)
+        np.testing.assert_allclose(back.albedo, surface.albedo, atol=0.005)
+        np.testing.assert_allclose(back.confidence, surface.confidence, atol=0.003)
+        assert (back.source, back.quality) == (surface.source, surface.quality)
+
+
+@pytest.mark.parametrize("name", ["height.png", "normals.png", "albedo.png", "confidence.png"])
+def test_a_picture_that_is_needed_is_named(tmp_path, name):
+    gray = np.full((80, 100), 0.8, np.float32)
+    gray[20:60, 40:55] = 0.1
+    write_surface(relief(gray), tmp_path / "out", floats=False)
+    (tmp_path / "out" / name).write_bytes(b"no picture")
+    with pytest.raises(SurfaceError, match=rf"{name}: expected a PNG"):
+        read_surface(tmp_path / "out")
+    (tmp_path / "out" / name).unlink()
+    with pytest.raises(SurfaceError, match=rf"{name}: expected a file"):
+        read_surface(tmp_path / "out")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from rumu.capture.image import read_image, to_linear
 from rumu.errors import RefusedImage, SurfaceError
@@ -211,3 +212,17 @@ def test_a_real_copy_from_its_file(data):
     np.testing.assert_allclose(surface.height, relief(read_image(file)).height)
     assert 3 < surface.quality["half_width"] < 40
     assert surface.height.max() < 40
+
+
+def test_a_large_picture_is_worked_at_a_smaller_size(tmp_path):
+    page = np.full((3000, 4400), 230, np.uint8)
+    page[800:2200, 1800:2100] = 30
+    page[1400:1700, 1000:3200] = 30
+    Image.fromarray(page).save(tmp_path / "large.png", compress_level=1)
+    Image.fromarray(page[:2800, :4400]).save(tmp_path / "phone.png", compress_level=1)
+    large, phone = relief(tmp_path / "large.png"), relief(tmp_path / "phone.png")
+    assert phone.height.shape == (2800, 4400) and "reduced" not in phone.quality
+    assert large.height.size == pytest.approx(6_300_000, rel=0.001)
+    reduced = large.quality["reduced"]
+    assert reduced == pytest.approx(4400 / large.height.shape[1])
+    assert large.quality["half_width"] * reduced == pytest.approx(phone.quality["half_width"], rel=0.02)

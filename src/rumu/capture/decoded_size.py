@@ -25,15 +25,18 @@ _FLOAT = 4  # bytes of a sample as rumu computes with it
 class Reduction:
     """How far a picture is reduced while it is read; nothing is enlarged.
 
-    side: longest side, in pixels, that is wanted. pixels: most pixels that are wanted.
+    side: longest side, in pixels, that is wanted. pixels: most pixels that are wanted of a picture that has
+    more than `above`.
     """
 
     side: float = math.inf
     pixels: float = math.inf
+    above: float = 0.0
 
     def factor(self, width: int, height: int) -> float:
         """What a side of the reduced picture is of a side of the whole one, in (0, 1]."""
-        return min(1.0, self.side / max(width, height), math.sqrt(self.pixels / (width * height)))
+        by_pixels = math.sqrt(self.pixels / (width * height)) if width * height > self.above else 1.0
+        return min(1.0, self.side / max(width, height), by_pixels)
 
 
 FULL_SIZE = Reduction()

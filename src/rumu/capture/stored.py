@@ -82,12 +82,12 @@ def reduce_stored(stored: Stored, reduction: Reduction) -> Stored:
     """The picture by area averaging, as far as it is to be reduced; what is reduced lies on white."""
     import cv2
 
-    height, width = stored.values.shape[:2]
+    width, height = stored.whole  # a JPEG has been reduced in part while it was decoded
     shrink = reduction.factor(width, height)
-    if shrink == 1.0 or min(height, width) == 0:
+    size = (max(1, round(width * shrink)), max(1, round(height * shrink)))
+    if size == stored.values.shape[1::-1] or shrink == 1.0:
         return stored
     values = np.ascontiguousarray(over_white(stored.values, stored.alpha))
-    size = (max(1, round(width * shrink)), max(1, round(height * shrink)))
     reduced = np.asarray(cv2.resize(values, size, interpolation=cv2.INTER_AREA))
     return replace(stored, values=reduced, alpha=None)
 

@@ -74,14 +74,38 @@ def relief(
     out: Folder,
     method: Annotated[Method, typer.Option(help="Where the height comes from.")] = "inflation",
     mode: Annotated[Mode, typer.Option(help="Wide strokes high, all alike, or between.")] = "inhomogeneous",
+    floats: Annotated[
+        bool, typer.Option("--floats", help="Also write the arrays as TIFFs of 32-bit floats.")
+    ] = False,
     as_json: AsJson = False,
 ) -> Outcome:
     """One image of ink -> a surface computed from the ink (not measured relief)."""
+    from rumu.outputs import whole_folder
+    from rumu.surface.folder import MARKER
     from rumu.surface.relief import relief as raised
 
+    check_writable(whole_folder(out, marker=MARKER))
     with working("Raising the ink"):
         surface = raised(image, method=method, mode=mode)
-        return _write_surface(surface, out, title=image.stem)
+        notes = _reduction_notes(surface)
+        return _write_surface(surface, out, title=image.stem, notes=notes, floats=floats)
+
+
+def _reduction_notes(surface: Surface) -> list[Bilingual]:
+    """At which size a large picture was worked; empty for one that was worked at its own."""
+    from rumu.values import Bilingual
+
+    reduced = surface.quality.get("reduced")
+    if reduced is None:
+        return []
+    rows, columns = surface.height.shape
+    return [
+        Bilingual(
+            f"圖片很大，先縮小到 {columns} × {rows} 像素（邊長除以 {reduced:.3g}）再計算。",
+            f"The picture is large; it was reduced to {columns} x {rows} pixels, its sides divided by "
+            f"{reduced:.3g}.",
+        )
+    ]
 
 
 @print_outcome
@@ -195,12 +219,15 @@ def _surface_of(source: str) -> Surface:
         raise SurfaceError(f"{source}: there is no such file or folder, and {error}") from error
 
 
-def _write_surface(surface: Surface, out: Path, *, title: str, notes: Sequence[Bilingual] = ()) -> Outcome:
+def _write_surface(
+    surface: Surface, out: Path, *, title: str, notes: Sequence[Bilingual] = (), floats: bool = True
+) -> Outcome:
     from rumu.report.pages import surface_page
     from rumu.report.wording import SOURCES
     from rumu.surface.folder import write_surface
 
-    write_surface(surface, out, extra={"report.html": surface_page(surface, title=title)})
+    page = surface_page(surface, title=title, notes=notes)
+    write_surface(surface, out, floats=floats, extra={"report.html": page})
     facts = {
         "out": out,
         "report": out / "report.html",

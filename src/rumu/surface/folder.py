@@ -8,7 +8,8 @@
     mask.png          white where measured (photometric) or inked (relief)
     surface.glb       the mesh, textured by the albedo
 
-Reading takes the float files, so a surface comes back as it was.
+Reading takes the float files, so a surface comes back as it was. They may be left out, as they are of
+surfaces that are computed from ink; reading then takes the pictures.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rumu.capture.image import to_linear
 from rumu.errors import OutputError, SurfaceError
 from rumu.outputs import whole_folder
 from rumu.surface.mesh import albedo_srgb, mesh_bytes
@@ -36,12 +38,16 @@ _FILES = {MARKER, "surface.glb", "mask.png"} | {
 
 
 def write_surface(
-    surface: Surface, folder: str | Path, *, extra: Mapping[str, str | bytes] | None = None
+    surface: Surface,
+    folder: str | Path,
+    *,
+    floats: bool = True,
+    extra: Mapping[str, str | bytes] | None = None,
 ) -> None:
     """Write a surface as a folder; it appears whole or not at all.
 
-    folder: new, empty, or an earlier surface, which is replaced. extra: more files of the folder, text or
-    bytes by name, such as a report.
+    folder: new, empty, or an earlier surface, which is replaced. floats: whether the float TIFFs are written.
+    extra: more files of the folder, text or bytes by name, such as a report.
     Raises OutputError when the folder cannot be written or holds other files, SurfaceError when there is
     nothing to make a mesh of or an extra name is not a plain new name.
     """
@@ -51,15 +57,15 @@ def write_surface(
     glb = mesh_bytes(surface)
     with whole_folder(folder, marker=MARKER) as new:
         try:
-            _write_files(surface, new, {"surface.glb": glb, **(extra or {})})
+            _write_files(surface, new, {"surface.glb": glb, **(extra or {})}, floats=floats)
         except OSError as error:
             raise OutputError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
-def _write_files(surface: Surface, folder: Path, files: Mapping[str, str | bytes]) -> None:
+def _write_files(surface: Surface, folder: Path, files: Mapping[str, str | bytes], *, floats: bool) -> None:
     import tifffile
 
-    for name in _ARRAYS:
+    for name in _ARRAYS if floats else ():
         array: FloatArray = getattr(surface, name)
         kind = "rgb" if array.ndim == 3 else "minisblack"
         tifffile.imwrite(folder / f"{name}.tif", array.astype(np.float32), photometric=kind)
@@ -78,7 +84,7 @@ def _write_files(surface: Surface, folder: Path, files: Mapping[str, str | bytes
         "quality": {name: float(value) for name, value in surface.quality.items()},
         "frame": "x right, y up, z to the camera; rows run downward",
         "height_png": {"scale": scale, "offset": offset},
-    }
+    } | ({} if floats else {"floats": False})
     (folder / MARKER).write_text(json.dumps(metadata, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
@@ -89,7 +95,10 @@ def read_surface(folder: str | Path) -> Surface:
     """
     folder = Path(folder)
     metadata = _read_metadata(folder)
-    arrays = {name: _read_tiff(folder / f"{name}.tif") for name in _ARRAYS}
+    if metadata.get("floats", True):
+        arrays = {name: _read_tiff(folder / f"{name}.tif") for name in _ARRAYS}
+    else:
+        arrays = _read_pictures(folder, metadata)
     mask = _read_mask(folder / "mask.png")
     shape = arrays["height"].shape
     wanted = {"normals": [(*shape, 3)], "albedo": [shape, (*shape, 3)], "confidence": [shape]}
@@ -135,6 +144,42 @@ def _write_pictures(surface: Surface, folder: Path) -> tuple[float, float]:
     Image.fromarray(np.round(surface.confidence * 255).astype(np.uint8)).save(folder / "confidence.png")
     Image.fromarray(surface.mask.astype(np.uint8) * 255).save(folder / "mask.png")
     return scale, offset
+
+
+def _read_pictures(folder: Path, metadata: Mapping[str, Any]) -> dict[str, FloatArray]:
+    """What `_write_pictures` wrote, as floats again."""
+    try:
+        scale, offset = (float(metadata["height_png"][name]) for name in ("scale", "offset"))
+    except (KeyError, TypeError, ValueError) as error:
+        raise SurfaceError(f"{folder / MARKER}: expected the scale and offset of height.png") from error
+    normals = (
+        _read_png(folder / "normals.png", kind="uint16", channels=3)[..., ::-1] / np.float32(32767.5) - 1
+    )
+    lengths = np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), np.float32(1e-6))
+    albedo = _read_png(folder / "albedo.png", kind="uint8", channels=3)[..., ::-1]
+    if (albedo == albedo[..., :1]).all():  # of a gray picture
+        albedo = albedo[..., 0]
+    table = to_linear(np.arange(256, dtype=np.float32) / np.float32(255))
+    height = _read_png(folder / "height.png", kind="uint16", channels=1)
+    confidence = _read_png(folder / "confidence.png", kind="uint8", channels=1)
+    return {
+        "height": (height * scale + offset).astype(np.float32),
+        "normals": np.asarray(normals / lengths, dtype=np.float32),
+        "albedo": table[albedo],
+        "confidence": confidence / np.float32(255),
+    }
+
+
+def _read_png(path: Path, *, kind: str, channels: int) -> npt.NDArray[Any]:
+    """(H, W) or (H, W, 3) B G R. Raises SurfaceError unless the samples are as they are expected."""
+    import cv2
+
+    if not path.is_file():
+        raise SurfaceError(f"{path}: expected a file of the surface, there is none")
+    samples = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
+    if samples is None or samples.dtype.name != kind or samples[0, 0].size != channels:
+        raise SurfaceError(f"{path}: expected a PNG of {kind} with {channels} channels, it is none")
+    return np.asarray(samples)
 
 
 def _read_tiff(path: Path) -> FloatArray:

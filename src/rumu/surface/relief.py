@@ -25,8 +25,8 @@ from rumu.surface.inflation import inflate
 from rumu.surface.ink import Ink, find_ink
 from rumu.values import BoolArray, FloatArray, Surface
 
-MOST_PIXELS = 12_600_000
-"""Of a picture in a file that becomes a surface: a phone's 12 megapixels; strokes gain nothing from more."""
+WORKING_SIZE = Reduction(pixels=6_300_000, above=12_600_000)
+"""How a picture in a file is reduced: not at all up to a phone's 12 megapixels, and else to half of them."""
 
 Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
@@ -114,10 +114,10 @@ def check_choice(value: object, choices: tuple[str, ...], name: str) -> None:
 def read_with_ink(path: Path) -> tuple[FloatArray, Ink, tuple[int, int]]:
     """The picture in a file, as stored, its ink, and the (width, height) that the file has.
 
-    A picture above MOST_PIXELS is reduced to them while it is read. Raises ImageError; RefusedImage names the
+    A large picture is reduced, see WORKING_SIZE, while it is read. Raises ImageError; RefusedImage names the
     file.
     """
-    stored = decode(path, reduction=Reduction(pixels=MOST_PIXELS))
+    stored = decode(path, reduction=WORKING_SIZE)
     image, whole = image_of(stored, name=path), stored.whole
     try:
         return image, find_ink(image), whole
