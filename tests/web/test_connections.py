@@ -230,3 +230,25 @@ def test_where_all_are_busy_there_is_no_room_but_for_a_proxy(serve):
         for one in busy:
             one.sendall(request[-1:])
             assert read_all(one).split()[1] == b"401"
+
+
+@pytest.mark.parametrize(("proxies", "believed"), [("127.0.0.0/8", True), ("10.0.0.1", False)])
+def test_what_a_trusted_proxy_says_is_believed(serve, proxies, believed):
+    port = serve(proxies=proxies)
+    said = {"X-Forwarded-Proto": "https", "Host": "shufa.example"}
+    with httpx.Client(base_url=f"http://127.0.0.1:{port}", trust_env=False, headers=said) as client:
+        headers = client.get("/api/session").headers
+        facts = client.get("/iiif/works/regular-shui/manifest.json").json()
+    assert "server" not in headers
+    assert ("strict-transport-security" in headers) is believed
+    assert headers["set-cookie"].startswith("__Host-") is believed
+    assert facts["id"].startswith("https://shufa.example/" if believed else "http://shufa.example/")
+
+
+@pytest.mark.parametrize(
+    "path", ["/../../../../etc/passwd", "/assets/../../../../etc/passwd", "/api/works/../../x"]
+)
+def test_dots_in_a_path_lead_nowhere(serve, path):
+    request = f"GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
+    answer = read_all(connect(serve(), request.encode()))
+    assert answer.split()[1] == b"404" and b"root:" not in answer

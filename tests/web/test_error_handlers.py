@@ -157,3 +157,81 @@ def test_an_upload_that_cannot_be_held_is_told(new_world, monkeypatch, copy_of, 
     monkeypatch.setattr("starlette.datastructures.UploadFile.write", write)
     answer = teacher("POST", "/api/works", files={"picture": ("a.png", copy_of())})
     assert (answer.status_code, code_of(answer)) == (507, "disk_full") and "/tmp" not in answer.text
+
+
+def damaged_zips(picture: bytes) -> dict[str, bytes]:
+    """Zips whose import fails, or leaves something out, by the name of what is wrong."""
+    contents = {
+        "empty": {},
+        "no labels": {"a.png": b"no picture"},
+        "a label without its picture": {"labels.csv": "file,character\nx.png,一\n".encode()},
+        "a broken picture": {"labels.csv": "file,character\na.png,一\n".encode(), "a.png": picture[:500]},
+        "a damaged table": {"labels.csv": b"\xff\xfe\x00,\n\x00", "a.png": picture},
+        "damaged lamps": {"lights.txt": b"x y z\n", "a.png": picture, "b.png": picture[:900]},
+        "a manifest that is none": {"works.jsonl": b"{", "collection.json": b"[1", "gallery.json": b"{"},
+        "a name that leads out": {"../../etc/x.png": picture, "labels.csv": b"file\n../x.png\n"},
+    }
+    packed = {"no zip": b"PK no zip"}
+    for name, files in contents.items():
+        stream = io.BytesIO()
+        with zipfile.ZipFile(stream, "w") as archive:
+            for file, data in files.items():
+                archive.writestr(file, data)
+        packed[name] = stream.getvalue()
+    return packed
+
+
+def wait_for_end(browser, job_id):
+    until = time.monotonic() + 60
+    while (job := browser("GET", f"/api/jobs/{job_id}").json())["state"] in ("queued", "running"):
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    return job
+
+
+def test_no_answer_tells_where_files_lie(new_world, copy_of, tmp_path):
+    """Many errors: of pictures, zips, files that are gone, a store that cannot be written."""
+    import rumu
+
+    world = new_world()
+    owner, pupil = world.browser("館主"), world.browser("吳")
+    attempt = pupil.marked(copy_of(), kind="pen", strokes="[[[1,2,0.5]]]").json()["id"]
+    answers = [
+        owner("POST", "/api/works", files={"picture": ("a.png", data)}, data=facts)
+        for data in (b"", b"x", copy_of()[:2000], b"\x89PNG\r\n\x1a\n" + b"x" * 99)
+        for facts in ({}, {"method": "none"}, {"collection": "../x"})
+    ]
+    answers += [pupil.marked(data) for data in (b"x", copy_of()[:900])]
+    for data in damaged_zips(copy_of()).values():
+        answer = owner("POST", "/api/imports", files={"zip": ("課堂 一.zip", data)})
+        answers.append(answer)
+        if answer.status_code == 202:
+            job = wait_for_end(owner, answer.json()["job"]["id"])
+            answers.append(owner("GET", f"/api/jobs/{job['id']}"))
+    files = tmp_path / "files"
+    for path in [*files.rglob("*.png"), *files.rglob("*.json"), *files.rglob("*.jpg")]:
+        path.unlink()
+    answers += [
+        owner("GET", f"/api/works/regular-shui/files/{kind}")
+        for kind in ("thumb", "picture", "glb", "stl", "heights", "lamp-a")
+    ]
+    of_attempt = ("", "/picture", "/strokes", "/viewer", "/files/thumb")
+    answers += [pupil("GET", f"/api/attempts/{attempt}{part}") for part in of_attempt]
+    answers += [
+        owner("GET", "/iiif/image/regular-shui/full/max/0/default.jpg"),
+        owner("GET", "/api/works/regular-shui/viewer"),
+        owner("GET", "/api/works/regular-shui/export.html"),
+        pupil("GET", "/api/practice.pdf?work=regular-tian"),
+        world.browser("林")("GET", "/api/marks.zip"),
+        pupil.marked(copy_of()),
+    ]
+    for path in files.iterdir():  # from here on nothing can be stored
+        path.rename(tmp_path / f"gone-{path.name}")
+    files.rmdir()
+    files.write_text("no folder")
+    answers += [pupil.marked(copy_of()), owner("POST", "/api/works", files={"picture": ("a.png", copy_of())})]
+    assert sum(answer.status_code >= 400 for answer in answers) > 25
+    hidden = (str(tmp_path), "/tmp/", str(Path(rumu.__file__).parent), str(Path.home()) + "/", "Traceback")
+    for answer in answers:
+        text = answer.content.decode("utf-8", "replace")
+        assert not [place for place in hidden if place in text], (str(answer.url), text[:300])
