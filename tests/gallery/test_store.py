@@ -121,3 +121,12 @@ def test_a_place_that_cannot_be_written(tmp_path):
 def test_a_url_that_nothing_reaches():
     with pytest.raises(GalleryError, match="expected a folder or a URL"):
         Store.open("nonsense://somewhere")
+
+
+def test_errors_name_the_key_and_not_where_it_lies(tmp_path):
+    (tmp_path / "files").write_text("in the way")
+    store = Store.open(tmp_path / "files")
+    for act in (lambda: store.write("pictures/a.png", b"1"), lambda: store.read("pictures/a.png")):
+        with pytest.raises(GalleryError, match=r"pictures/a\.png") as refused:
+            act()
+        assert str(tmp_path) not in str(refused.value) + str(refused.value.zh)

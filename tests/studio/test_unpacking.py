@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import shutil
 import stat
 import struct
 import unicodedata
@@ -12,6 +13,7 @@ import zlib
 
 import pytest
 
+from rumu.errors import DiskFull
 from rumu.studio.errors import Unusable
 from rumu.studio.unpacking import ZipLimits, check_zip, folder_name, unpack
 
@@ -329,3 +331,11 @@ def test_the_zips_that_went_wrong(cases, tmp_path):
 )
 def test_the_name_of_a_zip_is_fit_for_a_folder(sent, folder):
     assert folder_name(sent) == folder
+
+
+def test_a_zip_for_which_there_is_no_room_is_not_begun(zipped, tmp_path, monkeypatch):
+    usage = shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: usage._replace(free=3))
+    with pytest.raises(DiskFull):
+        unpacked(zipped({"a.txt": b"hello"}), tmp_path)
+    assert not [path for path in (tmp_path / "inside").rglob("*") if path.is_file()]

@@ -37,7 +37,7 @@ MANIFEST, WORKS, FILES = "gallery.json", "works.jsonl", "files"
 KIND, FORMAT = "rumu gallery", 1
 BATCH = 250  # works of one transaction
 _FOLDERS = ("pictures", "captures", "surfaces")
-_NOT_EXPORTED = {"author_id", "search"}  # users are not exported; the text for searches is computed again
+NOT_EXPORTED = {"author_id", "search"}  # users are not exported; the text for searches is computed again
 _LABELS = ("file", "id", "character", "script", "hand_zh", "hand_en", "title_zh", "title_en", "dynasty")
 _MORE_LABELS = ("period", "medium", "source", "licence", "attribution", "calligrapher_zh", "work")
 
@@ -167,7 +167,7 @@ def _to_json(row: Base) -> dict[str, Any]:
     return {
         name: value.isoformat() if isinstance(value, datetime) else value
         for name, value in values.items()
-        if name not in _NOT_EXPORTED
+        if name not in NOT_EXPORTED
     }
 
 

@@ -116,7 +116,7 @@ class WorkRow(_Row):
     title_zh: Line
     title_en: Line
     character: Annotated[str, StringConstraints(max_length=16), _clean] = ""
-    script: Script | Literal[""] = ""
+    script: Literal[Script, ""] = ""
     hand_zh: Line = ""
     hand_en: Line = ""
     dynasty: Annotated[Passage, AfterValidator(lambda text: text[:40])] = ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import lzma
 import shutil
 import stat
@@ -13,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from rumu.containment import leads_out, safe_name
+from rumu.errors import DiskFull
+from rumu.outputs import is_full
 from rumu.studio.errors import Unusable
 from rumu.studio.zip_names import ENCODINGS, decode_names
 from rumu.values import Bilingual
@@ -91,7 +92,7 @@ def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Un
 
     Names are checked before the first byte is written, and bytes are counted as they are written, since
     the sizes that a zip states may be false. Files are written under their `safe_name`; those that macOS,
-    Windows and network drives add are left out. Raises Unusable.
+    Windows and network drives add are left out. Raises Unusable, or DiskFull.
     """
     limits = limits or ZipLimits()
     folder.mkdir(parents=True, exist_ok=True)
@@ -198,7 +199,7 @@ def _check_entries(files: dict[str, zipfile.ZipInfo], packed: Path, folder: Path
     ):
         raise _too_large(zh="比這麼大的 zip 檔該有的多", en="more than a zip of this size should hold")
     if stated > shutil.disk_usage(folder).free:
-        raise _no_space()
+        raise DiskFull("files", stated)
 
 
 def _max_bytes(packed: Path, limits: ZipLimits) -> int:
@@ -225,8 +226,8 @@ def _write_all(
         except (FileExistsError, NotADirectoryError, IsADirectoryError) as error:
             raise _two_files(name) from error
         except OSError as error:
-            if error.errno in (errno.ENOSPC, errno.EDQUOT):
-                raise _no_space() from error
+            if is_full(error):
+                raise DiskFull("files") from error
             raise _damaged(name) from error
 
 
@@ -281,11 +282,3 @@ def _two_files(name: str) -> Unusable:
 
 def _too_large(*, zh: str, en: str) -> Unusable:
     return Unusable("zip_bomb", zh=f"zip 檔解開後太大：{zh}。", en=f"The zip file unpacks to too much: {en}.")
-
-
-def _no_space() -> Unusable:
-    return Unusable(
-        "no_space",
-        zh="伺服器的磁碟空間不足，無法解開這個 zip 檔；請通知館主。",
-        en="The server has no room to unpack this zip file; tell the owner.",
-    )

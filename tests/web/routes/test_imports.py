@@ -6,6 +6,7 @@ import copy
 import hashlib
 import io
 import json
+import os
 import stat
 import struct
 import tempfile
@@ -652,3 +653,28 @@ def test_a_zip_of_false_sizes_is_refused(world, unharmed, monkeypatch):
     monkeypatch.setitem(Sender.__call__.__globals__, "make_zip", lambda files: bytes(lying))
     job, _ = unharmed({})
     assert job["state"] == "failed"
+
+
+# --- errors ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("data", [b"no picture", png(1)[:60], b""])
+def test_errors_of_single_pictures_name_no_folder_of_the_server(world, data):
+    answer = world.browser("林")("POST", "/api/works", files={"picture": ("a.png", data)})
+    assert answer.status_code == 422, answer.text
+    assert tempfile.gettempdir() not in answer.text and "rumu-" not in answer.text
+    error = answer.json()["error"]
+    assert error["zh"] and error["en"] and error["zh"] != error["en"]
+
+
+@pytest.mark.parametrize(("code", "status"), [(5, 422), (28, 507)])
+def test_an_error_of_the_store_names_no_folder_of_the_server(world, monkeypatch, code, status):
+    from rumu.gallery import store
+
+    def fail(target, data):
+        raise OSError(code, os.strerror(code), str(target))
+
+    monkeypatch.setattr(store, "_write_local", fail)
+    answer = world.browser("林")("POST", "/api/works", files={"picture": ("a.png", png(77))})
+    assert answer.status_code == status, answer.text
+    assert world.service.gallery.store.root not in answer.text and tempfile.gettempdir() not in answer.text
