@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -172,3 +173,14 @@ def test_what_is_no_font_is_refused(bare, tmp_path):
     ):
         with pytest.raises(GalleryError, match=words):
             add_glyphs(bare, path, "天", metadata=WorkMetadata(title=EMPTY))
+
+
+def test_a_surface_that_another_work_has_is_never_replaced(gallery, mound):
+    folder = mound(FIVE)
+    first = add_capture(gallery, folder, metadata=CAT)
+    key = f"{work(gallery, first.id).surface}/height.tif"
+    theirs = gallery.store.read(key)[:-1] + b"x"
+    gallery.store.write(key, theirs)
+    second = add_capture(gallery, folder, metadata=replace(CAT, character="貓"))
+    assert second.new and work(gallery, second.id).surface == work(gallery, first.id).surface
+    assert gallery.store.read(key) == theirs

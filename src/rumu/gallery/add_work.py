@@ -124,7 +124,8 @@ def add_capture(
         for key, files in ((capture_key, photographs), (surface_key, reconstructed)):
             with gallery.store.whole_folder(key):
                 for file in sorted(files.iterdir()):
-                    gallery.store.write(f"{key}/{file.name}", file.read_bytes())
+                    if not gallery.store.exists(f"{key}/{file.name}"):  # as another work may have it
+                        gallery.store.write(f"{key}/{file.name}", file.read_bytes())
     picture = _mean_photograph(capture)
     key = picture_key(picture, suffix=".png")
     gallery.store.write(key, picture)

@@ -18,6 +18,7 @@ from datetime import datetime
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from rumu.containment import leads_out
 from rumu.errors import DiskFull, GalleryError
 from rumu.outputs import is_full
 from rumu.workspaces import temporary_folder
@@ -195,7 +196,7 @@ class Store:
             yield copy
 
     def _path(self, key: str) -> str:
-        if not _KEY.fullmatch(key):
+        if not _KEY.fullmatch(key) or leads_out(key):
             raise GalleryError(f"expected a key of the store, such as works/a.png, got {key!r}")
         return f"{self.root}/{key}"
 
