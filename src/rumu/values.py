@@ -77,8 +77,8 @@ class Capture:
         (N,) float64, relative strength of each lamp, mean 1; millimetres per pixel; None when unknown.
     names, notes
         The file that each image came from; what was read otherwise than it was written there.
-    orientation
-        Whether images were turned as EXIF says ('exif') or not ('stored'); None where it says nothing.
+    orientation, lamps_as_given
+        'exif' if images were turned so, 'stored' if not, None without it; whether to take the lamps anyhow.
 
     Raises
     ------
@@ -94,6 +94,7 @@ class Capture:
     names: tuple[str, ...] = ()
     orientation: Literal["stored", "exif"] | None = None
     notes: tuple[Bilingual, ...] = ()
+    lamps_as_given: bool = False
 
     def __post_init__(self) -> None:
         require = partial(_require, CaptureError)
@@ -106,11 +107,11 @@ class Capture:
         is_mask = mask.shape == shape and mask.dtype == np.bool_ and bool(mask.any())
         require(is_mask, f"a bool mask of shape {shape}, not empty", f"{mask.dtype} {mask.shape}")
         _require_finite(CaptureError, images, "images")
-        require(float(images.min()) >= 0, "images of 0 or more", images.min())
+        require(images.min() >= 0, "images of 0 or more", images.min())
         require(spacing is None or (np.isfinite(spacing) and spacing > 0), "spacing > 0", spacing)
         _require_finite(CaptureError, lights, "lights")
         require(np.allclose(np.linalg.norm(lights, axis=1), 1, atol=1e-6), "unit light vectors", lights)
-        rank_3 = float(np.linalg.svd(lights, compute_uv=False)[-1]) > 1e-3
+        rank_3 = np.linalg.svd(lights, compute_uv=False)[-1] > 1e-3
         require(rank_3, "lamps that do not all lie in one plane", f"{n} directions of rank below 3")
         if self.strengths is not None:
             right = self.strengths.shape == (n,) and bool((self.strengths > 0).all())

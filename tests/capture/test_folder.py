@@ -182,8 +182,15 @@ def test_encodings(tmp_path: Path) -> None:
 
 def test_ambient_frame_is_subtracted(tmp_path: Path) -> None:
     paper_folder(tmp_path)
-    Image.new("L", (20, 16), 120).save(tmp_path / "ambient.png")
-    np.testing.assert_allclose(read_capture(tmp_path).images[:, 0, 0], np.array([0, 30, 80]) / 255, atol=1e-6)
+    Image.new("L", (20, 16), 90).save(tmp_path / "ambient.png")
+    expected = np.array([10, 60, 110]) / 255
+    np.testing.assert_allclose(read_capture(tmp_path).images[:, 0, 0], expected, atol=1e-6)
+
+
+def test_noise_below_the_ambient_frame_becomes_black(tmp_path: Path) -> None:
+    paper_folder(tmp_path)
+    Image.new("L", (20, 16), 101).save(tmp_path / "ambient.png")
+    assert read_capture(tmp_path).images[0].max() == 0
 
 
 def test_bright_float_frames_share_one_scale(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import zipfile
 
 import pytest
 
+from rumu.errors import CaptureError
 from rumu.gallery.archive import export_gallery
 from rumu.gallery.catalog import collections, work, works
 from rumu.gallery.starter import starter_works
@@ -128,3 +129,27 @@ def test_without_a_named_collection_an_export_goes_into_the_one_it_came_from(gal
     packed, gone = exported
     done = import_zip(gallery, packed, {}, progress=quiet)
     assert (work(gallery, gone).collection_id, done["added"]) == ("own", 1)
+
+
+def test_a_capture_that_cannot_be_used_says_why_in_both_languages(gallery, zipped, cases):
+    for case, en, zh in (
+        ("ps-yflip", "change the sign of every y", "請把每個 y 變號"),
+        ("ps-white", "overexposed", "曝光過度"),
+    ):
+        sent = zipped({path.name: path.read_bytes() for path in (cases / case).iterdir()})
+        with pytest.raises(CaptureError, match=en) as refused:
+            import_zip(gallery, sent, {}, progress=quiet)
+        assert zh in refused.value.zh and "/tmp" not in f"{refused.value}{refused.value.zh}"
+
+
+def test_what_was_read_otherwise_is_told_with_the_work(gallery, zipped, cases):
+    sent = zipped({path.name: path.read_bytes() for path in (cases / "ps-exif180-some").iterdir()})
+    done = import_zip(gallery, sent, {}, progress=quiet)
+    (note,) = done["notes"]
+    assert done["added"] == 1 and "p1.jpg, p4.jpg" in note["en"] and "不轉動照片" in note["zh"]
+
+
+def test_lamps_of_an_upload_may_be_taken_as_given(gallery, zipped, cases):
+    files = {path.name: path.read_bytes() for path in (cases / "ps-yflip").iterdir()}
+    sent = zipped(files | {"capture.json": b'{"lamps_as_given": true}'})
+    assert import_zip(gallery, sent, {}, progress=quiet)["added"] == 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rumu.capture.folder import read_capture
-from rumu.errors import SurfaceError
+from rumu.errors import CaptureError, SurfaceError
 from rumu.surface.photometric import photometric, surface_normals
 from rumu.surface.robust import SOLVERS, solve
 from rumu.surface.strengths import estimate_photometry
@@ -196,7 +196,7 @@ def test_bad_names_and_darkness_are_refused():
     with pytest.raises(SurfaceError, match=r"integrator among .*dct.*, got 'fft'"):
         photometric(capture, integrator="fft")
     black = Capture(images=np.zeros_like(capture.images), lights=capture.lights, mask=capture.mask)
-    with pytest.raises(SurfaceError, match="all dark"):
+    with pytest.raises(CaptureError, match="black, no lamp lit the sheet"):
         photometric(black)
 
 

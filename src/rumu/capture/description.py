@@ -20,6 +20,7 @@ class Description:
     slant: degrees, of all lamps. tilts: degrees, by the image's name without its suffix.
     spacing_mm: millimetres per pixel. encoding: 'auto', 'linear' or 'srgb'. mask: a file, relative.
     orientation: 'exif' or 'stored', which way round the photographs are taken.
+    lamps_as_given: whether the lamps are taken as they are, even where others fit better.
     """
 
     slant: float | None = None
@@ -28,6 +29,7 @@ class Description:
     encoding: str | None = None
     mask: str | None = None
     orientation: str | None = None
+    lamps_as_given: bool = False
 
 
 def read_description(path: Path) -> Description:
@@ -40,7 +42,7 @@ def read_description(path: Path) -> Description:
             en=f"expected JSON, {error.msg} at column {error.colno}",
             zh=f"這裡應是 JSON，第 {error.colno} 個字處有誤（{error.msg}）",
         ) from error
-    known = ("slant", "tilts", "spacing_mm", "encoding", "mask", "orientation")
+    known = ("slant", "tilts", "spacing_mm", "encoding", "mask", "orientation", "lamps_as_given")
     if not isinstance(content, dict):
         raise capture_error(
             path,
@@ -70,6 +72,7 @@ def read_description(path: Path) -> Description:
         encoding=_text_entry(path, content, "encoding"),
         mask=_text_entry(path, content, "mask"),
         orientation=_text_entry(path, content, "orientation"),
+        lamps_as_given=_flag_entry(path, content, "lamps_as_given"),
     )
 
 
@@ -93,5 +96,16 @@ def _text_entry(path: Path, content: dict[str, Any], key: str) -> str | None:
     if value is not None and not isinstance(value, str):
         raise capture_error(
             path, en=f'expected "{key}" to be text, got {value!r}', zh=f'"{key}" 應是文字，卻是 {value!r}'
+        )
+    return value
+
+
+def _flag_entry(path: Path, content: dict[str, Any], key: str) -> bool:
+    value = content.get(key, False)
+    if not isinstance(value, bool):
+        raise capture_error(
+            path,
+            en=f'expected "{key}" to be true or false, got {value!r}',
+            zh=f'"{key}" 應是 true 或 false，卻是 {value!r}',
         )
     return value

@@ -130,6 +130,7 @@ def read_capture(
         ),
         orientation=frames.orientation,
         notes=(*lamps.notes, *frames.notes),
+        lamps_as_given=description.lamps_as_given,
     )
 
 

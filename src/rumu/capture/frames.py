@@ -17,6 +17,8 @@ from rumu.capture.stored import turn
 from rumu.errors import ImageError
 from rumu.values import Bilingual, BoolArray, FloatArray
 
+_AMBIENT_MARGIN = 0.01  # of white, by which the picture without lamps may be brighter: noise, JPEG
+
 Orientation = Literal["auto", "stored", "exif"]
 ORIENTATIONS: tuple[Orientation, ...] = get_args(Orientation)
 
@@ -56,6 +58,7 @@ def read_frames(
         upright = False
         images, told = _read_images(paths, ambient=ambient, encoding=encoding, upright=False, alike=False)
     assert images is not None
+    _check_alike(paths, images)
     notes = _orientation_notes(paths, told, upright=upright)
     return Frames(images, upright, ("exif" if upright else "stored") if notes else None, notes)
 
@@ -75,7 +78,7 @@ def _read_images(
     if ambient is not None:
         dark, told = _read_one(ambient, encoding=encoding)
         dark = turn(dark, told) if upright else dark
-        _check_samesize_of(ambient, dark, paths[0], first)
+        _check_same_size(ambient, dark, paths[0], first)
     images = np.empty((len(paths), *first.shape), dtype=np.float32)
     for i, path in enumerate(paths):
         if i:
@@ -86,12 +89,43 @@ def _read_images(
             image = turn(image, told) if upright else image
         else:
             image = first
-        _check_samesize_of(path, image, paths[0], first)
+        _check_same_size(path, image, paths[0], first)
+        if ambient is not None and dark is not None:
+            _check_ambient(ambient, dark, path, image)
         images[i] = image if dark is None else np.maximum(image - dark, 0)
     peak = float(images.max())
     if peak > 1:
         images /= np.float32(peak)
     return images, orientations
+
+
+def _check_ambient(ambient: Path, dark: FloatArray, path: Path, image: FloatArray) -> None:
+    """Raise CaptureError where a frame is no brighter than without its lamp."""
+    if float(np.median(dark)) > float(np.median(image)) + _AMBIENT_MARGIN:
+        raise capture_error(
+            path,
+            en=f"darker than {ambient.name}, which should show the sheet with all lamps off; was this "
+            f"lamp off, or one on in {ambient.name}, or the exposure another one?",
+            zh=f"比 {ambient.name} 還暗；{ambient.name} 應是關掉所有燈拍的。是這張的燈沒開，"
+            f"還是 {ambient.name} 開著燈，或曝光不同",
+        )
+
+
+def _check_alike(paths: tuple[Path, ...], images: FloatArray) -> None:
+    """Raise CaptureError when one picture stands under several names: no two photographs are equal.
+
+    Frames that are black or white all over are told later for what they are.
+    """
+    seen: dict[bytes, int] = {}
+    for i, image in enumerate(images):
+        first = seen.setdefault(image[image.shape[0] // 2].tobytes(), i)  # a row tells most frames apart
+        if first != i and np.ptp(image) > 0 and np.array_equal(image, images[first]):
+            raise capture_error(
+                paths[i],
+                en=f"the same picture as {paths[first].name}, to the last pixel; each lamp needs a "
+                "photograph of its own",
+                zh=f"與 {paths[first].name} 完全相同；每盞燈要有自己的一張照片",
+            )
 
 
 def _read_one(path: Path, *, encoding: Encoding) -> tuple[FloatArray, int]:
@@ -132,7 +166,7 @@ def _orientation_notes(paths: tuple[Path, ...], told: list[int], *, upright: boo
     return (note,)
 
 
-def _check_samesize_of(path: Path, image: FloatArray, first_path: Path, first: FloatArray) -> None:
+def _check_same_size(path: Path, image: FloatArray, first_path: Path, first: FloatArray) -> None:
     if image.shape[:2] != first.shape[:2]:
         raise capture_error(
             path,

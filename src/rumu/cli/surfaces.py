@@ -45,6 +45,10 @@ def reconstruct(
     mm_per_pixel: Annotated[
         float | None, typer.Option(min=1e-6, help="Scale of the photographs; the height is then in mm.")
     ] = None,
+    lamps_as_given: Annotated[
+        bool,
+        typer.Option("--lamps-as-given", help="Take the lamps as they are, though others fit better."),
+    ] = False,
     as_json: AsJson = False,
 ) -> Outcome:
     """Photographs of one sheet under three or more lamps -> albedo, normals, height, mesh, report."""
@@ -60,6 +64,8 @@ def reconstruct(
         capture = read_capture(capture_dir)
         if mm_per_pixel is not None:
             capture = replace(capture, spacing=finite(mm_per_pixel))
+        if lamps_as_given:
+            capture = replace(capture, lamps_as_given=True)
         surface = pipeline.reconstruct(capture, solver=solver, integrator=integrator, rectify=rectify)
         return _write_surface(surface, out, title=capture_dir.resolve().name, notes=capture.notes)
 

@@ -288,6 +288,7 @@ def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
     for dark in sorted(folder.glob("[aA]mbient.*")):
         shutil.copyfile(dark, target / f"ambient{dark.suffix.lower()}")
     description: dict[str, Any] = {"spacing_mm": capture.spacing, "orientation": capture.orientation}
+    description["lamps_as_given"] = capture.lamps_as_given or None
     description = {key: value for key, value in description.items() if value is not None}
     if (folder / "capture.json").is_file():
         encoding = read_description(folder / "capture.json").encoding

@@ -11,7 +11,9 @@ import numpy as np
 
 from rumu.capture.lights import PaperLamps, paper_tilts
 from rumu.errors import SurfaceError
+from rumu.surface.frame_check import check_exposure, check_still
 from rumu.surface.integrate import INTEGRATORS, integrate
+from rumu.surface.lamp_check import check_lamps
 from rumu.surface.robust import SOLVERS, Solution, solve
 from rumu.surface.stereo import (
     all_lit,
@@ -41,7 +43,8 @@ def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "
     the sheet faces one way, else at the mean. Pixels that no three lamps reach are filled in from their
     neighbours before integration and have confidence 0; the surface's mask holds those that were measured.
     quality: see `surface_normals`.
-    Raises SurfaceError when a name is unknown or nothing was lit.
+    Raises SurfaceError when a name is unknown or nothing was lit, CaptureError when the lamps are clearly not
+    those of the photographs.
     """
     if integrator not in INTEGRATORS:
         raise SurfaceError(f"expected an integrator among {', '.join(INTEGRATORS)}, got {integrator!r}")
@@ -88,10 +91,14 @@ def surface_normals(
     over brightness, only with four lamps of the paper's kind; 'strength_spread', strongest lamp over weakest
     as used; 'black_level', brightness taken for none; 'measured_share', share of the object measured;
     'brightness', by which the albedo was divided to stay within 1; 'lamps', their number.
-    Raises SurfaceError for an unknown solver.
+    Raises SurfaceError for an unknown solver; CaptureError when photographs are black, overexposed or moved,
+    or when other lamps clearly fit them better, see `rumu.surface.frame_check` and `rumu.surface.lamp_check`.
     """
     if solver not in SOLVERS:
         raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
+    check_exposure(capture)
+    if not capture.lamps_as_given:
+        check_still(capture)
     lamps = paper_tilts(capture.lights, tolerance=_PAPER_TOLERANCE)
     photometry = _photometry(capture, lamps, solver)
     check = None
@@ -106,6 +113,10 @@ def surface_normals(
             black_level=photometry.black_level,
         )
     measured = capture.mask & (solution.confidence > 0)
+    if not capture.lamps_as_given:
+        check_lamps(
+            capture, solution.normals, solution.albedo, known=measured, strengths=photometry.strengths
+        )
     albedo, brightness = _within_one(solution.albedo, measured)
     leaning = solution
     if lamps is not None and photometry.sheet:  # lamps taken for equal show how the sheet leans

@@ -1,0 +1,169 @@
+"""Whether the photographs of a capture can be used: lit, not overexposed, of a sheet that stayed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rumu.errors import CaptureError
+from rumu.surface.stereo import SATURATION, SHADOW_FLOOR, enough_lit
+from rumu.values import Bilingual, BoolArray, Capture, FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class FrameCheckSettings:
+    """When a photograph cannot be used.
+
+    black: share of the brightness of the brightest frame, below which nearly all of a black frame stays, or
+        below the floor of shadow. white: share of the pixels that are saturated in an overexposed frame.
+        usable: least share of the pixels that three frames show neither dark nor saturated. bright: quantile
+        of the pixels that tells how bright a frame gets. pixels: about how many are looked at.
+    side: pixels, of the reduced frames that are laid on each other. detail: pixels, of the largest detail
+        that is compared. still: correlation above which a frame did not move. least_shift: pixels by which a
+        frame must be off. agreement: correlation that it must reach when it is laid right. miss: to which
+        share what is missing from full correlation must fall then.
+    """
+
+    black: float = 0.02
+    white: float = 0.9
+    usable: float = 0.01
+    bright: float = 0.995
+    side: int = 384
+    detail: int = 31
+    still: float = 0.97
+    least_shift: float = 0.75
+    agreement: float = 0.9
+    miss: float = 0.4
+    pixels: int = 20_000
+
+
+def check_exposure(capture: Capture, *, settings: FrameCheckSettings | None = None) -> None:
+    """Raise CaptureError, with the names of the frames, when they are black or overexposed."""
+    settings = settings or FrameCheckSettings()
+    frames = _few_pixels(capture, settings)
+    names = _names(capture)
+    bright = np.quantile(frames, settings.bright, axis=1)
+    white = (frames >= SATURATION).mean(axis=1)
+    dark = bright <= max(SHADOW_FLOOR, settings.black * float(bright.max()))
+    if dark.any():
+        which = _listed(names, dark)
+        raise CaptureError(
+            f"{which.en}: black, no lamp lit the sheet (lens cap, or the lamp was off); take the photograph "
+            "again, or leave it out of the file of lamps",
+            zh=f"{which.zh}：全黑，燈沒有照到紙（鏡頭蓋沒拿下，或燈沒開）；請重拍，或從燈位檔裡刪去這一張。",
+        )
+    usable = enough_lit(frames[:, None]).mean()
+    if (white >= settings.white).any() or (usable < settings.usable and white.max() > 0.5):
+        over = white >= min(settings.white, float(white.max()))
+        which = _listed(names, over)
+        raise CaptureError(
+            f"{which.en}: overexposed, {100 * white[over].min():.0f} % of the pixels or more are white; take "
+            "the photographs again with a shorter exposure",
+            zh=f"{which.zh}：曝光過度，至少 {100 * white[over].min():.0f} % 的像素全白；請縮短曝光重拍。",
+        )
+    if usable < settings.usable:
+        raise CaptureError(
+            "the photographs are too dark: hardly a pixel is lit in three of them; take them again with a "
+            "longer exposure or stronger lamps",
+            zh="照片太暗：幾乎沒有一處在三張照片裡都照亮；請延長曝光，或用更亮的燈重拍。",
+        )
+
+
+def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None) -> None:
+    """Raise CaptureError when sheet or camera moved between four or more photographs.
+
+    Each frame is laid on what the other frames say it should look like under its lamp: that differs from it
+    by nothing but a shift if it moved, whatever the relief.
+    """
+    settings = settings or FrameCheckSettings()
+    if len(capture.lights) < 4:
+        return
+    frames, scale = _reduced(capture, settings)
+    moved = []
+    for i, wanted in _from_the_others(frames, capture.lights):
+        shift = _shift_of(frames[i], wanted, settings)
+        if shift >= settings.least_shift:
+            moved.append((i, shift * scale))
+    if not moved:
+        return
+    names = _names(capture)
+    which = _listed([names[i] for i, _ in moved], np.ones(len(moved), bool))
+    far = max(distance for _, distance in moved)
+    raise CaptureError(
+        f"{which.en}: moved against the other photographs, by about {far:.0f} pixels; camera and sheet "
+        "must stay where they are. Take the photographs again, or lay them on each other first",
+        zh=f"{which.zh}：與其他照片錯開了約 {far:.0f} 像素；拍攝時相機與紙都不能動，請重拍，或先把照片對齊。",
+    )
+
+
+def _from_the_others(frames: FloatArray, lights: FloatArray) -> Iterator[tuple[int, FloatArray]]:
+    """Each frame's number, and the frame (h, w) that Lambert's law makes of all others."""
+    hat = lights @ np.linalg.pinv(lights)
+    fitted = np.tensordot(hat, frames, axes=1)
+    for i, own in enumerate(np.diag(hat)):
+        if own < 0.95:  # else no others stand on its side
+            yield i, np.maximum((fitted[i] - own * frames[i]) / (1.0 - own), 0.0)
+
+
+def _shift_of(frame: FloatArray, wanted: FloatArray, settings: FrameCheckSettings) -> float:
+    """By how many pixels a frame is off, 0 where it is not clear."""
+    import cv2
+
+    logs = (np.log(one + 0.02).astype(np.float32) for one in (frame, wanted))
+    here, there = (one - cv2.blur(one, (settings.detail, settings.detail)) for one in logs)
+    window = cv2.createHanningWindow(here.shape[::-1], cv2.CV_32F)
+    before = _correlation(here, there, window)
+    if before > settings.still:
+        return 0.0
+    (dx, dy), _ = cv2.phaseCorrelate(there, here, window)
+    size = float(np.hypot(dx, dy))
+    if not settings.least_shift <= size < 0.2 * max(here.shape):
+        return 0.0
+    back = cv2.warpAffine(
+        here, np.array([[1.0, 0, -dx], [0, 1, -dy]]), here.shape[::-1], borderMode=cv2.BORDER_REFLECT
+    )
+    after = _correlation(back, there, window)
+    clear = after >= settings.agreement and 1.0 - after <= settings.miss * (1.0 - before)
+    return size if clear else 0.0
+
+
+def _correlation(a: FloatArray, b: FloatArray, weights: FloatArray) -> float:
+    a, b = a * weights, b * weights
+    return float((a * b).sum() / max(float(np.sqrt((a * a).sum() * (b * b).sum())), 1e-12))
+
+
+def _reduced(capture: Capture, settings: FrameCheckSettings) -> tuple[FloatArray, float]:
+    """(N, h, w) float32 gray frames of `side` pixels at most, outside the mask 0; and by what they shrank."""
+    import cv2
+
+    h, w = capture.mask.shape
+    scale = max(1.0, max(h, w) / settings.side)
+    size = (max(1, round(w / scale)), max(1, round(h / scale)))
+    frames = []
+    for image in capture.images:
+        small = cv2.resize(np.asarray(image), size, interpolation=cv2.INTER_AREA)
+        frames.append(small if small.ndim == 2 else small.mean(axis=2))
+    return np.stack(frames), scale
+
+
+def _few_pixels(capture: Capture, settings: FrameCheckSettings) -> FloatArray:
+    """(N, P) gray values of some of the pixels in the mask."""
+    chosen = np.flatnonzero(capture.mask)
+    chosen = chosen[:: max(1, len(chosen) // settings.pixels)]
+    n = len(capture.images)
+    values = capture.images.reshape(n, capture.mask.size, *capture.images.shape[3:])[:, chosen]
+    return values if values.ndim == 2 else np.asarray(values.mean(axis=2))
+
+
+def _names(capture: Capture) -> Sequence[str]:
+    return capture.names or tuple(f"photograph {i + 1}" for i in range(len(capture.images)))
+
+
+def _listed(names: Sequence[str], chosen: BoolArray) -> Bilingual:
+    """Names of the chosen frames, not more than six of them."""
+    some = [name for name, is_chosen in zip(names, chosen, strict=True) if is_chosen]
+    more = len(some) - 6
+    en, zh = ", ".join(some[:6]), "、".join(some[:6])
+    return Bilingual(f"{zh} 等 {len(some)} 張", f"{en} and {more} more") if more > 0 else Bilingual(zh, en)
