@@ -140,14 +140,16 @@ def read_table(
     workbook = next((kind for head, kind in _WORKBOOKS if data.startswith(head)), None)
     if workbook is not None:
         raise error_type(
-            f"{path}: expected a CSV, found {workbook}; save it as CSV UTF-8 in the spreadsheet",
+            f"expected a CSV, found {workbook}; save it as CSV UTF-8 in the spreadsheet",
+            name=path,
             zh=f"{path.name} 是試算表活頁簿，請在試算表裡另存為「CSV UTF-8」。",
         )
     aliases = {_plain_name(alias): column for column, more in names.items() for alias in (column, *more)}
     decoded = decode_text(data, words=[*itertools.chain(*names.values()), *_neighbours(path.parent)])
     if decoded is None:
         raise error_type(
-            f"{path}: expected a CSV in UTF-8, UTF-16, GB 18030 or Big5, cannot read it as text",
+            "expected a CSV in UTF-8, UTF-16, GB 18030 or Big5, cannot read it as text",
+            name=path,
             zh=f"{path.name} 不是文字檔，或編碼無法辨認；請存為 UTF-8 的 CSV。",
         )
     header, separator = _read_header(decoded.text, aliases)
@@ -156,7 +158,8 @@ def read_table(
         found = ", ".join(cell.strip() for cell in header) or "nothing"
         wanted = f"a column {required[0]!r}" if len(required) == 1 else f"the columns {','.join(required)}"
         raise error_type(
-            f"{path}: expected {wanted}, found {found} in the first line",
+            f"expected {wanted}, found {found} in the first line",
+            name=path,
             zh=f"{path.name}：第一行應有欄位 {'、'.join(required)}，卻是 {found}。",
         )
     return Table(path, columns, decoded.encoding, separator, decoded.text, error_type)

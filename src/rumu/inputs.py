@@ -71,7 +71,8 @@ def read_file(
     if len(data) > most:
         size = f"{most / 2**20:.0f} MB"
         raise error_type(
-            f"{path}: expected at most {size}, it holds more",
+            f"expected at most {size}, it holds more",
+            name=path,
             zh=f"{Path(path).name}：最多 {size}，內容太大。",
         )
     return data
@@ -86,14 +87,16 @@ def read_json(
 ) -> Any:
     """What a file of JSON holds.
 
-    Raises `error_type` as `read_file` does, and when it is no JSON in UTF-8 or holds NaN or infinity.
+    Raises `error_type` as `read_file` does, and when it is no JSON in UTF-8. Whether its numbers are finite
+    is for the caller to check.
     """
     data = read_file(path, error_type=error_type, expected="a file", most=most)
     try:
-        return parse_json(data.decode("utf-8-sig"))
+        return json.loads(data.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise error_type(
-            f"{path}: expected {expected}, cannot read it ({error})",
+            f"expected {expected}, cannot read it ({error})",
+            name=path,
             zh=f"{Path(path).name}：應該是 JSON，讀不出來（{error}）。",
         ) from error
 
@@ -110,16 +113,22 @@ def _parse_number(text: str) -> float:
     return value
 
 
+def is_kernel_file(path: str | os.PathLike[str]) -> bool:
+    """Whether a path leads into /proc or /sys, whose files look regular and may have no end."""
+    return os.path.realpath(path).startswith(_KERNEL_FOLDERS)
+
+
 def _check_kind(
     path: str | os.PathLike[str], facts: os.stat_result, *, error_type: type[RumuError], expected: str
 ) -> None:
     kind = next(((en, zh) for is_kind, en, zh in _KINDS if is_kind(facts.st_mode)), None)
-    if kind is None and os.path.realpath(path).startswith(_KERNEL_FOLDERS):
+    if kind is None and is_kernel_file(path):
         kind = ("a file of the kernel", "系統核心的檔案")
     if kind is not None:
         found, found_zh = kind
         raise error_type(
-            f"{path}: cannot be read: expected {expected}, found {found}",
+            f"cannot be read: expected {expected}, found {found}",
+            name=path,
             zh=f"{Path(path).name}：應該是檔案，卻是{found_zh}。",
         )
 
@@ -128,4 +137,4 @@ def _unreadable(
     path: str | os.PathLike[str], error: OSError | ValueError, error_type: type[RumuError]
 ) -> RumuError:
     reason = getattr(error, "strerror", None) or error
-    return error_type(f"{path}: cannot be read ({reason})", zh=f"{Path(path).name}：讀不到（{reason}）。")
+    return error_type(f"cannot be read ({reason})", name=path, zh=f"{Path(path).name}：讀不到（{reason}）。")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -76,3 +77,43 @@ def test_nothing_outlives_a_killed_command_for_long(name, desk, capture, tmp_pat
     assert len(kept) == 1
     for folder in (desk, home, *(path for path in home.iterdir() if path.is_dir())):
         assert not [path for path in folder.iterdir() if "rumu-" in path.name]
+
+
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize("place", ["pipe", "/dev/zero", "/proc/self/maps", "socket", "folder"])
+def test_no_command_waits_for_what_is_no_file(rumu, desk, capture, place, monkeypatch):
+    """A pipe that nobody writes to, a device without end, a file of the kernel, a socket, a folder."""
+    if not Path("/dev/zero").exists() or not Path("/proc/self").exists():
+        pytest.skip("no such files on this system")
+    monkeypatch.chdir(desk)
+    os.mkfifo(desk / "pipe")
+    (desk / "folder").mkdir()
+    listener = socket.socket(socket.AF_UNIX)
+    listener.bind("socket")
+    (desk / "good.csv").write_text("copy,reference\ncopy.png,master.png\n")
+    (desk / "link.png").symlink_to(Path(place).absolute())
+    (desk / "link.json").symlink_to(Path(place).absolute())
+    (desk / "labels.csv").write_text("file\nlink.png\nmaster.png\n")
+    (capture / "lights.lp").unlink()
+    (capture / "lights.lp").symlink_to(Path(place).absolute())
+    for arguments in (
+        ("assess", place, "--reference", "master.png"),
+        ("assess", "copy.png", "--reference", place),
+        ("assess", "--pairs", place, "-o", "out.csv"),
+        ("assess", "copy.png", "--reference", "master.png", "--calibration", place),
+        ("assess", "copy.png", "--reference", "master.png", "--levels", "link.json"),
+        ("calibrate", place, "-o", "mine.json"),
+        ("relief", place, "-o", "out"),
+        ("stl", place, "-o", "out.stl"),
+        ("find", place, "--masters", "labels.csv"),
+        ("reconstruct", capture, "-o", "out"),
+        ("gallery", "add", place),
+        ("gallery", "add", "--font", place, "--characters", "水"),
+        ("gallery", "import", place),
+        ("relight", place, "--tilt", 0, "--slant", 30),
+    ):
+        ended = rumu(*arguments)
+        assert ended.code in (1, 2) and ended.err, arguments
+        assert "Traceback" not in ended.err and "unexpected" not in ended.err, (arguments, ended.err)
+    assert rumu("find", "copy.png", "--masters", "labels.csv").code == 0
+    listener.close()

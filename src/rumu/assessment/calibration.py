@@ -19,6 +19,7 @@ import numpy as np
 
 from rumu.assessment.features import FEATURE_NAMES, RESIDUALS, Features
 from rumu.errors import CalibrationError
+from rumu.inputs import read_json
 from rumu.values import SCRIPTS, Bilingual, FloatArray, Level, Script
 
 Cuts = Mapping[Level, float]
@@ -210,11 +211,11 @@ def panel() -> Calibration:
 
 def load_calibration(path: str | Path) -> Calibration:
     """The Calibration that a file holds. Raises CalibrationError with the file and what is wrong with it."""
+    if not Path(path).exists():
+        raise CalibrationError(f"{path}: there is no such file")
+    plain = read_json(path, error_type=CalibrationError, expected="a calibration in JSON")
     try:
-        plain = json.loads(Path(path).read_text(encoding="utf-8-sig"))
         return read_calibration(plain)
-    except FileNotFoundError as error:
-        raise CalibrationError(f"{path}: there is no such file") from error
     except (OSError, ValueError) as error:
         raise CalibrationError(f"{path}: expected a calibration in JSON, cannot read it ({error})") from error
     except CalibrationError as error:

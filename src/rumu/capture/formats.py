@@ -26,6 +26,7 @@ from rumu.capture.cut_jpeg import complete_jpeg, fill_missing_end
 from rumu.capture.decoded_size import FULL_SIZE, Header, Reduction, check_header, too_many_pixels
 from rumu.capture.stored import Stored, reduce_stored, split_alpha, turn_upright, valid_orientation
 from rumu.errors import ImageError, RumuError
+from rumu.inputs import is_kernel_file
 
 Encoding = Literal["auto", "linear", "srgb"]
 ENCODINGS: tuple[Encoding, ...] = get_args(Encoding)
@@ -144,7 +145,7 @@ def _first_bytes(path: Path) -> bytes:
             raise ImageError(
                 "expected an image file, found a folder", name=path, zh="需要圖片檔，這是資料夾。"
             )
-        if path.exists() and not path.is_file():  # reading a pipe would wait for ever
+        if path.exists() and (not path.is_file() or is_kernel_file(path)):  # which may have no end
             raise ImageError(
                 "expected an image file, found a device or a pipe",
                 name=path,

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rumu.capture.photographs import capture_error
+from rumu.errors import CaptureError
+from rumu.inputs import open_file
 
 SEPARATORS = (r"[\s;|]+", r"[\s;|,]+")
 """What stands between two values; with the first a comma inside a number is its decimal sign."""
@@ -42,13 +44,8 @@ def written_lines(text: str) -> list[tuple[int, str]]:
 
 def read_texts(path: Path) -> list[str]:
     """What the file says, once for each encoding that may be meant."""
-    try:
-        with path.open("rb") as file:
-            data = file.read(_MOST_BYTES + 1).rstrip(b"\x1a")
-    except OSError as error:
-        raise capture_error(
-            path, en=f"cannot be read ({error.strerror})", zh=f"無法讀取（{error.strerror}）"
-        ) from error
+    with open_file(path, error_type=CaptureError, expected="a text file") as file:
+        data = file.read(_MOST_BYTES + 1).rstrip(b"\x1a")
     texts = [] if len(data) > _MOST_BYTES else [_decode(data, encoding) for encoding in _encodings(data)]
     readable = [text for text in texts if text is not None and not re.search(r"[\0-\x08\x0e-\x1f]", text)]
     if not readable:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import math
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
@@ -13,6 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from rumu.errors import CalibrationError, GalleryError, ImageError
+from rumu.inputs import read_json
 
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")
@@ -122,12 +122,9 @@ def level_cuts(name: str) -> Mapping[str, float]:
 
 
 def _json_object(path: Path, *, of: str) -> Mapping[str, Any]:
-    try:
-        held = json.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError as error:
-        raise CalibrationError(f"{path}: there is no such file") from error
-    except (OSError, ValueError) as error:
-        raise CalibrationError(f"{path}: expected a JSON object of {of}, cannot read it ({error})") from error
+    if not path.exists():
+        raise CalibrationError(f"{path}: there is no such file")
+    held = read_json(path, error_type=CalibrationError, expected=f"a JSON object of {of}")
     if not isinstance(held, dict):
         raise CalibrationError(f"{path}: expected a JSON object of {of}, got {type(held).__name__}")
     return held

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rumu.errors import GalleryError
+from rumu.inputs import read_file
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -121,8 +122,9 @@ def _open_font(path: Path) -> Any:
     except ModuleNotFoundError as error:
         raise GalleryError(f"a work from a font needs: pip install fonttools brotli ({error})") from error
     logging.getLogger("fontTools").setLevel(logging.ERROR)  # it warns about odd dates of old fonts
+    data = io.BytesIO(read_file(path, error_type=GalleryError, expected="a font"))
     try:
-        return TTFont(path, recalcBBoxes=False, fontNumber=0)
+        return TTFont(data, recalcBBoxes=False, fontNumber=0)
     except Exception as error:  # a damaged font fails in many ways
         raise GalleryError(
             f"{path}: expected a font (TTF, OTF, TTC, WOFF), cannot read it ({error})"

@@ -10,7 +10,6 @@ attribution. A collection.json beside it may give what holds for all works, wher
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,6 +20,7 @@ from rumu.errors import GalleryError
 from rumu.gallery.masters import LABELS, read_label_table
 from rumu.gallery.metadata import EMPTY, NO_LICENCE, CollectionMetadata, WorkMetadata, slug
 from rumu.gallery.vocabulary import dynasty_key, period_name, script_key, script_name
+from rumu.inputs import read_json
 from rumu.values import SCRIPTS, Bilingual
 
 DESCRIPTION = "collection.json"
@@ -86,10 +86,7 @@ def read_description(folder: Path) -> SharedMetadata:
     path = folder / DESCRIPTION
     if not path.is_file():
         return SharedMetadata()
-    try:
-        values = json.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError) as error:
-        raise GalleryError(f"{path}: expected JSON, cannot read it ({error})") from error
+    values = read_json(path, error_type=GalleryError)
     known = (*_TEXTS, *_BILINGUAL)
     if not isinstance(values, dict) or not set(values) <= set(known):
         raise GalleryError(f"{path}: expected an object with any of {', '.join(known)}")

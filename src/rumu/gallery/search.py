@@ -7,6 +7,7 @@ of the files tell quickly that nothing has.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import warnings
@@ -18,10 +19,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rumu.errors import GalleryError, OutputError, RumuError
+from rumu.errors import GalleryError, ImageError, OutputError, RumuError
 from rumu.executors import in_order
 from rumu.gallery.masters import Master, MasterPaths, read_masters
 from rumu.homes import user_home
+from rumu.inputs import read_file
 from rumu.registration.descriptor import (
     VERSION,
     DescriptorSettings,
@@ -126,13 +128,14 @@ def index_masters(paths: MasterPaths, *, jobs: int = 1, progress: Progress | Non
     masters = read_masters(paths)
     files = [str(master.path.resolve()) for master in masters]
     name = hashlib.sha256("\n".join(files).encode()).hexdigest()[:16]
-    index_file = user_home() / "indices" / f"{name}.npz"
-    table = _IndexTable.read(index_file)
+    table = None
+    with contextlib.suppress(OutputError):  # said below
+        table = _IndexTable.read(user_home() / "indices" / f"{name}.npz")
     stats = np.array([_size_and_time(file) for file in files], dtype=np.int64)
     if table is None or not table.matches(files, stats):
         table = _describe_masters(files, stats, stored=table, jobs=jobs, progress=progress)
         try:
-            table.write(index_file)
+            table.write(user_home() / "indices" / f"{name}.npz")
         except OutputError as error:
             warnings.warn(f"the descriptions of the masters are not kept: {error}", UserWarning, stacklevel=2)
     return _index(masters, table)
@@ -231,8 +234,8 @@ def _describe_masters(
 def _content_digest(path: str) -> str:
     """SHA-256 of a file; '' if it cannot be read, which never counts as known."""
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-    except OSError:
+        return hashlib.sha256(read_file(path, error_type=ImageError)).hexdigest()
+    except ImageError:
         return ""
 
 

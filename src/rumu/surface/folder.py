@@ -25,6 +25,7 @@ import numpy.typing as npt
 
 from rumu.capture.image import to_linear
 from rumu.errors import OutputError, SurfaceError
+from rumu.inputs import read_json
 from rumu.outputs import whole_folder
 from rumu.surface.mesh import albedo_srgb, mesh_bytes
 from rumu.values import FloatArray, Surface
@@ -212,10 +213,7 @@ def _read_metadata(folder: Path) -> dict[str, Any]:
     path = folder / MARKER
     if not path.is_file():
         raise SurfaceError(f"{path}: expected a surface folder with this file, there is none")
-    try:
-        metadata = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise SurfaceError(f"{path}: expected JSON, it cannot be read ({error})") from error
+    metadata = read_json(path, error_type=SurfaceError)
     if not isinstance(metadata, dict) or metadata.get("kind") != _KIND:
         raise SurfaceError(f'{path}: expected "kind": "{_KIND}", got something else')
     return metadata
