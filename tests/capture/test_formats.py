@@ -204,6 +204,16 @@ def test_tiff_that_would_fill_the_memory(tmp_path: Path, tags: dict[str, int], r
     assert peak < 150_000
 
 
+def test_two_widths_in_a_header_are_a_broken_file(tmp_path: Path) -> None:
+    path = tiff_bomb(tmp_path / "a.tif")
+    data = bytearray(path.read_bytes())
+    struct.pack_into("<HHI", data, 10, 256, 3, 2)  # width: two of 16 bits
+    path.write_bytes(data)
+    for read in (read_header, read_image):
+        with pytest.raises(ImageError, match=r"a\.tif: the image is cut short or broken"):
+            read(path)
+
+
 @needs_proc
 def test_small_files_with_large_pictures(cases: Path) -> None:
     peak, printed = refused_memory(cases / "hostile/bomb-depth.tif")

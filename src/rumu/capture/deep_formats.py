@@ -94,11 +94,11 @@ def _page_header(page: Any) -> Header:
         tile = page.tilewidth * page.tilelength * page.tiledepth * page.samplesperpixel * sample_bytes
     return Header(
         "TIFF",
-        page.imagewidth,
-        page.imagelength,
-        channels=page.samplesperpixel,
+        int(page.imagewidth),  # a broken file may have several where one is meant
+        int(page.imagelength),
+        channels=int(page.samplesperpixel),
         sample_bytes=sample_bytes,
-        slices=page.imagedepth,
+        slices=int(page.imagedepth),
         overhead=2 * tile,
     )
 
