@@ -25,6 +25,13 @@ export type WorkCard = {
   thumb_normals: string;
 };
 
+/** A character's strokes in the order of writing, in a square of side 1, y down. */
+export type CharacterStrokes = {
+  character: string;
+  structure: string | null;
+  strokes: { name: Bilingual; path: string; centre_line: [number, number][] }[];
+};
+
 export type Annotation = { id: string; x: number; y: number; title: Bilingual; text: Bilingual };
 
 export type Work = WorkCard & {

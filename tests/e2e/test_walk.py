@@ -44,6 +44,26 @@ def test_a_visitor_browses_by_script_and_searches(visitor: Visitor) -> None:
     expect(page.get_by_text("It was not measured")).to_be_visible()
 
 
+def test_the_order_of_strokes_is_shown_step_by_step_and_played(visitor: Visitor) -> None:
+    strokes = visitor.go("/works/regular-ren").locator(".stroke-order")
+    expect(strokes).to_contain_text("2 strokes")
+    strokes.get_by_role("button", name="One stroke back").click()
+    expect(strokes).to_contain_text("Stroke 1: left-falling stroke")
+    expect(strokes.locator("path.to-come")).to_have_count(1)
+    strokes.get_by_label("Number the strokes").check()
+    expect(strokes.locator("text")).to_have_text(["1", "2"])
+    strokes.get_by_role("button", name="Play").click()
+    expect(strokes.locator("polyline.brush")).to_be_visible()
+    expect(strokes.get_by_role("button", name="Play")).to_be_visible()
+    expect(strokes.locator("path.to-come")).to_have_count(0)
+
+
+def test_of_seal_script_no_order_is_claimed(visitor: Visitor) -> None:
+    page = visitor.go("/works/seal-shui")
+    expect(page.get_by_role("heading", level=1)).to_contain_text("水")
+    expect(page.locator(".stroke-order")).to_have_count(0)
+
+
 def test_dragging_the_light_changes_what_is_seen(visitor: Visitor) -> None:
     page = opened(visitor, "/works/regular-shui?tilt=135&slant=60")
     page.wait_for_timeout(500)

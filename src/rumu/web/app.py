@@ -19,6 +19,7 @@ from rumu.web.error_handlers import EXCEPTION_HANDLERS
 from rumu.web.methods import MethodsMiddleware
 from rumu.web.routes import (
     attempts,
+    characters,
     classes,
     comparisons,
     iiif,
@@ -45,7 +46,7 @@ _ABOUT = (
 _ROUTERS = (
     *(people.router, people.people_router, works.router, imports.router, works.annotations_router),
     *(tours.router, marks.router, attempts.router, practice.router, classes.router),
-    *(comparisons.router, jobs.router, iiif.router, works.slash_router),
+    *(comparisons.router, jobs.router, iiif.router, characters.router, works.slash_router),
 )
 
 

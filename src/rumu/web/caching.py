@@ -35,7 +35,10 @@ class ETagMiddleware:
     so that a list which many clients request at once is made once.
     """
 
-    OPEN = ("/api/works", "/api/facets", "/api/collections", "/api/tours", "/iiif/", "/api/openapi.json")
+    OPEN = (
+        *("/api/works", "/api/facets", "/api/collections", "/api/tours", "/api/characters"),
+        *("/iiif/", "/api/openapi.json"),
+    )
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

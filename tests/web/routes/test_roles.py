@@ -33,7 +33,7 @@ READING = {
     **dict.fromkeys(
         ("/api/collections/starter", "/api/works/regular-shui/viewer", "/api/tours/{tour}"), OPEN
     ),
-    "/api/invitations/{token}": OPEN,
+    **dict.fromkeys(("/api/invitations/{token}", "/api/characters/永"), OPEN),
     **dict.fromkeys(
         ("/iiif/works/regular-shui/canvas", "/iiif/collections/starter.json", "/api/invitations/{token}"),
         OPEN,
