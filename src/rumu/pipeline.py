@@ -263,7 +263,8 @@ def assess(
     try:
         measurement = measure(surface_of(probe), master)
     except RefusedImage as error:
-        return _refused_assessment(replace(refusal_of(error.reason), en=str(error)))
+        refusal = refusal_of(error.reason)
+        return _refused_assessment(replace(refusal, en=str(error), zh=error.zh or refusal.zh))
     if measurement.refusal is not None:
         return _refused_assessment(measurement.refusal)
     registration = measurement.registration

@@ -389,7 +389,15 @@ def test_parts_stand_clear_of_each_other():
     "known",
     [
         *("blank", "black", "noise", "flat", "too small", "cut off", "several characters", "mirrored"),
-        *("upside down", "turned left", "turned right", "outline only", "another character"),
+        *(
+            "too thin",
+            "uneven light",
+            "upside down",
+            "turned left",
+            "turned right",
+            "outline only",
+            "another character",
+        ),
     ],
 )
 def test_every_reason_has_a_sentence_in_both_languages(known):

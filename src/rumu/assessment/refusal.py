@@ -17,7 +17,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from rumu.assessment.refusal_reasons import Refusal, refusal_of, turned_refusal
+from rumu.assessment.refusal_reasons import Refusal, refusal_of, thin_refusal, turned_refusal
 from rumu.errors import RumuError
 from rumu.registration.descriptor import (
     beyond_others,
@@ -42,7 +42,9 @@ class RefusalLimits:
     outline_height, outline_hollowness: height of the ink over the master's below which, and how much better
         the edges of strokes are covered than their middle, above which only an outline was drawn; or else
         new_ink_share: share of the ink that is new when closed lines are filled, and likeness_cost: likeness
-        that this may cost.
+        that this may cost. thin_height: the same height below which it was written with a pen.
+    light: of the darkest part of the copy's paper, as a share of the brightest, below which it is the light
+        that hides what does not fit.
     accept_residual, accept_likeness: residual in the plane up to which, and likeness from which, no further
         tests are made. accept_lean: degrees by which the registration may turn a copy of such a residual;
         what fits only when it is turned further is not upright. accept_in_place: share of the ink in its
@@ -65,6 +67,8 @@ class RefusalLimits:
     outline_hollowness: float = 0.3
     new_ink_share: float = 0.45
     likeness_cost: float = 0.06
+    thin_height: float = 0.235
+    light: float = 0.4
     accept_residual: float = 0.20
     accept_likeness: float = 0.80
     accept_lean: float = 45.0
@@ -263,10 +267,14 @@ def check_copy(
     its strokes lie alike: its mark is capped.
     """
     limits, f = limits or RefusalLimits(), figures
+    is_dim = f.copy.quality.get("light", 1.0) < limits.light
     code = _find_fault(f, limits)
     if code is not None:
         turned = _find_reversal(f, limits, least=limits.unfit_likeness) if code == "cut off" else None
-        return turned or refusal_of(code), 0.0
+        if code == "too thin":
+            width = 2 * f.copy.quality.get("half_width", 0.0)
+            return thin_refusal(width=width, expected=width / max(f.relative_height, 1e-6)), 0.0
+        return turned or refusal_of("uneven light" if is_dim else code), 0.0
     upright = abs(f.registration.angle) <= limits.accept_lean
     if (upright and f.plane_residual < limits.accept_residual) or f.upright_likeness > limits.accept_likeness:
         return None, 100.0
@@ -277,6 +285,8 @@ def check_copy(
         share = limits.zero_strangeness - f.strangeness
         share /= limits.zero_strangeness - limits.cap_strangeness
         highest = limits.cap_highest * max(share, 0.0)
+    if is_dim and (refusal or highest < 100.0) and (refusal is None or refusal.turned_by is None):
+        return refusal_of("uneven light"), 0.0
     return refusal, highest
 
 
@@ -292,6 +302,8 @@ def _find_fault(f: RefusalFigures, limits: RefusalLimits) -> str | None:
         new, gained = f.filling if f.hollowness <= limits.outline_hollowness else (1.0, 0.0)
         if new > limits.new_ink_share and gained > -limits.likeness_cost:
             return "outline only"
+        if f.relative_height < limits.thin_height:
+            return "too thin"
     return "cut off" if f.share_beyond_border > limits.cut_off_share else None
 
 

@@ -24,6 +24,17 @@ def refusal_of(code: str) -> Refusal:
     return Refusal(code, *_SENTENCES.get(code, _SENTENCES["blank"]))
 
 
+def thin_refusal(*, width: float, expected: float) -> Refusal:
+    """The refusal of a copy whose lines are this wide, in pixels, where the master's would be `expected`."""
+    return replace(
+        refusal_of("too thin"),
+        zh=f"線條太細，不是毛筆的筆畫：這裏約寬 {width:.0f} 像素，範字這樣大時約寬 {expected:.0f}。"
+        "硬筆和鉛筆寫的字不能評分，請用毛筆書寫。",
+        en=f"the lines are too thin for strokes of a brush: about {width:.0f} pixels wide, where the "
+        f"master's would be {expected:.0f} at this size; write it with a brush, not with a pen or a pencil",
+    )
+
+
 def turned_refusal(degrees: int) -> Refusal:
     """The refusal of a photograph that is upright once it is turned by 90, 180 or 270 degrees clockwise."""
     refusal = refusal_of(_TURNED[degrees])
@@ -43,6 +54,14 @@ _SENTENCES = {
     "noise": (
         "畫面裏是噪點或雜物，不是寫在紙上的字。",
         "the picture holds noise or other things and no writing on paper",
+    ),
+    "too thin": (
+        "線條太細，不是毛筆的筆畫；硬筆和鉛筆寫的字不能評分，請用毛筆書寫。",
+        "the lines are too thin for strokes of a brush; write it with a brush, not with a pen or a pencil",
+    ),
+    "uneven light": (
+        "光線不勻，有一部分太暗，看不清筆畫；請避開陰影、在均勻的光線下再拍。",
+        "the light is too uneven to see the writing everywhere; photograph it without a shadow",
     ),
     "flat": (
         "這個曲面是平的，沒有可比的起伏；請改用一張字的圖片。",

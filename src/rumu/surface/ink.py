@@ -13,6 +13,7 @@ import numpy.typing as npt
 from rumu.capture.decoded_size import check_writing_size
 from rumu.capture.image import Box, Bytes, as_image, bounding_box, box_inside_frame, shrink
 from rumu.errors import RefusedImage
+from rumu.surface.colour import coloured_as_gray, find_red_marks, is_seal, redness
 from rumu.surface.grid import remove_grid
 from rumu.surface.ink_cleaning import (
     ColourSettings,
@@ -35,17 +36,22 @@ from rumu.surface.paper import (
     Paper,
     Polarity,
     divide_by_paper,
-    find_red_marks,
     fit_paper,
     histogram,
     level_of,
     otsu_threshold,
-    redness,
     threshold_below_grid,
     tone,
 )
-from rumu.surface.sheet import find_sheet
-from rumu.surface.writing import Page, WritingLimits, refuse_flat, refuse_unwritten
+from rumu.surface.sheet import find_sheet, has_bays
+from rumu.surface.writing import (
+    Page,
+    WritingLimits,
+    refuse_cut_by_shadow,
+    refuse_flat,
+    refuse_small,
+    refuse_unwritten,
+)
 from rumu.values import BoolArray, FloatArray
 
 
@@ -64,8 +70,8 @@ class Ink:
         'stain'; and 'frame', the pixels of a flat frame, or of the table, around the paper.
     figures: 'noise' (contrast over the paper's own spread), 'edge' (step across the outline over the
         contrast, 1 is sharp), 'between' (half-dark pixels for each pixel of outline), 'coherence' (share of
-        the ink's variance that survives averaging over 8 pixels); of a page of many characters also
-        'character' (their side in pixels).
+        the ink's variance that survives averaging over 8 pixels), 'light' (see `Paper.light`); of a page of
+        many characters also 'character' (their side in pixels).
     """
 
     mask: BoolArray
@@ -118,7 +124,7 @@ def find_ink(
     polarity: None to decide it from the picture.
     Raises ImageError for an array that is no image, and RefusedImage with reason 'blank' (paper and nothing
     on it, or only a seal or a grid), 'black' (nothing but dark), 'noise' (speckle, or a picture without
-    writing) or 'too small' (see `check_writing_size`).
+    writing), 'too thin' (written with a pen), 'too small' (a picture of few pixels) or 'uneven light'.
     """
     import cv2
 
@@ -127,6 +133,34 @@ def find_ink(
     check_writing_size(checked.shape[1], checked.shape[0])
     # 8 bits, display-encoded: enough for a threshold, and OpenCV is quickest on them
     picture = np.asarray(cv2.convertScaleAbs(cv2.sqrt(checked) if linear else checked, alpha=255.0), np.uint8)
+    try:
+        return _find_ink(picture, polarity, settings)
+    except RefusedImage as refusal:
+        found = None
+        if refusal.reason == "blank" and picture.ndim == 3 and polarity != "light":
+            found = _find_coloured_ink(picture, settings)
+        if found is not None:
+            return found
+        refuse_small(picture.shape, settings.writing)
+        raise
+
+
+def _find_coloured_ink(picture: Bytes, settings: InkMaskSettings) -> Ink | None:
+    """The ink of a page on which nothing is black; None where there is none, or only a seal.
+
+    Raises RefusedImage where what is coloured is written with a pen.
+    """
+    try:
+        found = _find_ink(coloured_as_gray(picture), "dark", settings)
+    except RefusedImage as refusal:
+        if refusal.reason in ("too thin", "uneven light"):
+            raise
+        return None
+    return None if is_seal(found.mask) else found
+
+
+def _find_ink(picture: Bytes, polarity: Polarity | None, settings: InkMaskSettings) -> Ink:
+    """The ink of a picture (H, W) or (H, W, 3) uint8."""
     (y0, y1, x0, x1), off_sheet, small = _find_paper(picture, polarity)
     view = np.ascontiguousarray(picture[y0:y1, x0:x1])
     refuse_flat(small, settings.writing)
@@ -135,8 +169,12 @@ def find_ink(
     mask, left_out, character = _clean(page, paper.polarity, settings)
     side = side_judged(mask, character, side=settings.writing.side)
     figures = measure_sharpness(page.x, page.cut, mask, ink=page.ink, paper=page.paper, side=side)
-    figures |= {"noise": page.noise} | ({} if character is None else {"character": character})
+    figures |= {"noise": page.noise, "light": page.light} | (
+        {} if character is None else {"character": character}
+    )
     refuse_unwritten(mask, page, figures, limits=settings.writing, clean=settings.clean)
+    if off_sheet is not None:
+        refuse_cut_by_shadow(mask, off_sheet, settings.writing)
     # The figures above are those of all that is dark: a seal or a neighbour is as blurred, or grainy, as ink.
     density = np.subtract(1.0, page.x / np.float32(PAPER_GRAY), dtype=np.float32)
     # a frame was cut off all round; a strip along one side is cut off sharply
@@ -204,8 +242,9 @@ def _separate(
         threshold = threshold_below_grid(page.x, page.threshold)
         darkest = _median(histogram(page.x), 0, threshold)
         page = replace(page, threshold=threshold, ink=min(page.ink, darkest))
+    light = 0.0 if off_sheet is not None and has_bays(off_sheet) else paper.light
     grain = float(cv2.absdiff(value, cv2.medianBlur(value, 3)).mean())
-    page = replace(page, grain=grain, redness=red, grid=grid)
+    page = replace(page, grain=grain, redness=red, grid=grid, light=light)
     return replace(page, cut=_widen_cut(page, paper.polarity, settings)) if cut.any() else page
 
 

@@ -1,11 +1,11 @@
-"""The paper under the ink: where the picture shows it, how bright it is, which side is ink, what is red.
+"""The paper under the ink: where the picture shows it, how bright it is, which side is ink.
 
 Level and polarity are judged on a reduced picture, so that it costs the same for a scan as for a large photo.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
@@ -29,11 +29,14 @@ class Paper:
     level: (h, w) float32 on the reduced grid, 0-255, of `tone` of the same polarity.
     polarity: 'dark' ink on light paper, or 'light' strokes on dark ground (a rubbing).
     shadow: whether the level follows the edge of a shadow, which a finer grid shows better.
+    light: level of the darkest part of the page's border, without what is narrower than a third of the page,
+        as a share of the brightest part.
     """
 
     level: FloatArray
     polarity: Polarity
     shadow: bool = False
+    light: float = 1.0
 
 
 # --- gray levels -----------------------------------------------------------------------------------
@@ -230,7 +233,10 @@ def _with_shadow(small: Bytes, paper: Paper, settings: PaperSettings) -> Paper:
     Closing takes away what is narrower than a third of the page: strokes go, a shadow stays in the level.
     It must leave a contrast that is stronger, or thick ink would be taken for a shadow.
     """
-    shaded = Paper(_closed_level(small, paper.polarity), paper.polarity, shadow=True)
+    closed = _closed_level(small, paper.polarity)
+    rim = np.concatenate([closed[0], closed[-1], closed[:, 0], closed[:, -1]])  # thick ink stands within it
+    paper = replace(paper, light=float(np.percentile(rim, 4) / np.percentile(closed, 98)))
+    shaded = replace(paper, level=closed, shadow=True)
     if _unevenness(small, paper) > max(settings.uneven, 2.0 * _unevenness(small, shaded)):
         return shaded
     needed = settings.shadow_gain * _contrast(small, paper) + settings.shadow_offset
@@ -292,67 +298,3 @@ def _quadratic_terms(shape: tuple[int, ...]) -> FloatArray:
     y, x = np.meshgrid(*(np.linspace(-1, 1, n, dtype=np.float32) for n in shape), indexing="ij")
     x, y = x.ravel(), y.ravel()
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
-
-
-# --- colour ----------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class RedSettings:
-    """How red a seal, a red grid or a printed address is: red over the larger of green and blue.
-
-    on_dark: least excess on a dark ground, in gray levels. reddish: the same on paper, as a share of the
-        paper's brightest channel. pale, plain: least excess as a share of red itself, of what is reddish and
-        of what is plainly red. plain_share: share of a connected reddish part that must be plainly red; the
-        rest of what is reddish is brown ink.
-    """
-
-    on_dark: int = 25
-    reddish: float = 0.09
-    pale: float = 0.2
-    plain: float = 0.35
-    plain_share: float = 0.2
-
-
-def find_red_marks(
-    view: Bytes, *, paper: FloatArray, polarity: Polarity, settings: RedSettings | None = None
-) -> BoolArray:
-    """(H, W) bool: seals, red grids, printed addresses.
-
-    view: (H, W, 3) uint8. paper: (3,) colour of the paper, 0-255; its own brown is divided out, so that silk
-    does not count as red. On a dark ground there is nothing to divide by, and strokes are as brown as paper.
-    """
-    import cv2
-
-    settings = settings or RedSettings()
-    gains = np.ones(3) if polarity == "light" else _gains(paper)
-    table = np.stack([np.clip(np.arange(256) * g, 0, 255) for g in gains], axis=1).astype(np.uint8)
-    r, g, b = cv2.split(cv2.LUT(view, table[:, None, :]))
-    excess = cv2.subtract(r, cv2.max(g, b))
-    plain = excess > cv2.convertScaleAbs(r, alpha=settings.plain)
-    if polarity == "light":
-        return np.asarray((excess > settings.on_dark) & plain)
-    reddish = excess > settings.reddish * float(paper.max())
-    reddish &= excess > cv2.convertScaleAbs(r, alpha=settings.pale)
-    if not reddish.any():
-        return np.asarray(reddish)
-    _, parts = cv2.connectedComponents(reddish.astype(np.uint8), connectivity=8)
-    share = np.bincount(parts[reddish & plain], minlength=int(parts.max()) + 1) / np.bincount(parts.ravel())
-    return np.asarray(reddish & (share > settings.plain_share)[parts])
-
-
-def redness(view: Bytes, *, paper: FloatArray) -> FloatArray:
-    """(H, W) float32: how much redder than green and blue, as a share of the paper.
-
-    view: (H, W, 3) uint8. paper: (3,) colour of the paper, 0-255, which is divided out.
-    """
-    import cv2
-
-    table = np.clip(np.arange(256)[:, None] * _gains(paper), 0, 255).astype(np.float32)
-    r, g, b = cv2.split(cv2.LUT(view, table[:, None, :]))
-    return np.asarray((r - cv2.max(g, b)) / max(float(paper.max()), 1.0), dtype=np.float32)
-
-
-def _gains(paper: FloatArray) -> FloatArray:
-    """(3,) factors that make the colour of the paper gray."""
-    return np.asarray(np.maximum(paper.max(), 1.0) / np.maximum(paper, 1.0))

@@ -20,9 +20,11 @@ class SheetSettings:
     edge_step: step across its outline, as a share of the whole contrast.
     dark_border: share of the picture's border that is dark.
     margin: what is cut off the sheet all round, of the reduced side: its edge is soft and may curl.
-    shadow_light, shadow_hue: share of the bright part's light that paper in a shadow has at least, and by how
-        much the shares of the three colours may differ. shadow_ink: share of the level of either, below which
-        it is ink there; shadow_pixels: least ink, of the reduced picture, that tells.
+    deepest: share of the bright part's light that paper in a shadow has at least, where ink runs into it;
+        shadow_light: and where none does. shadow_hue: by how much the shares of the three colours may differ.
+        shadow_ink: share of the level of either, below which
+        it is ink there; shadow_pixels: least ink, of the reduced picture, that tells. bays: share of
+        the sheet that is missing from its convex hull where ink runs into the dark beside it.
     """
 
     least_area: float = 0.25
@@ -32,10 +34,12 @@ class SheetSettings:
     edge_step: float = 0.4
     dark_border: float = 0.4
     margin: float = 0.03
+    deepest: float = 0.03
     shadow_light: float = 0.3
     shadow_hue: float = 0.15
     shadow_ink: float = 0.6
     shadow_pixels: int = 12
+    bays: float = 0.03
 
 
 def find_sheet(small: Bytes, *, settings: SheetSettings | None = None) -> BoolArray | None:
@@ -74,7 +78,7 @@ def _is_shadow(small: Bytes, sheet: BoolArray, settings: SheetSettings) -> bool:
     colours = small.reshape(*small.shape[:2], -1).astype(np.float32)
     light, dark = (np.percentile(colours[part], 75, axis=0) for part in (sheet, ~sheet))
     left = dark / np.maximum(light, 1.0)
-    if left.mean() < settings.shadow_light or np.ptp(left) > settings.shadow_hue * left.mean():
+    if left.mean() < settings.deepest or np.ptp(left) > settings.shadow_hue * left.mean() + settings.deepest:
         return False
     gray = tone(small, polarity="dark").astype(np.float32)
     ink = gray < settings.shadow_ink * np.where(sheet, light.max(), dark.max())
@@ -87,7 +91,7 @@ def _is_shadow(small: Bytes, sheet: BoolArray, settings: SheetSettings) -> bool:
     sides = sum(bool(side.any()) for side in (sheet[0], sheet[-1], sheet[:, 0], sheet[:, -1]))
     rim = set(np.unique(np.concatenate([parts[0], parts[-1], parts[:, 0], parts[:, -1]])))
     alone = [part for part in outside - rim if stats[part, cv2.CC_STAT_AREA] >= settings.shadow_pixels]
-    return across or (sides > 2 and bool(alone))
+    return across or (sides > 2 and bool(alone) and left.mean() > settings.shadow_light)
 
 
 def _straight_sides(outline: FloatArray) -> FloatArray:
@@ -114,3 +118,14 @@ def _edge_step(gray: Bytes, outline: FloatArray) -> float:
     inside = (x > 0) & (x < width - 1) & (y > 0) & (y < height - 1)
     step = cv2.morphologyEx(gray, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))[y[inside], x[inside]]
     return float(np.median(step)) if inside.any() else -np.inf
+
+
+def has_bays(off_sheet: BoolArray, *, settings: SheetSettings | None = None) -> bool:
+    """Whether something dark runs in from beside the sheet: (H, W) bool, what lies off it."""
+    import cv2
+
+    settings = settings or SheetSettings()
+    outlines, _ = cv2.findContours((~off_sheet).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    sheet = max(outlines, key=cv2.contourArea)
+    whole = cv2.contourArea(cv2.convexHull(sheet))
+    return bool(whole - cv2.contourArea(sheet) > settings.bays * whole)

@@ -212,7 +212,7 @@ def _through_jpeg(page: Photograph, quality: int) -> Photograph:
     stored = BytesIO()
     Image.fromarray(page).save(stored, "JPEG", quality=quality)
     with Image.open(stored) as image:
-        return np.asarray(image.convert("RGB"), np.uint8)
+        return np.array(image.convert("RGB"), np.uint8)
 
 
 def _lay(page: FloatArray, cover: FloatArray, colour: Colour) -> FloatArray:
