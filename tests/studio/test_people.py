@@ -22,7 +22,7 @@ def test_a_password_is_stored_as_an_argon2_hash(gallery, person):
     assert held.startswith("$argon2id$") and PASSWORD not in held
 
 
-@pytest.mark.parametrize("name", ["Lin", "LIN", "Ｌｉｎ", "  lin ", "\u3000ＬＩＮ"])
+@pytest.mark.parametrize("name", ["Lin", "LIN", "Ｌｉｎ", "  lin ", "\u3000ＬＩＮ", "Lin\ufe0f", "L\u3164in"])
 def test_width_case_and_spaces_do_not_distinguish_people(gallery, person, name):
     person("Lin")
     with gallery.database.reading() as session:
@@ -31,7 +31,7 @@ def test_width_case_and_spaces_do_not_distinguish_people(gallery, person, name):
         person(name)
 
 
-@pytest.mark.parametrize("name", ["", "   ", "x" * 81, "a\nb\x00", "a\u202eb"])
+@pytest.mark.parametrize("name", ["", "   ", "\u3164\ufe0f", "x" * 81, "a\nb\x00", "a\u202eb"])
 def test_an_invalid_name_is_refused(person, name):
     with pytest.raises(Unusable):
         person(name)
@@ -113,3 +113,10 @@ def test_the_last_owner_cannot_go(gallery, person):
 def test_an_unknown_person_cannot_be_changed(gallery):
     with gallery.database.writing() as session, pytest.raises(Missing):
         people.change_person(session, "nobody", {"role": "pupil"})
+
+
+def test_a_name_that_was_taken_at_the_same_moment_is_a_clash(gallery, person, monkeypatch):
+    person("林")
+    monkeypatch.setattr(people, "_check_name", lambda session, name: (name, people.name_key(name)))
+    with pytest.raises(Clash, match="taken"):
+        person("林")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -18,6 +19,7 @@ from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, Operati
 from sqlalchemy.orm import Session, sessionmaker
 
 from rumu.errors import DatabaseBusy, DiskFull, GalleryError
+from rumu.outputs import is_full
 
 _WRITES = "rumu_writes"  # execution option of connections that write
 _UPGRADE_LOCK = 0x72756D75  # key of PostgreSQL's advisory lock for upgrades of the tables
@@ -100,11 +102,22 @@ def _known_errors(place: str) -> Iterator[None]:
         raise _busy(place) from error
     except OperationalError as error:
         reason = getattr(error.orig, "sqlite_errorname", None) or getattr(error.orig, "sqlstate", None)
-        if reason in _FULL_CODES:
+        if reason in _FULL_CODES or (reason == "SQLITE_IOERR_WRITE" and _quota_is_full(place)):
             raise DiskFull(place) from error
         if reason is None or reason.startswith(_BUSY_CODES):
             raise _busy(place) from error
         raise
+
+
+def _quota_is_full(place: str) -> bool:
+    """Whether nothing can be written beside an SQLite file for want of space: SQLite tells no quota apart."""
+    try:
+        with tempfile.NamedTemporaryFile(dir=Path(place.removeprefix("sqlite:///")).parent) as probe:
+            probe.write(b"\0" * 65536)
+            probe.flush()
+    except OSError as error:
+        return is_full(error)
+    return False
 
 
 def _busy(place: str) -> DatabaseBusy:

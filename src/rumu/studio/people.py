@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any, Literal
 
 from sqlalchemy import delete, func, select
+from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from rumu.database.tables import LoginSession, Person, now
@@ -18,6 +20,8 @@ from rumu.studio.tickets import DAYS_VALID, Ticket
 Role = Literal["owner", "teacher", "pupil"]
 LANGUAGES = ("zh", "en")
 _MAX_NAME = 80  # characters
+_INVISIBLE = re.compile("[\u034f\u115f\u1160\u180b-\u180f\u3164\uffa0\ufe00-\ufe0f\U000e0100-\U000e01ef]")
+"""Variation selectors and fillers, by which two names could differ and look the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +53,10 @@ def create_person(session: Session, *, name: str, password: str, role: Role) -> 
     check_new_password(password, role=role, known=[shown])
     person = Person(name=shown, name_key=key, role=role, password=hash_password(password))
     session.add(person)
-    session.flush()
+    try:
+        session.flush()
+    except IntegrityError as error:  # somebody took it at the same moment
+        raise _taken(shown) from error
     return person
 
 
@@ -57,14 +64,18 @@ def _check_name(session: Session, name: str, *, person_id: str | None = None) ->
     """Return a name as shown and as compared. Raises Unusable; Clash when another person has it."""
     shown, key = normalise_name(name)
     if session.scalar(select(Person.id).where(Person.name_key == key, Person.id != person_id)) is not None:
-        raise Clash("name_taken", zh=f"「{shown}」已經有人用了。", en=f"The name {shown!r} is taken.")
+        raise _taken(shown)
     return shown, key
+
+
+def _taken(shown: str) -> Clash:
+    return Clash("name_taken", zh=f"「{shown}」已經有人用了。", en=f"The name {shown!r} is taken.")
 
 
 def normalise_name(name: str) -> tuple[str, str]:
     """Return a name as shown and as compared: width, case and spaces do not distinguish two people."""
     shown = " ".join(unicodedata.normalize("NFC", name).split())
-    if not shown or len(shown) > _MAX_NAME or not shown.isprintable():
+    if not name_key(shown) or len(shown) > _MAX_NAME or not shown.isprintable():
         raise Unusable(
             "name",
             zh=f"名字要有一到 {_MAX_NAME} 個字。",
@@ -74,8 +85,9 @@ def normalise_name(name: str) -> tuple[str, str]:
 
 
 def name_key(name: str) -> str:
-    """Return what two names of one person have in common: width, case and spaces do not count."""
+    """Return what two names of one person share: width, case, spaces and invisible signs do not count."""
     folded = unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
+    folded = _INVISIBLE.sub("", folded)
     return " ".join(folded.split())[:_MAX_NAME]
 
 
