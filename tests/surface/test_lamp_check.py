@@ -169,7 +169,10 @@ def test_little_or_no_relief_is_no_evidence(lamps: int, sheet: str) -> None:
             images = np.stack(
                 [ndimage.shift(one, rng.normal(0, 0.6, 2), order=1, mode="nearest") for one in images]
             )
-        solved(replace(capture, images=images))
+        try:
+            solved(replace(capture, images=images))
+        except CaptureError as error:  # the frames may be blamed, the lamps may not
+            assert sheet == "frames apart" and "moved against the other photographs" in str(error)
 
 
 def test_the_case_of_y_turned(cases: Path) -> None:
