@@ -108,8 +108,8 @@ class Work(Base):
     surface: store key of the folder of a reconstructed surface, None if it is computed from the picture.
     capture: store key of the photographs of a capture, None for an image. digest: SHA-256 of content and
     label, so that the same picture with the same label is stored once. origin: where it was imported from,
-    within its collection. spacing: mm per pixel, None if unknown. search: the text that searches look
-    through.
+    within its collection. spacing: mm per pixel, None if unknown. search_character to search_more: the texts
+    that searches look through; search_version: of the rules that they were made by, 0 when they were not.
     """
 
     __tablename__ = "works"
@@ -146,7 +146,11 @@ class Work(Base):
     width: Mapped[int] = mapped_column(Integer)
     height: Mapped[int] = mapped_column(Integer)
     spacing: Mapped[float | None] = mapped_column(Float, default=None)
-    search: Mapped[str] = mapped_column(Text, default="")
+    search_character: Mapped[str] = mapped_column(Text, default="")
+    search_title: Mapped[str] = mapped_column(Text, default="")
+    search_hand: Mapped[str] = mapped_column(Text, default="")
+    search_more: Mapped[str] = mapped_column(Text, default="")
+    search_version: Mapped[int] = mapped_column(Integer, default=0)
     created: Mapped[datetime] = mapped_column(default=now)
     changed: Mapped[datetime] = mapped_column(default=now, onupdate=now)
     title: Mapped[Bilingual] = composite("title_zh", "title_en")

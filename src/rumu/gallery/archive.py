@@ -26,6 +26,7 @@ from rumu.database.tables import Annotation, Base, Collection, Tour, Work
 from rumu.errors import GalleryError, OutputError
 from rumu.gallery.catalog import collection as find_collection
 from rumu.gallery.masters import LABELS
+from rumu.gallery.search_text import COLUMNS
 from rumu.gallery.store import Gallery
 from rumu.outputs import whole_folder
 from rumu.values import Bilingual
@@ -37,7 +38,7 @@ MANIFEST, WORKS, FILES = "gallery.json", "works.jsonl", "files"
 KIND, FORMAT = "rumu gallery", 1
 BATCH = 250  # works of one transaction
 _FOLDERS = ("pictures", "captures", "surfaces")
-NOT_EXPORTED = {"author_id", "search"}  # users are not exported; the text for searches is computed again
+NOT_EXPORTED = {"author_id", "search_version", *COLUMNS}  # users; texts for searches, which are made again
 _LABELS = ("file", "id", "character", "script", "hand_zh", "hand_en", "title_zh", "title_en", "dynasty")
 _MORE_LABELS = ("period", "medium", "source", "licence", "attribution", "calligrapher_zh", "work")
 

@@ -20,8 +20,9 @@ from rumu.errors import GalleryError
 from rumu.gallery.archive import BATCH, FORMAT, MANIFEST, WORKS, ImportResult, Progress, split
 from rumu.gallery.archive_files import ArchiveFiles
 from rumu.gallery.catalog import CHANGEABLE
-from rumu.gallery.metadata import CollectionMetadata, insert_rows, search_text
+from rumu.gallery.metadata import CollectionMetadata, insert_rows
 from rumu.gallery.rows import ExportedWork, ExportManifest, TourRow, read_row
+from rumu.gallery.search_text import search_columns
 from rumu.gallery.store import Gallery
 from rumu.values import Bilingual
 
@@ -194,8 +195,7 @@ def _insert(
         if only_add:
             _move_to_end(session, rows.values())
         complete = [
-            row | {"search": search_text(row, collection=titles[row["collection_id"]])}
-            for row in rows.values()
+            row | search_columns(row, collection=titles[row["collection_id"]]) for row in rows.values()
         ]
         added = insert_rows(session, Work, complete)
         of_added = [work for work in works if work.id in added]
@@ -239,7 +239,7 @@ def _update_unchanged(
             continue
         row = work.columns()
         values = {name: row[name] for name in (*CHANGEABLE, "collection_id", "created", "changed")}
-        values["search"] = search_text(row, collection=titles[work.collection_id])
+        values |= search_columns(row, collection=titles[work.collection_id])
         session.execute(update(Work).where(Work.id == work.id).values(values))
 
 

@@ -6,19 +6,21 @@ All functions may be called from many threads, and from several processes on one
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from sqlalchemy import ColumnElement, and_, delete, func, or_, select
 from sqlalchemy.orm import Session
+from sqlalchemy.orm.attributes import flag_modified
 
 from rumu.database.engine import open_database
 from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
 from rumu.gallery.assets import delete_files
 from rumu.gallery.filters import Filters, check_script, conditions
-from rumu.gallery.metadata import search_text
+from rumu.gallery.query import MEANINGS, Found, count_meanings, find_works, understand
+from rumu.gallery.search_text import SEARCH_VERSION, search_columns
 from rumu.gallery.seed import add_starter_works
 from rumu.gallery.starter import suggest
 from rumu.gallery.store import Gallery, Store
@@ -27,13 +29,21 @@ from rumu.values import Bilingual
 
 Item = TypeVar("Item")
 
+_BATCH = 500  # works whose texts are made in one transaction
+
 
 @dataclass(frozen=True, slots=True)
 class Page(Generic[Item]):
-    """A page of a list. items: those of the page, in order. total: the number on all pages."""
+    """A page of a list. items: those of the page, in order. total: the number on all pages.
+
+    Of a search: understood: what its words mean, with numbers of works; meanings: of each word, for each item
+    by its id.
+    """
 
     items: tuple[Item, ...]
     total: int
+    understood: tuple[Found, ...] = ()
+    meanings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def open_gallery(
@@ -56,27 +66,63 @@ def open_gallery(
     )
     if starter:
         add_starter_works(gallery)
+    update_search(gallery)
     return gallery
+
+
+def update_search(gallery: Gallery) -> int:
+    """Make the texts that searches look through again where their rules are of another version; how many."""
+    outdated = select(Work).where(Work.search_version != SEARCH_VERSION).limit(_BATCH)
+    count = 0
+    while True:
+        with gallery.database.reading() as session:
+            if session.scalar(select(Work.id).where(Work.search_version != SEARCH_VERSION).limit(1)) is None:
+                return count
+        with gallery.database.writing() as session:
+            titles = {row.id: row.title for row in session.scalars(select(Collection))}
+            for row in session.scalars(outdated):
+                for name, value in _search_columns(row, titles[row.collection_id]).items():
+                    setattr(row, name, value)
+                flag_modified(row, "changed")  # the work itself stays as it was
+                count += 1
+
+
+def _search_columns(row: Work, collection: Bilingual) -> dict[str, Any]:
+    columns = {column.name: getattr(row, column.name) for column in Work.__table__.columns}
+    return search_columns(columns, collection=collection)
 
 
 # --- reading ---------------------------------------------------------------------------------------
 
 
 def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: Any) -> Page[Work]:
-    """The works that match all filters, by collection, the starter gallery first.
+    """The works that match all filters: those that a search means most nearly first, else by collection.
 
-    filters: the fields of Filters. Raises GalleryError for an unknown script, or a negative offset or limit.
+    The starter gallery is the first collection. filters: the fields of Filters. Raises GalleryError for an
+    unknown script, a query that is too long, or a negative offset or limit.
     """
     if offset < 0 or limit < 0:
         raise GalleryError(f"expected offset and limit of 0 or more, got {offset} and {limit}")
-    where = conditions(Filters(**filters), Work.__table__.c).values()
-    # Only ids are sorted, because sorting whole rows takes longer.
-    ids = select(Work.id).where(*where).order_by(*_ORDER).offset(offset).limit(limit)
+    asked, columns = Filters(**filters), Work.__table__.c
     with gallery.database.reading() as session:
-        total = session.scalar(select(func.count()).select_from(Work).where(*where)) or 0
-        on_page = list(session.scalars(ids))
+        search = understand(session, asked.query)
+        where = tuple(conditions(asked, columns, search).values())
+        found: list[tuple[str, tuple[int, ...]]] = []
+        if search.words:
+            found = find_works(session, search, where, _ORDER)
+            total, on_page = len(found), dict(found[offset : offset + limit])
+        else:
+            total = session.scalar(select(func.count()).select_from(Work).where(*where)) or 0
+            # Only ids are sorted, because sorting whole rows takes longer.
+            ids = select(Work.id).where(*where).order_by(*_ORDER).offset(offset).limit(limit)
+            on_page = dict.fromkeys(session.scalars(ids), ())
         rows = {row.id: row for row in session.scalars(select(Work).where(Work.id.in_(on_page)))}
-        return Page(tuple(rows[name] for name in on_page if name in rows), total)
+        return Page(
+            tuple(rows[name] for name in on_page if name in rows),
+            total,
+            count_meanings(search, found),
+            {name: tuple(MEANINGS[rank] for rank in ranks) for name, ranks in on_page.items()},
+        )
 
 
 def work(gallery: Gallery, work_id: str) -> Work:
@@ -140,8 +186,9 @@ def change_work(gallery: Gallery, work_id: str, changes: Mapping[str, Any]) -> W
         row = _find(session, work_id)
         for name, value in changes.items():
             setattr(row, name, value)
-        columns = {column.name: getattr(row, column.name) for column in Work.__table__.columns}
-        row.search = search_text(columns, collection=session.get_one(Collection, row.collection_id).title)
+        collection = session.get_one(Collection, row.collection_id)
+        for name, value in _search_columns(row, collection.title).items():
+            setattr(row, name, value)
         return row
 
 
@@ -172,8 +219,8 @@ def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str
         title = Bilingual(zh=row.title_zh, en=row.title_en)
         if title != before:
             for of_it in session.scalars(select(Work).where(Work.collection_id == collection_id)):
-                columns = {column.name: getattr(of_it, column.name) for column in Work.__table__.columns}
-                of_it.search = search_text(columns, collection=title)
+                for name, value in _search_columns(of_it, title).items():
+                    setattr(of_it, name, value)
         return row
 
 

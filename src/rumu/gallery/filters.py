@@ -10,8 +10,10 @@ from sqlalchemy import ColumnElement, and_, func, literal, or_, select, union_al
 
 from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
+from rumu.gallery.query import Search, understand
+from rumu.gallery.search_text import COLUMNS
 from rumu.gallery.store import Gallery
-from rumu.gallery.vocabulary import UNKNOWN, dynasty_name, fold, script_name, variants
+from rumu.gallery.vocabulary import UNKNOWN, dynasty_name, script_name, variants
 from rumu.values import SCRIPTS
 
 FACETS = ("script", "dynasty", "hand", "character", "collection")
@@ -24,8 +26,8 @@ class Filters:
     """What a search asks for; None does not filter.
 
     script, dynasty, hand: 'none' asks for works where it is unknown. hand: as a facet gives it, in Chinese or
-    English. character: in any of its variants, traditional or simplified. query: words that must all occur in
-    title, character, hand, collection, dynasty or script. masters: only works that are a character to copy.
+    English. character: in any of its variants, traditional or simplified. query: words that must all be met,
+    see `gallery.query`. masters: only works that are a character to copy.
     """
 
     script: str | None = None
@@ -53,10 +55,11 @@ def check_script(script: str | None) -> None:
         raise GalleryError(f"expected a script among {', '.join(SCRIPTS)}, got {script!r}")
 
 
-def conditions(filters: Filters, columns: Any) -> dict[str, ColumnElement[bool]]:
+def conditions(filters: Filters, columns: Any, search: Search) -> dict[str, ColumnElement[bool]]:
     """The SQL condition of each filter that is set, by its name.
 
-    columns: of works, or of a query with the same columns. Raises GalleryError for an unknown script.
+    columns: of works, or of a query with the same columns. search: the query, understood. Raises GalleryError
+    for an unknown script.
     """
     check_script(filters.script)
     script, dynasty, hand = (
@@ -75,9 +78,9 @@ def conditions(filters: Filters, columns: Any) -> dict[str, ColumnElement[bool]]
         found["masters"] = func.trim(columns.character) != ""
     if filters.collection:
         found["collection"] = columns.collection_id == filters.collection
-    if filters.query and filters.query.split():
-        words = fold(filters.query).split()
-        found["query"] = and_(*(columns.search.contains(word, autoescape=True) for word in words))
+    searched = search.condition(columns)
+    if searched is not None:
+        found["query"] = searched
     return found
 
 
@@ -85,25 +88,25 @@ def count_facets(gallery: Gallery, filters: Filters) -> dict[str, tuple[FacetVal
     """The values of each of FACETS, those with most works first, at most MOST_VALUES.
 
     The counts of a facet follow all filters except its own, so that another value of it can be chosen.
-    Raises GalleryError for an unknown script.
+    Raises GalleryError for an unknown script, or a query that is too long.
     """
     rows: dict[str, list[Any]] = {name: [] for name in FACETS}
     with gallery.database.reading() as session:
-        for name, *values in session.execute(_facet_query(filters)):
+        for name, *values in session.execute(_facet_query(filters, understand(session, filters.query))):
             rows[name].append(values)
         collections = select(Collection.id, Collection.title_zh, Collection.title_en)
         titles = {row[0]: (row[1], row[2]) for row in session.execute(collections)}
     return {name: tuple(_facet_value(name, row, titles) for row in of_name) for name, of_name in rows.items()}
 
 
-def _facet_query(filters: Filters) -> Any:
+def _facet_query(filters: Filters, search: Search) -> Any:
     """One statement for all facets, so that the words of a query are searched only once."""
     columns: Any = Work.__table__.c
-    words = conditions(Filters(query=filters.query), columns)
-    if words:
-        names = ("script", "dynasty", "hand_zh", "hand_en", "character", "collection_id", "search")
-        columns = select(*(columns[name] for name in names)).where(*words.values()).cte("found").c
-    others = {name: one for name, one in conditions(filters, columns).items() if name != "query"}
+    searched = search.condition(columns)
+    if searched is not None:
+        names = ("script", "dynasty", "hand_zh", "hand_en", "character", "collection_id", *COLUMNS)
+        columns = select(*(columns[name] for name in names)).where(searched).cte("found").c
+    others = conditions(filters, columns, Search())
     group_by = {
         "script": (columns.script,),
         "dynasty": (columns.dynasty,),

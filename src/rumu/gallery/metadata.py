@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rumu.database.tables import Collection, Work, now
 from rumu.gallery.rows import check_work_row
-from rumu.gallery.vocabulary import dynasty_name, fold, script_name
+from rumu.gallery.search_text import search_columns
 from rumu.values import Bilingual
 
 if TYPE_CHECKING:
@@ -108,31 +108,12 @@ def work_row(
         | asdict(files)
     )
     time = now()  # the same for both columns: an archive's import sees by it that nobody has changed the work
-    row |= {"search": search_text(row, collection=collection.title), "created": time, "changed": time}
+    row |= search_columns(row, collection=collection.title) | {"created": time, "changed": time}
     return check_work_row(row)
 
 
 def _columns(name: str, text: Bilingual, *, max_length: int | None = _MAX_LENGTH) -> dict[str, str]:
     return {f"{name}_zh": text.zh[:max_length], f"{name}_en": text.en[:max_length]}
-
-
-def search_text(row: Mapping[str, Any], *, collection: Bilingual) -> str:
-    """The text that searches look through, folded.
-
-    It holds title, character, hand, period, dynasty, script, collection and id.
-    """
-    dynasty, script = dynasty_name(row["dynasty"]), script_name(row["script"])
-    texts: Sequence[str] = (
-        *(row[f"{name}_{language}"] for name in ("title", "hand", "period") for language in ("zh", "en")),
-        row["character"],
-        row["dynasty"],
-        *((dynasty.zh, dynasty.en) if row["dynasty"] else ()),
-        *((script.zh, script.en) if row["script"] else ()),
-        collection.zh,
-        collection.en,
-        row["id"],
-    )
-    return "\n".join(dict.fromkeys(fold(text) for text in texts if text))
 
 
 def work_digest(content: bytes | str, *label: str) -> str:

@@ -192,9 +192,9 @@ def read_row(model: type[Model], text: str | bytes, *, where: Bilingual) -> Mode
 
 
 def check_work_row(row: dict[str, Any]) -> dict[str, Any]:
-    """The same columns of tables.Work, `search` among them. Raises GalleryError that names a wrong one."""
+    """The same columns, with or without the texts of searches. Raises GalleryError that names a wrong one."""
     try:
-        WorkRow.model_validate({name: value for name, value in row.items() if name != "search"})
+        WorkRow.model_validate({name: value for name, value in row.items() if not name.startswith("search_")})
     except ValidationError as error:
         name = row.get("origin") or str(row.get("id"))
         raise _row_error(error, Bilingual(name, name)) from error

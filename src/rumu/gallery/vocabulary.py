@@ -2,6 +2,8 @@
 
 variants.txt holds pairs of characters, the traditional one before the simplified one. It was made from
 TSCharacters.txt of OpenCC (Apache-2.0), with the first simplified form of each character.
+character_forms.txt holds pairs of other ways to write one character, the usual one first; two thirds are from
+OpenCC's HKVariants, TWVariants and JPVariants.
 """
 
 from __future__ import annotations
@@ -57,6 +59,18 @@ HEIGHT_SOURCES = {
     ),
 }
 
+_SCRIPT_WORDS = {
+    "seal": "篆書 篆 篆字 篆體 大篆 小篆 zhuanshu zhuan seal sealscript smallseal",
+    "clerical": "隸書 隸 隸體 分書 八分 八分書 漢隸 lishu clerical clericalscript official officialscript",
+    "regular": "楷書 楷 楷體 正書 真書 正楷 大楷 小楷 kaishu regular regularscript standardscript kaiscript",
+    "running": "行書 行 行體 行楷 行草 xingshu running runningscript semicursive semicursivescript",
+    "cursive": "草書 草 草體 今草 狂草 章草 大草 小草 caoshu cursive cursivescript grassscript wildcursive",
+}
+_DYNASTY_WORDS = {
+    "Han": "西漢 東漢 前漢 後漢 兩漢", "Wei": "曹魏", "Jin": "西晉 東晉 兩晉", "Three Kingdoms": "東吳 蜀漢",
+    "Northern Wei": "元魏", "Southern and Northern": "南朝 北朝 六朝", "Song": "北宋 南宋 兩宋",
+    "Tang": "初唐 盛唐 中唐 晚唐", "Republic": "近代 republicofchina", "contemporary": "現代 當今 modern",
+}  # fmt: skip
 _WORDS = {"attributed": "傳", "copy": "摹本", "or": "或", "early": "早期", "late": "晚期"}
 _NAMED = re.compile("|".join(sorted(map(re.escape, DYNASTIES), key=len, reverse=True)), re.IGNORECASE)
 _BY_LOWER = {name.lower(): name for name in DYNASTIES}
@@ -105,24 +119,71 @@ def script_name(script: str) -> Bilingual:
     return SCRIPT_NAMES.get(script, UNKNOWN if not script else Bilingual(zh=script, en=script))
 
 
+@functools.cache
+def words_of_scripts() -> dict[str, str]:
+    """The script that each name means, folded and without spaces."""
+    return {fold(word): script for script, words in _SCRIPT_WORDS.items() for word in words.split()}
+
+
+@functools.cache
+def words_of_dynasties() -> dict[str, str]:
+    """The key of the dynasty that each name means, folded and without spaces."""
+    found = {}
+    for key, chinese in DYNASTIES.items():
+        latin = key.replace(" ", "")
+        names = (chinese, *(chinese + end for end in "代朝"), latin, f"{latin}dynasty", f"{latin}period")
+        for name in (*names, *_DYNASTY_WORDS.get(key, "").split()):
+            found[fold(name)] = key
+    return found
+
+
 # --- text as searches compare it -------------------------------------------------------------------
 
 
 def fold(text: str) -> str:
-    """Text in the form that searches compare: NFKC, lower case, simplified characters."""
-    return unicodedata.normalize("NFKC", text).lower().translate(_simplified_forms())
+    """Text in the form that searches compare: NFKC, lower case, simplified characters, usual forms."""
+    return (
+        unicodedata.normalize("NFKC", text).lower().translate(_usual_forms()).translate(_simplified_forms())
+    )
 
 
 def variants(character: str) -> tuple[str, ...]:
-    """A character in all forms that searches treat as equal, itself first."""
+    """A character in all forms that searches treat as equal, itself first.
+
+    They are its traditional and simplified form and other ways to write it. Another traditional character
+    that only shares the simplified form is none: 发 is 發 or 髮, but 發 is not 髮.
+    """
     simplified = character.translate(_simplified_forms())
-    others = (chr(code) for code, form in _simplified_forms().items() if form == simplified)
-    return tuple(dict.fromkeys((character, simplified, *others)))
+    others = [chr(code) for code, form in _simplified_forms().items() if form == character]
+    same = [form for one in (character, *others) for form in _other_forms().get(one, ())]
+    more = [form.translate(_simplified_forms()) for form in same]
+    return tuple(dict.fromkeys((character, simplified, *others, *same, *more)))
 
 
 @functools.cache
 def _simplified_forms() -> dict[int, str]:
     """The simplified form of each traditional character, as str.translate takes it."""
-    text = resources.files("rumu.gallery").joinpath("variants.txt").read_text(encoding="utf-8")
-    packed = text.replace("\n", "")
-    return {ord(traditional): form for traditional, form in zip(packed[::2], packed[1::2], strict=True)}
+    return {ord(traditional): form for traditional, form in _read_pairs("variants.txt")}
+
+
+@functools.cache
+def _usual_forms() -> dict[int, str]:
+    """The usual form of characters that are only known as another form of one, as str.translate takes it."""
+    known = {*_simplified_forms(), *map(ord, _simplified_forms().values())}
+    pairs = [(usual, other) for usual, other in _read_pairs("character_forms.txt") if ord(other) not in known]
+    return {ord(other): usual for usual, other in reversed(pairs)}
+
+
+@functools.cache
+def _other_forms() -> dict[str, tuple[str, ...]]:
+    """The other ways to write each character."""
+    forms: dict[str, list[str]] = {}
+    for one, other in _read_pairs("character_forms.txt"):
+        forms.setdefault(one, []).append(other)
+        forms.setdefault(other, []).append(one)
+    return {character: tuple(others) for character, others in forms.items()}
+
+
+def _read_pairs(name: str) -> list[tuple[str, str]]:
+    packed = resources.files("rumu.gallery").joinpath(name).read_text(encoding="utf-8").replace("\n", "")
+    return list(zip(packed[::2], packed[1::2], strict=True))

@@ -215,13 +215,6 @@ class WorkSummary(Schema):
         return Extended(work, thumb=thumb, thumb_normals=thumb_normals, **_usable_numbers(work))
 
 
-class WorkPage(Schema):
-    """A part of all works that match. total: how many match."""
-
-    total: int
-    items: list[WorkSummary]
-
-
 class AnnotationRead(Schema):
     """A note on a point of a work. x, y: fractions of the picture, origin top left."""
 
@@ -288,15 +281,6 @@ class WorkUpdate(Schema):
     attribution: LongText | None = None
     position: Annotated[int, Field(ge=0, le=10**6)] | None = None
     spacing: Spacing | None = None
-
-
-class FacetValueRead(Schema):
-    """One choice, and how many works have it."""
-
-    value: str
-    zh: str
-    en: str
-    count: int
 
 
 class CollectionRead(Schema):

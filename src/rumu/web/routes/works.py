@@ -30,13 +30,12 @@ from rumu.web.schemas import (
     CollectionRead,
     CollectionUpdate,
     Extended,
-    FacetValueRead,
     SurfaceRead,
-    WorkPage,
     WorkRead,
     WorkUpdate,
     file_version,
 )
+from rumu.web.search_schemas import FacetValueRead, WorkPage
 from rumu.web.service import Service
 
 router = APIRouter(tags=["works"])
@@ -90,9 +89,15 @@ WorkFilters = Annotated[dict[str, Any], Depends(work_filters)]
 @router.get("/api/works", response_model=WorkPage)
 def list_works(
     service: ServiceDep, filters: WorkFilters, offset: Offset = 0, limit: Limit = 60
-) -> catalog.Page[Work]:
-    """Works that match all filters; a character is found in any of its forms."""
-    return catalog.works(service.gallery, **filters, offset=offset, limit=limit)
+) -> catalog.Page[Extended]:
+    """Works that match all filters, those that the search means most nearly first.
+
+    A word of `q` is a character in any of its forms, its pinyin, a calligrapher, a title, a script or a
+    dynasty, in Chinese or in Latin letters; works must match every word.
+    """
+    page = catalog.works(service.gallery, **filters, offset=offset, limit=limit)
+    items = tuple(Extended(work, meanings=list(page.meanings.get(work.id, ()))) for work in page.items)
+    return catalog.Page(items, page.total, page.understood)
 
 
 @router.get("/api/facets", response_model=dict[str, list[FacetValueRead]])
