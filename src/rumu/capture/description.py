@@ -42,6 +42,10 @@ def read_description(path: Path) -> Description:
             en=f"expected JSON, {error.msg} at column {error.colno}",
             zh=f"這裡應是 JSON，第 {error.colno} 個字處有誤（{error.msg}）",
         ) from error
+    except RecursionError as error:
+        raise capture_error(
+            path, en="expected JSON, it is nested too deeply", zh="JSON 的層次太深"
+        ) from error
     known = ("slant", "tilts", "spacing_mm", "encoding", "mask", "orientation", "lamps_as_given")
     if not isinstance(content, dict):
         raise capture_error(

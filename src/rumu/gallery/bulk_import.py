@@ -60,6 +60,7 @@ def import_folder(
         )
     shared = (shared or SharedMetadata()).with_defaults(read_description(folder))
     labels, collection = read_labels(folder, shared), collection_of(folder, shared)
+    collection.row()  # refused before a file is stored, if it is
     read_as = read_label_table(folder / LABELS).description
     result, done = ImportResult((collection.id,), read_as=read_as), 0
     for batch in _read_batches(folder, labels):

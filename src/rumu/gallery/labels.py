@@ -89,7 +89,10 @@ def read_description(folder: Path) -> SharedMetadata:
     values = read_json(path, error_type=GalleryError)
     known = (*_TEXTS, *_BILINGUAL)
     if not isinstance(values, dict) or not set(values) <= set(known):
-        raise GalleryError(f"{path}: expected an object with any of {', '.join(known)}")
+        raise GalleryError(
+            f"{path}: expected an object with any of {', '.join(known)}",
+            zh=f"{DESCRIPTION} 只能有這些項目：{'、'.join(known)}。",
+        )
     texts = {name: str(values[name]) for name in _TEXTS if values.get(name)}
     bilingual = {name: _both(path, name, values[name]) for name in _BILINGUAL if values.get(name)}
     return SharedMetadata(texts, bilingual)

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from rumu.database.tables import Collection, Work, now
-from rumu.gallery.rows import check_work_row
+from rumu.gallery.rows import CollectionRow, WorkRow, check_row
 from rumu.gallery.search_text import search_columns
 from rumu.values import Bilingual
 
@@ -75,9 +75,11 @@ class CollectionMetadata:
     licence: str = NO_LICENCE
 
     def row(self) -> dict[str, Any]:
-        """The columns of tables.Collection."""
-        plain = {"id": self.id, "source": self.source, "licence": self.licence}
-        return plain | _columns("title", self.title) | _columns("note", self.note, max_length=None)
+        """The columns of tables.Collection. Raises GalleryError when one is not as it must be."""
+        plain = {"id": self.id, "source": self.source, "licence": self.licence[:200]}
+        row = plain | _columns("title", self.title) | _columns("note", self.note, max_length=None)
+        check_row(CollectionRow, row | {"created": now()}, name=self.title.en or self.id)
+        return row
 
 
 def work_row(
@@ -109,7 +111,9 @@ def work_row(
     )
     time = now()  # the same for both columns: an archive's import sees by it that nobody has changed the work
     row |= search_columns(row, collection=collection.title) | {"created": time, "changed": time}
-    return check_work_row(row)
+    columns = {name: value for name, value in row.items() if not name.startswith("search_")}
+    check_row(WorkRow, columns, name=metadata.origin or str(row["id"]))
+    return row
 
 
 def _columns(name: str, text: Bilingual, *, max_length: int | None = _MAX_LENGTH) -> dict[str, str]:

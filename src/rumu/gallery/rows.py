@@ -191,14 +191,12 @@ def read_row(model: type[Model], text: str | bytes, *, where: Bilingual) -> Mode
         raise _row_error(error, where) from error
 
 
-def check_work_row(row: dict[str, Any]) -> dict[str, Any]:
-    """The same columns, with or without the texts of searches. Raises GalleryError that names a wrong one."""
+def check_row(model: type[BaseModel], row: dict[str, Any], *, name: str) -> None:
+    """Raise GalleryError, which begins with a name and tells the column, when a row is not as it must be."""
     try:
-        WorkRow.model_validate({name: value for name, value in row.items() if not name.startswith("search_")})
+        model.model_validate(row)
     except ValidationError as error:
-        name = row.get("origin") or str(row.get("id"))
         raise _row_error(error, Bilingual(name, name)) from error
-    return row
 
 
 def _row_error(error: ValidationError, where: Bilingual) -> GalleryError:

@@ -649,7 +649,6 @@ def test_a_zip_of_false_sizes_is_refused(world, unharmed, monkeypatch):
     lying = bytearray(make_zip({"labels.csv": b"file\n" * 100}))
     at = lying.index(b"PK\x01\x02")
     lying[at + 24 : at + 28] = struct.pack("<I", 3)
-    monkeypatch.setattr("tests.web.routes.test_imports.make_zip", lambda files: bytes(lying), raising=False)
     monkeypatch.setitem(Sender.__call__.__globals__, "make_zip", lambda files: bytes(lying))
     job, _ = unharmed({})
     assert job["state"] == "failed"
@@ -678,3 +677,20 @@ def test_an_error_of_the_store_names_no_folder_of_the_server(world, monkeypatch,
     answer = world.browser("林")("POST", "/api/works", files={"picture": ("a.png", png(77))})
     assert answer.status_code == status, answer.text
     assert world.service.gallery.store.root not in answer.text and tempfile.gettempdir() not in answer.text
+
+
+@pytest.mark.parametrize(
+    "files",
+    [
+        LABELLED | {"collection.json": b"[" * 200_000},
+        LABELLED | {"collection.json": json.dumps({"note": {"zh": "a\0b", "en": ""}}).encode()},
+        LABELLED | {"collection.json": json.dumps({"note": {"zh": LONG * 100, "en": ""}}).encode()},
+        CAPTURE | {"capture.json": b"[" * 200_000},
+        CAPTURE | {"capture.json": b'{"spacing_mm": NaN}'},
+    ],
+    ids=["nested", "control characters", "long", "nested capture", "NaN"],
+)
+def test_json_that_is_no_good_is_told_as_such(unharmed, files):
+    job, _ = unharmed(files, collection="")
+    assert job["state"] == "failed"
+    assert any(word in job["error"]["en"] for word in (".json", "note_zh")), job
