@@ -45,6 +45,7 @@ def test_a_fault_is_found_and_kept(
         raise ZeroDivisionError("no such thing") if number else ImageError("broken")
 
     monkeypatch.setattr(mutations, "read_case", broken)
+    monkeypatch.setattr(mutations, "_peak_megabytes", lambda: 100.0)  # else that of all tests before this one
     (tmp_path / "a").mkdir(), (tmp_path / "b").mkdir()
     assert mutations.outcome_of("images", 0, 1, tmp_path / "a")[0] == "refused"
     assert mutations.outcome_of("images", 1, 1, tmp_path / "b")[0] == "ZeroDivisionError: no such thing"

@@ -293,8 +293,8 @@ def test_memory_that_is_no_number(tmp_path: Path, text: str, monkeypatch: pytest
 
 
 def test_frames_of_a_capture_count_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in "abc":
-        picture(400, 400).save(tmp_path / f"{name}.png")
+    for quarters, name in enumerate("abc"):
+        picture(400, 400).rotate(90 * quarters).save(tmp_path / f"{name}.png")
     (tmp_path / "capture.json").write_text('{"slant": 45}')
     monkeypatch.setenv(MEMORY_VARIABLE, "5")
     with pytest.raises(ImageError, match="at most 5 MB once decoded, 3 pictures would take 6 MB"):

@@ -340,11 +340,11 @@ def test_a_table_in_which_commas_do_both_is_refused(tmp_path: Path) -> None:
 
 
 def photographs(folder: Path, orientations: list[int], *, lamps: str) -> Path:
-    """a, b, c and d of 32 x 16 pixels, bright on the left as they are stored."""
+    """a, b, c and d of 32 x 16 pixels, bright on the left as they are stored, each a little brighter."""
     stored = np.full((16, 32), 60, np.uint8)
     stored[:, :16] = 200
-    for stem, orientation in zip("abcd", orientations, strict=True):
-        image = Image.fromarray(stored)
+    for number, (stem, orientation) in enumerate(zip("abcd", orientations, strict=True)):
+        image = Image.fromarray(stored + np.uint8(4 * number))
         image.getexif()[0x0112] = orientation
         image.save(folder / f"{stem}.jpg", exif=image.getexif(), quality=95)
     tilts = {"a": 0, "b": 90, "c": 180, "d": 270}
