@@ -84,6 +84,10 @@ export type Remark = {
   unit: string;
   region: [number, number, number, number] | null;
   outline: [number, number][][];
+  /** The strokes it speaks of in the master's cell; absent in marks of older versions. */
+  master_outline?: [number, number][][];
+  /** Number of the stroke in the order of writing, from 1. */
+  stroke?: number | null;
 };
 
 export type Mark = {

@@ -1,7 +1,7 @@
 """The values that pass from one package to the next; shape, unit and frame are checked here, once.
 
-Frame: x right, y up, z toward the camera. Arrays are indexed [row, column]; rows grow downward, so
-dz/drow = -q where q = dz/dy. Values are frozen: nothing is changed after it is made.
+Frame: x right, y up, z toward the camera. Arrays are indexed [row, column]; rows grow downward: dz/drow = -q
+where q = dz/dy. Values are frozen.
 """
 
 from __future__ import annotations
@@ -227,7 +227,7 @@ class Polyline:
     @property
     def along(self) -> FloatArray:
         """(n,) float64, length of the line up to each point."""
-        return np.asarray(np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))]))
+        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))])
 
     @property
     def length(self) -> float:
@@ -336,9 +336,9 @@ class Remark:
 
     kind: of the fault: 'lean', 'missing', ... size: in `unit`. severity: points of the mark, for ordering.
     region: (x0, y0, x1, y1) in fractions of the copy's cell, origin top left; None for the whole.
-    zh, en: what is wrong and what to do.
-    outline: lines of (x, y) in the same fractions that trace the strokes it speaks of; where a missing stroke
-        should stand; the edge of ink that is too much.
+    zh, en: what is wrong and what to do. outline: lines of (x, y) in the same fractions that trace the
+        strokes it speaks of, where a missing one should stand, or ink that is too much. master_outline: those
+        strokes in the master's cell. stroke: its number in the order of writing, from 1, if it is of one.
     """
 
     kind: str
@@ -349,6 +349,8 @@ class Remark:
     zh: str
     en: str
     outline: tuple[tuple[tuple[float, float], ...], ...] = ()
+    master_outline: tuple[tuple[tuple[float, float], ...], ...] = ()
+    stroke: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -363,10 +365,8 @@ class Assessment:
     sim_paper, similarity
         The paper's similarity in per cent, as printed, which saturates near 100 and is never the mark; the
         two-sided similarity: 1 is identical, below about 0.7 unrelated.
-    parts
-        'brushwork', 'structure', 'ink', each 0-100.
-    remarks
-        What a teacher would say, the most important first.
+    parts, remarks
+        'brushwork', 'structure', 'ink', each 0-100; what a teacher would say, the most important first.
     registration
         The pose that the mark rests on; None when the copy was refused before it was registered.
     source

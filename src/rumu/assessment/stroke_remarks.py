@@ -41,14 +41,19 @@ class NamedStroke:
     def remark(self, kind: str, size: float, unit: str, severity: float, *text: str) -> Remark:
         """A remark on the whole stroke; text: in Chinese and in English."""
         zh, en = text
-        return Remark(
-            kind, size, unit, severity, self.box(self.stroke.outline), zh, en, as_lines(self.stroke.outline)
-        )
+        outline, master = as_lines(self.stroke.outline), as_lines(self.master_outline)
+        return Remark(kind, size, unit, severity, self.box(self.stroke.outline), zh, en, outline, master)
 
     def remark_on_end(self, kind: str, size: float, severity: float, zh: str, en: str) -> Remark:
         """A remark on its exit, or else on its entry, where it is marked."""
         outline = self.end_outline(last=kind == "exit_blunt")
-        return Remark(kind, size, "of the master", severity, self.box(outline), zh, en, as_lines(outline))
+        lines, master = as_lines(outline), as_lines(self.master_outline)
+        return Remark(kind, size, "of the master", severity, self.box(outline), zh, en, lines, master)
+
+    @property
+    def master_outline(self) -> FloatArray:
+        """(n, 2): the stroke on the master's picture, in fractions of it."""
+        return self.match.framed_master.on_picture(self.stroke.line.points)
 
     def severity(self, fault: str, size: float, least: float) -> float:
         """A fault in a long stroke is graver than the same one in a dot."""

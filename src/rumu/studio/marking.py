@@ -157,8 +157,14 @@ def _remark_facts(remark: Remark) -> dict[str, Any]:
         "size": _round(remark.size, 4),
         "unit": remark.unit,
         "region": None if remark.region is None else [_round(edge, 4) for edge in remark.region],
-        "outline": [[[_round(x, 4), _round(y, 4)] for x, y in line] for line in remark.outline],
+        "outline": _line_facts(remark.outline),
+        "master_outline": _line_facts(remark.master_outline),
+        "stroke": remark.stroke,
     }
+
+
+def _line_facts(lines: tuple[tuple[tuple[float, float], ...], ...]) -> list[list[list[float | None]]]:
+    return [[[_round(x, 4), _round(y, 4)] for x, y in line] for line in lines]
 
 
 def _pose_facts(registration: Registration) -> dict[str, Any]:

@@ -25,7 +25,11 @@ class PartRead(Schema):
 
 
 class RemarkRead(Schema):
-    """One thing that a teacher would say. region, outline: fractions of the copy's cell, origin top left."""
+    """One thing that a teacher would say.
+
+    region, outline: fractions of the copy's cell, origin top left; master_outline: of the master's cell.
+    stroke: number in the order of writing, from 1; None where it is of no single stroke, or not known.
+    """
 
     kind: str = Field(examples=["lean"])
     name: BilingualText
@@ -36,6 +40,8 @@ class RemarkRead(Schema):
     unit: str
     region: list[float] | None
     outline: list[list[Point]]
+    master_outline: list[list[Point]] = Field(default_factory=list)
+    stroke: int | None = None
 
 
 class RefusalRead(BilingualText):
