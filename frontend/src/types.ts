@@ -51,6 +51,12 @@ export type Facet = { value: string; zh: string; en: string; count: number };
 export type Facets = Record<"script" | "dynasty" | "hand" | "character" | "collection", Facet[]>;
 export type Page<T> = { total: number; items: T[] };
 
+/** What a word of a search may be, the nearest first. */
+export type Meaning = "character" | "form" | "reading" | "other_reading" | "hand" | "title" | "script" | "dynasty" | "other";
+/** What a word was taken for. works: how many of those found have this as its best meaning. */
+export type Understood = { word: string; meaning: Meaning; works: number };
+export type FoundWorks = Page<WorkCard> & { understood: Understood[] };
+
 /** The viewer's data for a surface, of a work or of a learner's copy. */
 export type ViewerFacts = {
   width: number;

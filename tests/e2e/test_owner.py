@@ -107,6 +107,31 @@ def test_the_size_of_a_pixel_is_given_and_taken_back(as_person: LogIn) -> None:
     assert size.inner_text() == pixels
 
 
+ADD_A_LARGE_PICTURE = """async () => {
+    const canvas = Object.assign(document.createElement("canvas"), { width: 2000, height: 1400 });
+    const drawn = canvas.getContext("2d");
+    drawn.fillStyle = "white", drawn.fillRect(0, 0, 2000, 1400);
+    drawn.fillStyle = "black", drawn.fillRect(900, 200, 160, 1000), drawn.fillRect(400, 600, 1200, 140);
+    const form = new FormData();
+    form.append("title_en", "A large ten");
+    form.append("picture", await new Promise((resolve) => canvas.toBlob(resolve, "image/png")), "ten.png");
+    const { csrf } = await (await fetch("/api/session")).json();
+    const headers = { "X-CSRF-Token": csrf };
+    return (await fetch("/api/works", { method: "POST", headers, body: form })).json();
+}"""
+
+
+def test_a_large_work_is_told_its_own_size(as_person: LogIn) -> None:
+    owner = as_person("owner")
+    added = owner.page.evaluate(ADD_A_LARGE_PICTURE)
+    page = owner.go(f"/works/{added['id']}")
+    size = page.locator(".facts dd").filter(has_text="×")
+    expect(size.locator(".size")).to_have_text(["2000 × 1400 px", "shown here at 1024 × 717"])
+    page.on("dialog", lambda dialog: dialog.accept())
+    page.get_by_role("button", name="Delete this work").click()
+    expect(page.get_by_text("30 works")).to_be_visible()
+
+
 def test_what_cannot_be_is_refused_kindly_and_changes_nothing(as_person: LogIn) -> None:
     owner = as_person("owner")
     page = work_page(owner)

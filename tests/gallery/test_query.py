@@ -78,10 +78,15 @@ def found(gallery, query: str) -> list[str]:
         ("为", "c1"),
         ("发", "c4"),
         ("發", ""),  # 發 and 髮 are two characters, though both are 发 today
-        ("yong", "a2 b1 a1 a3 d1"),  # the reading, then 智永, then 永樂大典
-        ("yǒng", "a2 b1 a1 a3 d1"),
-        ("yong3", "a2 b1 a1 a3 d1"),
-        ("yong4", "a2 b1 a1 a3 d1"),
+        ("yong", "a2 b1 d1"),  # the reading, then 永樂大典; not everything by 智永
+        ("yǒng", "a2 b1 d1"),
+        ("yong3", "a2 b1 d1"),
+        ("yong4", "a2 b1 d1"),
+        ("zhi", "a1 a2 a3"),  # as a surname would be
+        ("zhiyong", "a1 a2 a3"),
+        ("yan", "c1 c2 c3 c4"),
+        ("sun", "d2"),
+        ("a", ""),
         ("hang", "b2"),  # another reading of 行
         ("nü", "c3"),
         ("nv", "c3"),

@@ -3,12 +3,12 @@ import { get, query as asQuery, session } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import { type PageProps, replaceQuery } from "../router";
-import type { Facet, Facets, Page, WorkCard } from "../types";
-import { ErrorMessage, Loading, useLoaded } from "../ui";
+import type { Facet, Facets, FoundWorks, Understood, WorkCard } from "../types";
+import { ErrorMessage, Facts, Loading, useLoaded } from "../ui";
 import { Icon } from "../viewer/Icon";
 import { dynasties, type FilterName, FILTERS, type Filters, lastList, readFilters, storeLastList, without, writeFilters } from "./listState";
 import { GalleryCard } from "./GalleryCard";
-import { scriptName } from "./labels";
+import { scriptName, wordsUnderstood } from "./labels";
 import "./gallery.css";
 
 const PAGE = 60;
@@ -111,6 +111,7 @@ function WorkList({ name, filters }: { name: string; filters: Filters }) {
   const known = lastList(name);
   const [items, setItems] = useState<WorkCard[]>(known?.items ?? []);
   const [total, setTotal] = useState<number | null>(known?.total ?? null);
+  const [understood, setUnderstood] = useState<Understood[]>(known?.understood ?? []);
   const [error, setError] = useState<unknown>(null);
   const busy = useRef(false);
   const end = useRef<HTMLDivElement>(null);
@@ -121,9 +122,10 @@ function WorkList({ name, filters }: { name: string; filters: Filters }) {
     setError(null);
     try {
       const url = `api/works${asQuery({ ...filters, offset: items.length, limit: PAGE })}`;
-      const page = await get<Page<WorkCard>>(url, alive.current.signal);
+      const page = await get<FoundWorks>(url, alive.current.signal);
       setItems((before) => [...before, ...page.items]);
       setTotal(page.total);
+      setUnderstood(page.understood);
     } catch (problem) {
       if (!alive.current.signal.aborted) setError(problem);
     } finally {
@@ -137,11 +139,11 @@ function WorkList({ name, filters }: { name: string; filters: Filters }) {
     return () => alive.current.abort();
   }, []);
   useEffect(() => {
-    const note = () => total !== null && storeLastList({ key: name, items, total, scroll: scrollY });
+    const note = () => total !== null && storeLastList({ key: name, items, total, understood, scroll: scrollY });
     note();
     addEventListener("scroll", note, { passive: true });
     return () => removeEventListener("scroll", note);
-  }, [items, total]);
+  }, [items, total, understood]);
   useEffect(() => {
     if (!hasMore || error || !end.current) return;
     const observer = new IntersectionObserver((entries) => entries.some((s) => s.isIntersecting) && void more(), { rootMargin: "900px" });
@@ -151,6 +153,7 @@ function WorkList({ name, filters }: { name: string; filters: Filters }) {
   return (
     <>
       <p class="count" role="status">{total === null ? "" : t(total === 1 ? "countOne" : "count", { n: total.toLocaleString() })}</p>
+      <SearchMeanings understood={understood} />
       <ul class="cards">
         {items.map((work) => (
           <GalleryCard key={work.id} work={work} />
@@ -166,5 +169,17 @@ function WorkList({ name, filters }: { name: string; filters: Filters }) {
         {hasMore && total !== null && !error && <button type="button" class="quiet" onClick={() => void more()}>{t("more")}</button>}
       </div>
     </>
+  );
+}
+
+/** What each word of the search was taken for, so that a result that surprises explains itself. */
+export function SearchMeanings({ understood }: { understood: Understood[] }) {
+  if (!understood.length) return null;
+  return (
+    <dl class="understood" aria-label={t("understood")}>
+      {wordsUnderstood(understood).map(({ word, meanings }) => (
+        <div key={word}><dt>{word}</dt><dd><Facts items={meanings} /></dd></div>
+      ))}
+    </dl>
   );
 }

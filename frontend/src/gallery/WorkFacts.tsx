@@ -8,7 +8,7 @@ import { scriptName } from "./labels";
 
 type WorkTexts = Pick<
   Work,
-  "title" | "hand" | "period" | "dynasty" | "script" | "material" | "source" | "licence" | "attribution" | "collection" | "collection_title"
+  "title" | "hand" | "period" | "dynasty" | "script" | "material" | "width" | "height" | "source" | "licence" | "attribution" | "collection" | "collection_title"
 >;
 
 /** The label beside a work, as in a museum. `alone`: in a page without the gallery, so that nothing links to it. */
@@ -17,7 +17,7 @@ export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; fac
     ["dynasty", localize(work.period) || work.dynasty],
     ["script", scriptName(work.script)],
     ["material", localize(work.material)],
-    ["size", size(facts)],
+    ["size", <Size work={work} facts={facts} />],
     ["source", work.source && <TextWithLinks text={translated(work.source)} />],
     ["licence", <Licence licence={work.licence} />],
     ["attribution", work.attribution && <TextWithLinks text={translated(work.attribution)} />],
@@ -46,8 +46,16 @@ export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; fac
   );
 }
 
-function size({ width, height, spacing, unit }: ViewerFacts): string {
-  return unit === "mm" ? `${formatLength(width * spacing, unit)} × ${formatLength(height * spacing, unit)}` : `${width} × ${height} px`;
+/** The work's own size, and that of its maps where they are smaller. */
+function Size({ work, facts }: { work: WorkTexts; facts: ViewerFacts }) {
+  const { width, height, spacing, unit } = facts;
+  return (
+    <>
+      {unit === "mm" && <span class="size">{formatLength(width * spacing, unit)} × {formatLength(height * spacing, unit)}</span>}
+      <span class="size">{work.width} × {work.height} px</span>
+      {width < work.width && <span class="size reduced">{t("shownAt", { width, height })}</span>}
+    </>
+  );
 }
 
 /** Plain text whose web addresses are links. */

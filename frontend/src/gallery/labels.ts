@@ -1,6 +1,8 @@
 // Names of scripts, titles and messages as the gallery shows them.
 
 import { common, localize } from "../i18n";
+import { t } from "../i18n/gallery";
+import type { Meaning, Understood } from "../types";
 
 export const SCRIPTS = ["seal", "clerical", "regular", "running", "cursive"] as const;
 /** 楷書 or Regular; anything but the five scripts stays as it is. */
@@ -18,4 +20,17 @@ export const withoutNumber = (title: string): string => title.replace(NUMBER, ""
 export function messageInOneLanguage(message: string): string {
   const both = /^(\P{ASCII}+) (\p{ASCII}+)$/u.exec(message);
   return both ? localize({ zh: both[1]!, en: both[2]! }) : message;
+}
+
+const MEANINGS = {
+  character: "asCharacter", form: "asForm", reading: "asReading", other_reading: "asOtherReading", hand: "asHand",
+  title: "asTitle", script: "asScript", dynasty: "asDynasty", other: "asOther",
+} as const satisfies Record<Meaning, string>;
+
+/** Each word of a search once, with all that it was taken for, the nearest first: 「作為字，2 件」. */
+export function wordsUnderstood(understood: Understood[]): { word: string; meanings: string[] }[] {
+  const words = new Map<string, string[]>();
+  for (const { word, meaning, works } of understood)
+    words.set(word, [...(words.get(word) ?? []), t("meaningOf", { meaning: t(MEANINGS[meaning]), n: works.toLocaleString() })]);
+  return [...words].map(([word, meanings]) => ({ word, meanings }));
 }

@@ -2,7 +2,7 @@
 // of dynasties, and the list as it was last seen.
 
 import { signal } from "@preact/signals";
-import type { Bilingual, WorkCard } from "../types";
+import type { Bilingual, Understood, WorkCard } from "../types";
 
 export const FILTERS = ["script", "dynasty", "hand", "character", "collection"] as const;
 export type FilterName = (typeof FILTERS)[number];
@@ -28,7 +28,7 @@ export const without = (filters: Filters, name: FilterName | "q"): Filters => ({
 /** Names of dynasties from the facets last loaded; a work itself has only the key. */
 export const dynasties = signal(new Map<string, Bilingual>());
 
-type List = { key: string; items: WorkCard[]; total: number; scroll: number };
+type List = { key: string; items: WorkCard[]; total: number; understood: Understood[]; scroll: number };
 
 /** The list last shown, so that coming back from a work restores it with its scroll position. */
 let lastStored: List | null = null;

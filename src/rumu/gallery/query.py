@@ -100,12 +100,15 @@ class SearchWord:
         begun = [f"'{chr(39).join(way)}" for way in unfinished_pinyin(self.typed)] if not ways else []
         read = [f"'{chr(39).join(without_tones(way))}'" for way in ways]
         other = f"\n~{''.join(self.texts)}\n"
-        pieces = [f" {words}", *read, *begun, other]
+        begins = f" {words}" if len(words) > 1 else f" {words} "  # 'a' shall not find all that begins so
+        pieces = [begins, *read, *begun, other]
         wholes = [f"\n {words} \n", other, *(f"\n{text}\n" for text in read)]
+        surnames = [f"^{''.join(without_tones(way))}\n" for way in ways]
+        longer = [text for text, way in zip(read, ways, strict=True) if len(way) > 1]  # not 智永 for 'yong'
         made = [
             (4, _holds(columns.search_hand, *wholes)),
             (5, _holds(columns.search_title, *wholes)),
-            (6, _holds(columns.search_hand, *pieces)),
+            (6, _holds(columns.search_hand, begins, *longer, *begun, other, *wholes, *surnames)),
             (7, _holds(columns.search_title, *pieces)),
             (10, _holds(columns.search_more, *pieces)),
         ]

@@ -2,13 +2,14 @@
 
 A column holds lines. Chinese text stands folded and without spaces, and its readings as 'lan'ting'xu'. Text
 in Latin letters stands as words with a space around each. A single character of a title stands behind '=',
-the reading of another name behind '~', the names of the author of a copied work behind '@', and the readings
-of a work's character behind 1, the usual one, or 2. So each question is whether a column contains a piece of
-text, which SQLite and PostgreSQL answer alike.
+the reading of another name behind '~', that of a surname behind '^', the names of the author of a copied
+work behind '@', and the readings of a work's character behind 1, the usual one, or 2. So each question is
+whether a column contains a piece of text, which SQLite and PostgreSQL answer alike.
 """
 
 from __future__ import annotations
 
+import functools
 import re
 import unicodedata
 from collections.abc import Iterable, Mapping
@@ -20,7 +21,7 @@ from rumu.gallery.pinyin import character_readings, is_han, split_pinyin, text_r
 from rumu.gallery.vocabulary import dynasty_name, fold
 from rumu.values import Bilingual
 
-SEARCH_VERSION = 1
+SEARCH_VERSION = 2
 """Increase it when the texts of the same work would come out differently; they are then made again."""
 
 COLUMNS = ("search_character", "search_title", "search_hand", "search_more")
@@ -78,25 +79,22 @@ def _word(typed: str, latin: bool) -> Word:
 
 def search_columns(row: Mapping[str, Any], *, collection: Bilingual) -> dict[str, Any]:
     """The columns that searches look through, of a row of tables.Work."""
-    title, hand = _Text(row["title_zh"], row["title_en"]), _Text(row["hand_zh"], row["hand_en"])
+    title = _Text(row["title_zh"], row["title_en"])
     works = works_named(title.chinese, title.words)
-    people = people_named(hand.runs, hand.words)
+    hand, people, hand_lines = _hand(row["hand_zh"], row["hand_en"])
     authors = dict.fromkeys(one.author for one in works if one.author and one.author not in people)
-    dynasty = dynasty_name(row["dynasty"]) if row["dynasty"] else Bilingual("", "")
-    more = _Text(row["period_zh"], row["period_en"], *dynasty, *collection, row["id"])
+    names = (line for one in works for line in _name_lines(one))
+    makers = (line for one in authors for line in _name_lines(one, surname=True))
     return {
         "search_character": _column(_character_lines(row["character"])),
-        "search_title": _column(
-            [*title.lines(), *_names_lines(works), _single_characters(title, hand, row["character"])]
-        ),
-        "search_hand": _column(
+        "search_title": _column([*title.lines(), *names, _single_characters(title, hand, row["character"])]),
+        "search_hand": _column([*hand_lines, *(line if line[0] == "~" else f"@{line}" for line in makers)]),
+        "search_more": _column(
             [
-                *hand.lines(surname=True),
-                *_names_lines(people, surname=True),
-                *(line if line[0] == "~" else f"@{line}" for line in _names_lines(authors, surname=True)),
+                *_more_lines(row["period_zh"], row["period_en"], row["dynasty"], collection),
+                *_Text(row["id"]).plain_lines(),
             ]
         ),
-        "search_more": _column(more.lines()),
         "search_version": SEARCH_VERSION,
     }
 
@@ -121,9 +119,13 @@ class _Text:
         self.chinese = "\n".join(self.joined)
         self.words = "\n".join(f" {' '.join(word.text for word in words)} " for words in self.latin if words)
 
+    def plain_lines(self) -> Iterable[str]:
+        """The texts as they are, without readings."""
+        yield from (*self.joined, *self.runs, *self.words.splitlines())
+
     def lines(self, *, surname: bool = False) -> Iterable[str]:
         """All lines of a column. surname: it names a person."""
-        yield from (*self.joined, *self.runs, *self.words.splitlines())
+        yield from self.plain_lines()
         for run in dict.fromkeys((*self.joined, *self.runs)):
             form, at = self.forms.get(run, run), 0
             for word in [*_SCRIPT_WORD.finditer(run), None]:  # 'shu' shall not find every 楷書
@@ -142,6 +144,7 @@ def _reading_lines(run: str, form: str, *, surname: bool = False) -> Iterable[st
         if surname and len(way) > 1:
             first = 2 if _COMPOUND.match(run) and len(way) > 2 else 1
             yield _syllables((*way[first:], *way[:first]))
+            yield f"^{''.join(way[:first])}"
 
 
 def _pinyin_lines(words: list[Word], *, surname: bool) -> Iterable[str]:
@@ -160,15 +163,34 @@ def _pinyin_lines(words: list[Word], *, surname: bool) -> Iterable[str]:
             yield f" {word.typed.replace('ü', 'v')} "
 
 
-def _names_lines(found: Iterable[Names], *, surname: bool = False) -> Iterable[str]:
-    for one in found:
-        for latin in one.latin:
-            yield from _Text(latin).lines(surname=surname)
-        yield from one.chinese
-        if not any(split_pinyin(name.replace(" ", "")) for name in one.latin):
-            yield from _reading_lines(one.chinese[0], one.chinese[0], surname=surname)
-        for other in one.chinese[1:]:  # only whole: 'yong' shall not find 虞世南, who is 虞永興 too
-            yield from (f"~{''.join(way)}" for way in text_readings(other, surname=surname, most=1))
+# What many works have in common is made once.
+
+
+@functools.lru_cache(maxsize=4096)
+def _hand(zh: str, en: str) -> tuple[_Text, tuple[Names, ...], tuple[str, ...]]:
+    """The name of a writer, the known people whom it names, and its lines."""
+    hand = _Text(zh, en)
+    people = people_named(hand.runs, hand.words)
+    known = (line for one in people for line in _name_lines(one, surname=True))
+    return hand, people, (*hand.lines(surname=True), *known)
+
+
+@functools.lru_cache(maxsize=4096)
+def _more_lines(period_zh: str, period_en: str, dynasty: str, collection: Bilingual) -> tuple[str, ...]:
+    name = dynasty_name(dynasty) if dynasty else Bilingual("", "")
+    return tuple(_Text(period_zh, period_en, *name, *collection).lines())
+
+
+@functools.lru_cache(maxsize=4096)
+def _name_lines(one: Names, *, surname: bool = False) -> tuple[str, ...]:
+    """The lines of a known person (surname) or work."""
+    lines = [line for latin in one.latin for line in _Text(latin).lines(surname=surname)]
+    lines += one.chinese
+    if not any(split_pinyin(name.replace(" ", "")) for name in one.latin):
+        lines += _reading_lines(one.chinese[0], one.chinese[0], surname=surname)
+    for other in one.chinese[1:]:  # only whole: 'yong' shall not find 虞世南, who is 虞永興 too
+        lines += (f"~{''.join(way)}" for way in text_readings(other, surname=surname, most=1))
+    return tuple(lines)
 
 
 def _single_characters(title: _Text, hand: _Text, character: str) -> str:
