@@ -14,7 +14,7 @@ from rumu.assessment.calibration import Calibration, check_terms, mark_fields
 from rumu.assessment.features import Features, describe_edge, measure_features, sim_paper, similarity
 from rumu.assessment.refusal import RefusalFigures, RefusalLimits, RefusalReference, check_copy
 from rumu.assessment.refusal_reasons import Refusal, refusal_of
-from rumu.assessment.remarks import write_remarks
+from rumu.assessment.remarks import choose_worst, find_faults
 from rumu.capture.folder import read_capture
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.registration.icp import IcpSettings, register_points
@@ -268,11 +268,14 @@ def assess(
     if measurement.refusal is not None:
         return _refused_assessment(measurement.refusal)
     registration = measurement.registration
+    found = find_faults(measurement.copy, registration, master.stroke_model) if remarks else ()
+    told = choose_worst(found)
     return Assessment(
         **mark_fields(measurement.features, terms=terms, highest=measurement.highest),
         sim_paper=sim_paper(registration),
         similarity=similarity(registration),
-        remarks=write_remarks(measurement.copy, registration, master.stroke_model) if remarks else (),
+        remarks=told,
+        untold=tuple(remark for remark in found if remark not in told),
         registration=registration,
         source=(measurement.copy.source, master.surface.source),
     )

@@ -365,20 +365,19 @@ class Assessment:
     sim_paper, similarity
         The paper's similarity in per cent, as printed, which saturates near 100 and is never the mark; the
         two-sided similarity: 1 is identical, below about 0.7 unrelated.
-    parts, remarks
-        'brushwork', 'structure', 'ink', each 0-100; what a teacher would say, the most important first.
-    registration
-        The pose that the mark rests on; None when the copy was refused before it was registered.
-    source
-        Where the heights of copy and master come from.
+    parts, remarks, untold
+        'brushwork', 'structure', 'ink', each 0-100; what a teacher would say, the most important first; the
+        faults found besides.
+    registration, source
+        The pose that the mark rests on, None when the copy was refused before it was registered; where the
+        heights of copy and master come from.
     refused, refused_zh, turned_by
         The reason when the copy cannot be marked, 'code: sentence', else None; the sentence in Chinese; the
         degrees clockwise (90, 180, 270) that turn the picture upright, where that is what it needs.
-    weights, calibration, script
+    weights, calibration, script, interval_note, interval_note_zh
         Weights of the parts that a teacher chose, None for those fitted to people's marks; what another
-        calibration was fitted on, in words; one of SCRIPTS, where it is known.
-    interval_note, interval_note_zh
-        What must be said of the interval; None where people's marks cover it.
+        calibration was fitted on, in words; one of SCRIPTS, where it is known; what must be said of the
+        interval, None where people's marks cover it.
     """
 
     score: float | None
@@ -398,3 +397,4 @@ class Assessment:
     script: str | None = None
     interval_note: str | None = None
     interval_note_zh: str | None = None
+    untold: tuple[Remark, ...] = ()

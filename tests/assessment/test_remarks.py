@@ -7,8 +7,10 @@ import re
 import numpy as np
 import pytest
 
-from rumu.assessment.remarks import write_remarks
+from rumu import pipeline
+from rumu.assessment.remarks import choose_worst, write_remarks
 from rumu.assessment.thresholds import RemarkThresholds
+from rumu.gallery.starter import find_work, starter_samples
 from rumu_lab.simulation.faults import FAULTS
 from rumu_lab.simulation.glyph import Glyph, region_of
 
@@ -160,3 +162,13 @@ def test_a_blot_does_not_make_the_character_large(said, mask):
     copy = mask("regular-shui").copy()
     copy[40:90, 40:90] = True
     assert "size" not in [r.kind for r in said(copy, mask("regular-shui"))]
+
+
+def test_what_the_few_remarks_leave_unsaid_is_kept_apart():
+    (sample,) = [s for s in starter_samples() if s.work == WORK and s.degree == "bad"]
+    mark = pipeline.assess(sample.path, find_work(WORK).path)
+    assert mark.untold
+    assert not set(mark.untold) & set(mark.remarks)
+    assert mark.remarks == choose_worst((*mark.remarks, *mark.untold))
+    assert choose_worst(mark.remarks, thresholds=RemarkThresholds(at_most=1)) == mark.remarks[:1]
+    assert pipeline.assess(sample.path, find_work(WORK).path, remarks=False).untold == ()

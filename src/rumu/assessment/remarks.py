@@ -31,6 +31,17 @@ def write_remarks(
     thresholds: RemarkThresholds | None = None,
 ) -> tuple[Remark, ...]:
     """At most five remarks on a copy that is registered to its master, the worst first."""
+    return choose_worst(find_faults(copy, registration, master, thresholds=thresholds), thresholds=thresholds)
+
+
+def find_faults(
+    copy: Surface,
+    registration: Registration,
+    master: MasterStrokes,
+    *,
+    thresholds: RemarkThresholds | None = None,
+) -> tuple[Remark, ...]:
+    """Every fault of a copy that is large enough for a remark, the worst first."""
     limits = thresholds or RemarkThresholds()
     strokes = match_strokes(copy, registration, master)
     ink = measure_ink(strokes, copy, master)
@@ -40,11 +51,14 @@ def write_remarks(
         *remarks_on_strokes(strokes, registration, limits),
         *_remarks_on_ink(ink, replace(limits, tremor=limits.tremor * strokes.enlargement**COARSE_TREMOR)),
     ]
-    return _choose_worst(found, limits)
+    return tuple(sorted(found, key=lambda r: -r.severity))
 
 
-def _choose_worst(found: Iterable[Remark], limits: RemarkThresholds) -> tuple[Remark, ...]:
+def choose_worst(
+    found: Iterable[Remark], *, thresholds: RemarkThresholds | None = None
+) -> tuple[Remark, ...]:
     """The worst first; of one kind no more than a few, so that the list does not repeat itself."""
+    limits = thresholds or RemarkThresholds()
     kinds: Counter[str] = Counter()
     chosen: list[Remark] = []
     for remark in sorted(found, key=lambda r: -r.severity):
