@@ -6,10 +6,12 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from rumu.gallery.starter import starter_works
 from rumu.report.pages import IndexSample, assessment_page, demo_index, level_zones, surface_page
+from rumu.report.remark_drawing import number_position
 from rumu.report.wording import PARTS, SIMULATED
 from rumu.values import Bilingual, Remark
 
@@ -74,7 +76,7 @@ def test_the_page_is_whole_and_alone(html):
 
 def test_every_picture_is_there_and_described(html):
     pictures = Outline(html).pictures
-    assert len(pictures) == 8  # remarks, overlay, and twice: as written, shaded, mesh
+    assert len(pictures) == 9  # overlay, and twice: with remarks, as written, shaded, mesh
     assert all(p["alt"] and p["src"].startswith("data:image/") for p in pictures)
 
 
@@ -119,21 +121,44 @@ def test_remarks_worst_first_and_drawn_where_they_are(html):
     text = Outline(html).text
     assert text.index("The lying stroke is missing.") < text.index("Leans 3° to the left.")
     assert "left:10.00%;top:40.00%;width:80.00%;height:20.00%" in html
-    assert html.count('class="box"') == 1  # the lean has no place of its own
+    assert html.count('class="box drawn d1"') == 1  # the lean has no place of its own
 
 
-def test_the_stroke_that_a_remark_speaks_of_is_drawn_and_no_box(assessment, copy_surface, master_surface):
+def test_the_strokes_that_a_remark_speaks_of_are_drawn_in_both(assessment, copy_surface, master_surface):
     turned = Remark(
         "stroke_angle", 6, "degrees", 9, (0.1, 0.4, 0.9, 0.6), "橫", "It leans.",
-        (((0.1, 0.5), (0.5, 0.48), (0.9, 0.46)),),
+        (((0.1, 0.5), (0.5, 0.48), (0.9, 0.46)),), (((0.1, 0.5), (0.9, 0.5)),),
     )  # fmt: skip
-    missing = replace(turned, kind="missing", severity=8)
+    missing = replace(turned, kind="missing", severity=8, master_outline=())  # as in marks of older versions
     html = page(replace(assessment, remarks=(turned, missing)), copy_surface, master_surface)
     assert html.count('points="100,500 500,480 900,460"') == 4  # each with a halo, to be seen on ink
-    assert html.count('class="drawn absent"') == 1 and html.count('class="drawn"') == 1
-    assert 'class="box"' not in html
-    assert 'style="left:50.00%;top:48.00%">1<' in html
-    assert 'style="left:50.00%;top:48.00%">2<' not in html, "two numbers on one place cannot be read"
+    assert html.count('points="100,500 900,500"') == 2
+    copy, master = html.split('<div class="sheet">')[1:]
+    assert 'class="drawn d2 absent"' in copy and 'class="drawn d1"' in copy
+    assert 'class="drawn d1"' in master and "d2" not in master.split("</figure>")[0]
+    assert 'class="box' not in html
+    assert 'style="left:50.00%;top:48.00%">1<' in copy
+    assert 'style="left:50.00%;top:48.00%">2<' not in copy, "two numbers on one place cannot be read"
+
+
+def test_a_remark_that_is_pointed_at_stands_out_in_both(html):
+    assert ".remarks:has(.r1:is(:hover, :focus-within, :target)" in html
+    assert html.count('href="#remark-1"') == 2, "its number in the picture leads to it, and back"
+    assert 'id="remark-1"' in html
+
+
+@pytest.mark.parametrize("places", [1, 3, 9])
+def test_numbers_are_whole_and_apart(places):
+    """On a picture of 150 pixels, where a number is 16 wide."""
+    for line in ([[500, 500], [520, 510]], [[0, 3], [2, 0]], [[100, 500], [900, 480]], [[990, 990]]):
+        taken = []
+        for _ in range(places):
+            taken.append(number_position(np.array(line, float), taken))
+        for k, (x, y) in enumerate(taken):
+            assert min(x, y, 1000 - x, 1000 - y) >= 55
+            assert all(np.hypot(x - a, y - b) > 107 for a, b in taken[:k])
+    (first,) = {number_position(np.array([[100.0, 500.0], [900.0, 480.0]]), [])}
+    assert first == (500, 490)
 
 
 def test_a_mark_without_remarks(assessment, copy_surface, master_surface):

@@ -11,7 +11,7 @@ import { stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
 import type { SheetPoint, Viewer } from "../viewer/types";
 import { clearLastList } from "./listState";
 import { NoteForm } from "./NoteForm";
-import { StrokeOrder } from "./StrokeOrder";
+import { hasStrokeOrder, StrokeOrder } from "../strokes/StrokeOrder";
 import { WorkFacts } from "./WorkFacts";
 import { type Edited, WorkForm } from "./WorkForm";
 import { WorkPicker } from "./WorkPicker";
@@ -77,7 +77,7 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
       <aside class="label">
         <WorkFacts work={work} facts={facts} />
         {work.character && <a class="button write" href={`#/studio/${encodeURIComponent(work.id)}`}><Icon name="edit" />{t("write")}</a>}
-        {(work.script === "regular" || work.script === "running") && <StrokeOrder key={work.character} character={work.character} />}
+        {hasStrokeOrder(work) && <StrokeOrder key={work.character} character={work.character} />}
         <Notes notes={notes} chosen={chosen} choose={choose} owner={owner} edit={setForm} onDelete={(note) => void deleteNote(note)} />
         <nav class="neighbours" aria-label={t("collection")}>
           {work.previous ? <a href={`#/works/${encodeURIComponent(work.previous)}`}><Icon name="previous" />{t("previous")}</a> : <span />}

@@ -20,6 +20,7 @@ export const t = translator({
   otherMaster: { zh: "換一個範字", en: "Another master" },
   forTask: { zh: "班上的作業：{title}", en: "A task of your class: {title}" },
   toStudio: { zh: "到書房寫字", en: "Write in the studio" },
+  masterAndOrder: { zh: "範字與筆順", en: "Master and stroke order" },
   sheet: { zh: "紙", en: "Sheet" },
   ways: { zh: "寫字或照片", en: "Write or photograph" },
   pen: { zh: "在此書寫", en: "Write here" },

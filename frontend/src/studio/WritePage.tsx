@@ -8,6 +8,7 @@ import type { PageProps } from "../router";
 import type { Attempt, Work } from "../types";
 import { ErrorMessage, ErrorPage, Facts, Loading, useLoaded } from "../ui";
 import { MasterHeader } from "./cards";
+import { MasterBeside } from "./MasterBeside";
 import { CropPhoto, type MakeCell } from "./CropPhoto";
 import { addStroke, canRedo, canUndo, clearStrokes, type History, historyOf, redo, serializeStrokes, undo } from "./ink/strokes";
 import { strokesPicture } from "./ink/painting";
@@ -84,6 +85,7 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
   return (
     <div class="desk">
       <Heading work={work} task={task} />
+      <MasterBeside work={work} marked={marked.state === "done"} />
       <section class="desk-sheet" aria-label={t("sheet")}>
         <Tabs names={MEDIA} chosen={medium} onChoose={(next) => (discard(), setMedium(next))} label={t("ways")} title={(name) => t(name)}>
           {medium === "pen" ? (
@@ -115,7 +117,7 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
       <section class="desk-mark" aria-label={t("mark")}>
         <MarkAnnouncement marked={marked} />
         <Result
-          marked={marked} work={work} task={pupil ? task : null} onAgain={() => mark()} onTurn={medium === "photo" ? turnAndMark : null}
+          marked={marked} task={pupil ? task : null} onAgain={() => mark()} onTurn={medium === "photo" ? turnAndMark : null}
           onKeep={() => marked.state === "done" && void requestMark(async () => marked.copy, { automatic: false, unmarked: true })}
         />
       </section>
@@ -192,7 +194,6 @@ function spokenMark({ id, mark }: Attempt): string {
 
 type ResultProps = {
   marked: MarkingState;
-  work: Work;
   /** The task that a pupil's copy is for. */
   task: string | null;
   onAgain: () => void;
@@ -202,20 +203,14 @@ type ResultProps = {
   onKeep: () => void;
 };
 
-function Result({ marked, work, task, onAgain, onTurn, onKeep }: ResultProps) {
+function Result({ marked, task, onAgain, onTurn, onKeep }: ResultProps) {
   const result = useRef<HTMLDivElement>(null);
   useEffect(() => {
     // on a phone the mark is below the cell; an automatic mark must not scroll the page under the pen
     if (marked.state === "done" && !marked.automatic) result.current?.scrollIntoView({ block: "nearest", behavior: "smooth" });
   }, [marked]);
   if (marked.state === "failed") return <ErrorMessage error={marked.error} retry={onAgain} />;
-  if (marked.state !== "done")
-    return (
-      <div class="master-card">
-        <img src={work.files?.picture ?? work.thumb} alt={localize(work.title)} />
-        <p class="note">{marked.state === "asking" ? t("marking") : t("beginHint")}</p>
-      </div>
-    );
+  if (marked.state !== "done") return <p class="note begin-hint">{marked.state === "asking" ? t("marking") : t("beginHint")}</p>;
   const { attempt, copy, automatic } = marked;
   const { refused } = attempt.mark;
   const degrees = refused?.turned_by;

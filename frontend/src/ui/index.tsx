@@ -59,6 +59,21 @@ export function useLoaded<T>(load: (signal: AbortSignal) => Promise<T>, key: str
   return { ...state, fresh: state.key === key, retry: () => setRun((n) => n + 1) };
 }
 
+/** The size of an element in pixels of the page; 0 before it is shown. */
+export function useSize(): [(element: Element | null) => void, { width: number; height: number }] {
+  const [element, setElement] = useState<Element | null>(null);
+  const [size, setSize] = useState({ width: 0, height: 0 });
+  useEffect(() => {
+    if (!element) return;
+    const measure = () => setSize({ width: element.clientWidth, height: element.clientHeight });
+    measure();
+    const observer = new ResizeObserver(measure);
+    observer.observe(element);
+    return () => observer.disconnect();
+  }, [element]);
+  return [setElement, size];
+}
+
 /** Facts in a row with dots between them; those that are empty or false are left out, with their dots. */
 export function Facts({ items }: { items: readonly ComponentChildren[] }) {
   const there = items.filter((item) => item !== null && item !== undefined && typeof item !== "boolean" && !(typeof item === "string" && !item.trim()));

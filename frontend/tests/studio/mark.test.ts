@@ -1,6 +1,5 @@
 import { describe, expect, it } from "vitest";
 import { compose, decompose, fitInSquare, IDENTITY, interpolate, type Matrix, transformPoint } from "../../src/studio/mark/alignment";
-import { placeBadges } from "../../src/studio/mark/badges";
 import { distanceColour } from "../../src/studio/mark/DistanceOverlay";
 import { growSquare, moveSquare, resizeSquare } from "../../src/studio/crop";
 
@@ -45,17 +44,6 @@ describe("colours of distance", () => {
   it("are clamped", () => {
     expect(distanceColour(7)).toEqual(distanceColour(1));
     expect(distanceColour(-1)).toEqual(distanceColour(0));
-  });
-});
-
-describe("badges", () => {
-  it("keep their distance and stay within the cell", () => {
-    const remark = { region: [0.9, 0.0, 1, 0.2] as [number, number, number, number], outline: [] };
-    const set = placeBadges([remark, remark, remark, { region: null, outline: [] }, { region: null, outline: [[[0.02, 0.99]]] }]);
-    for (const [k, a] of set.entries()) {
-      expect(Math.min(a.x, a.y, 1 - a.x, 1 - a.y)).toBeGreaterThanOrEqual(0.05 - 1e-9);
-      for (const b of set.slice(k + 1)) expect(Math.hypot(a.x - b.x, a.y - b.y)).toBeGreaterThan(0.07);
-    }
   });
 });
 

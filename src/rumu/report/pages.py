@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
 from rumu.report import wording
 from rumu.report.mesh_picture import MeshView, mesh_picture
 from rumu.report.overlay import MISSING, OverlaySettings, overlay_picture, uncovered_share
@@ -25,7 +23,8 @@ from rumu.report.pictures import (
     shaded_picture,
     share_picture,
 )
-from rumu.values import Assessment, Bilingual, FloatArray, Level, Registration, Remark, Surface
+from rumu.report.remark_drawing import remark_rows
+from rumu.values import Assessment, Bilingual, Level, Registration, Surface
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -98,8 +97,11 @@ def assessment_page(
         basis=wording.basis(assessment),
         parts=[(*words, marks[name]) for name, words in wording.PARTS.items() if name in marks],
         pose=_pose(assessment.registration),
-        remarks=_remarks(assessment.remarks),
-        copy_picture=data_uri(albedo_picture(copy)),
+        remarks=remark_rows(assessment.remarks),
+        sheets=[
+            ("copy", Bilingual("臨作", "Copy"), data_uri(albedo_picture(copy))),
+            ("master", Bilingual("範字", "Master"), data_uri(albedo_picture(master))),
+        ],
         pictures=_side_by_side(copy, master),
         overlay=_overlay(assessment.registration, master),
         # each once: copy and master mostly share theirs
@@ -189,58 +191,6 @@ def _pose(registration: Registration) -> list[tuple[Bilingual, str, Bilingual]]:
         (name, shown, none if abs(value) < still else plus if value > 0 else minus)
         for name, value, shown, still, plus, minus, none in facts
     ]
-
-
-def _remarks(remarks: Sequence[Remark]) -> list[dict[str, Any]]:
-    """Worst first, numbered, with the region as CSS percentages."""
-    ordered = sorted(remarks, key=lambda remark: -remark.severity)
-    taken: list[tuple[float, float]] = []
-    return [
-        {
-            "number": number,
-            "kind": wording.kind_name(remark.kind),
-            "text": Bilingual(remark.zh, remark.en),
-            "size": wording.with_unit(remark.size, remark.unit),
-            "box": None if remark.outline else _box(remark.region),
-            "lines": _svg_outline(remark, taken),
-        }
-        for number, remark in enumerate(ordered, start=1)
-    ]
-
-
-def _svg_outline(remark: Remark, taken: list[tuple[float, float]]) -> dict[str, Any] | None:
-    """A remark's outline as points of an SVG of 1000 by 1000, and the position of its number.
-
-    taken: positions of other numbers; this one is added. A stroke that is missing is drawn dashed: it shows
-    where it should be.
-    """
-    if not remark.outline:
-        return None
-    lines = [1000 * np.clip(np.array(line, float), 0, 1) for line in remark.outline]
-    at = _number_position(lines[0], taken)
-    taken.append(at)
-    return {
-        "points": [" ".join(f"{x:.0f},{y:.0f}" for x, y in line) for line in lines if len(line) > 1],
-        "dots": [(f"{line[0][0]:.0f}", f"{line[0][1]:.0f}") for line in lines if len(line) == 1],
-        "dashed": remark.kind == "missing",
-        "left": at[0] / 10,
-        "top": at[1] / 10,
-    }
-
-
-def _number_position(line: FloatArray, taken: list[tuple[float, float]]) -> tuple[float, float]:
-    """The point of a line nearest its middle on which no number stands, or the one farthest from all."""
-    order = np.argsort(np.abs(np.arange(len(line)) - len(line) // 2), kind="stable")
-    away = [min((float(np.hypot(*(line[k] - other))) for other in taken), default=np.inf) for k in order]
-    best = next((n for n, distance in enumerate(away) if distance > 75), int(np.argmax(away)))
-    return float(line[order[best]][0]), float(line[order[best]][1])
-
-
-def _box(region: tuple[float, float, float, float] | None) -> dict[str, float] | None:
-    if region is None:
-        return None
-    x0, y0, x1, y1 = (float(np.clip(v, 0, 1)) for v in region)
-    return {"left": 100 * x0, "top": 100 * y0, "width": 100 * (x1 - x0), "height": 100 * (y1 - y0)}
 
 
 def _side_by_side(copy: Surface, master: Surface) -> list[tuple[CaptionedPicture, CaptionedPicture]]:

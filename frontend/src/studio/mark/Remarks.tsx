@@ -1,89 +1,82 @@
-// The numbered remarks, each with the strokes it is about drawn on the copy.
+// The numbered remarks, each with the strokes it speaks of in the master and in the copy, side by side.
 
-import { useState } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import { localize } from "../../i18n";
 import { t } from "../../i18n/studio";
-import type { Remark } from "../../types";
-import { placeBadges, remarkBounds } from "./badges";
+import type { Remark, Work, WorkCard } from "../../types";
+import { get } from "../../api";
+import { useLoaded } from "../../ui";
+import { RemarkSheet } from "./RemarkSheet";
 
-export function Remarks({ remarks, picture }: { remarks: Remark[]; picture: string | null }) {
+type Props = { remarks: Remark[]; picture: string | null; work: WorkCard };
+
+export function Remarks({ remarks, picture, work }: Props) {
   const [pointed, setPointed] = useState<number | null>(null);
   const [pinned, setPinned] = useState<number | null>(null);
+  const list = useRef<HTMLOListElement>(null);
   const active = pointed ?? pinned;
-  if (!remarks.length)
-    return (
-      <div class="remarks">
-        {picture && <CopySheet {...{ remarks, picture, active, onPoint: setPointed }} />}
-        <p>{t("noRemarks")}</p>
-      </div>
-    );
+  const toggle = (k: number) => setPinned(pinned === k ? null : k);
+  const fromSheet = (k: number) => {
+    toggle(k);
+    // the list is below the sheets on a phone, and may be out of sight
+    list.current?.children[k]?.scrollIntoView({ block: "nearest", behavior: "smooth" });
+  };
+  const shared = { active, onPoint: setPointed, onPin: fromSheet };
   return (
     <div class="remarks">
-      {picture && <CopySheet {...{ remarks, picture, active, onPoint: setPointed }} />}
-      <ol class="remark-list">
-        {remarks.map((remark, k) => (
-          <li key={k}>
-            <button
-              type="button"
-              class="remark"
-              aria-pressed={pinned === k}
-              onPointerEnter={(event) => event.pointerType !== "touch" && setPointed(k)}
-              onPointerLeave={() => setPointed(null)}
-              onFocus={() => setPointed(k)}
-              onBlur={() => setPointed(null)}
-              onClick={() => setPinned(pinned === k ? null : k)}
-            >
-              <span class="remark-number">{k + 1}</span>
-              <span>
-                {remark.name && <b>{localize(remark.name)}</b>}
-                {localize(remark)}
-              </span>
-            </button>
-          </li>
-        ))}
-      </ol>
+      <div class="remark-sheets">
+        <MasterSheet work={work} remarks={remarks} {...shared} />
+        {picture && <RemarkSheet title={t("copy")} picture={picture} alt={t("copyAlt")} notes={remarks.map(onCopy)} {...shared} />}
+      </div>
+      {remarks.length ? (
+        <ol class="remark-list" ref={list}>
+          {remarks.map((remark, k) => (
+            <RemarkLine key={k} remark={remark} number={k + 1} on={active === k} pinned={pinned === k} onPoint={(on) => setPointed(on ? k : null)} onPin={() => toggle(k)} />
+          ))}
+        </ol>
+      ) : (
+        <p>{t("noRemarks")}</p>
+      )}
     </div>
   );
 }
 
-type SheetProps = { remarks: Remark[]; picture: string; active: number | null; onPoint: (k: number | null) => void };
+type LineProps = { remark: Remark; number: number; on: boolean; pinned: boolean; onPoint: (on: boolean) => void; onPin: () => void };
 
-function CopySheet({ remarks, picture, active, onPoint }: SheetProps) {
-  const positions = placeBadges(remarks);
+function RemarkLine({ remark, number, on, pinned, onPoint, onPin }: LineProps) {
   return (
-    <figure class="sheet-figure">
-      <div class={`sheet${active === null ? "" : " pointing"}`}>
-        <img src={picture} alt={t("copyAlt")} />
-        <svg viewBox="0 0 1 1" aria-hidden="true">
-          {remarks.map((remark, k) => (
-            <Outline key={k} remark={remark} on={active === k} />
-          ))}
-          {positions.map((at, k) => (
-            <g key={k} class={`badge${active === k ? " on" : ""}`} onPointerEnter={() => onPoint(k)} onPointerLeave={() => onPoint(null)}>
-              <circle cx={at.x} cy={at.y} r="0.034" />
-              <text x={at.x} y={at.y}>
-                {k + 1}
-              </text>
-            </g>
-          ))}
-        </svg>
-      </div>
-    </figure>
+    <li>
+      <button
+        type="button"
+        class={`remark${on ? " on" : ""}`}
+        aria-pressed={pinned}
+        onPointerEnter={(event) => event.pointerType !== "touch" && onPoint(true)}
+        onPointerLeave={() => onPoint(false)}
+        onFocus={(event) => event.currentTarget.matches(":focus-visible") && onPoint(true)}
+        onBlur={() => onPoint(false)}
+        onClick={onPin}
+      >
+        <span class="remark-number">{number}</span>
+        <span>
+          {remark.name && <b>{localize(remark.name)}</b>}
+          {localize(remark)}
+        </span>
+      </button>
+    </li>
   );
 }
 
-function Outline({ remark, on }: { remark: Remark; on: boolean }) {
-  const state = `outline${on ? " on" : ""}`;
-  if (remark.outline.length)
-    return (
-      <g class={state}>
-        {remark.outline.map((line, k) => (
-          <polyline key={k} points={line.map(([x, y]) => `${x},${y}`).join(" ")} vector-effect="non-scaling-stroke" />
-        ))}
-      </g>
-    );
-  const box = remarkBounds(remark) ?? [0.02, 0.02, 0.98, 0.98];
-  return (
-    <rect class={`${state} region`} x={box[0]} y={box[1]} width={box[2] - box[0]} height={box[3] - box[1]} vector-effect="non-scaling-stroke" />
-  );
+type SheetProps = { work: WorkCard; remarks: Remark[]; active: number | null; onPoint: (k: number | null) => void; onPin: (k: number) => void };
+
+function MasterSheet({ work, remarks, ...shared }: SheetProps) {
+  const loaded = useLoaded((signal) => get<Work>(`api/works/${encodeURIComponent(work.id)}`, signal), work.id);
+  const size = { width: work.width, height: work.height };
+  return <RemarkSheet title={t("master")} picture={loaded.value?.files.picture ?? work.thumb} alt={localize(work.title)} size={size} notes={remarks.map(onMaster)} {...shared} />;
 }
+
+const onCopy = (remark: Remark) => ({ lines: remark.outline, box: remark.outline.length ? null : (remark.region ?? WHOLE), absent: remark.kind === "missing" });
+
+/** What a remark speaks of in the master; nothing where that is not known, as in older marks, or not there. */
+const onMaster = (remark: Remark) => (remark.master_outline?.length ? { lines: remark.master_outline, box: null, absent: false } : null);
+
+const WHOLE = [0, 0, 1, 1] as const;

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { writtenAfter } from "../../src/gallery/StrokeOrder";
+import { writtenAfter } from "../../src/strokes/StrokeOrder";
 
 test("strokes are written one after another, with a pause between them", () => {
   const lengths = [1.1, 0.55]; // a second, and half of one

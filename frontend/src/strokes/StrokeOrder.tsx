@@ -3,13 +3,22 @@
 import { useEffect, useId, useState } from "preact/hooks";
 import { get } from "../api";
 import { localize } from "../i18n";
-import { t } from "../i18n/gallery";
-import type { CharacterStrokes } from "../types";
+import { useSize } from "../ui";
+import { t } from "../i18n/strokes";
+import type { CharacterStrokes, WorkCard } from "../types";
 import { Icon } from "../viewer/Icon";
+import { placeNumbers } from "./numbers";
+import "./strokes.css";
 
 const SPEED = 1.1; // sides of the square in a second
 const PAUSE = 0.25; // seconds between strokes
 const BRUSH = 0.17; // width of the line that fills an outline, in sides of the square
+const NUMBER = 10; // radius of a number in pixels
+const UNSEEN = 240; // pixels, until the square is measured
+
+/** Whether an order of strokes is shown beside a work: in other scripts characters are not written as copybooks of today teach. */
+export const hasStrokeOrder = (work: Pick<WorkCard, "script" | "character">): boolean =>
+  (work.script === "regular" || work.script === "running") && [...work.character].length === 1;
 
 const lengthOf = (line: readonly [number, number][]): number =>
   line.slice(1).reduce((sum, [x, y], k) => sum + Math.hypot(x - line[k]![0], y - line[k]![1]), 0);
@@ -44,6 +53,7 @@ function Strokes({ character: { character, strokes } }: { character: CharacterSt
   const [share, setShare] = useState(0); // of the next one
   const [playing, setPlaying] = useState(false);
   const [numbered, setNumbered] = useState(false);
+  const [square, { width: side }] = useSize();
   useEffect(() => {
     if (!playing) return;
     const lengths = strokes.map((stroke) => lengthOf(stroke.centre_line));
@@ -59,13 +69,19 @@ function Strokes({ character: { character, strokes } }: { character: CharacterSt
     return () => cancelAnimationFrame(frame);
   }, [playing, strokes]);
   const show = (n: number) => (setPlaying(false), setShare(0), setCount(Math.min(Math.max(n, 0), strokes.length)));
+  const back = () => show(share > 0 ? count : count - 1);
+  const play = () => (playing ? show(count) : setPlaying(true));
+  const step = (event: KeyboardEvent) => {
+    const take = { ArrowLeft: back, ArrowRight: () => show(count + 1) }[event.key];
+    if (take) (event.preventDefault(), take());
+  };
   const next = strokes[count];
   const now = share > 0 ? count : count - 1;
   const name = strokes[now] && t("strokeNow", { k: now + 1, name: localize(strokes[now]!.name) });
   return (
-    <section class="stroke-order">
+    <section class="stroke-order" onKeyDown={step}>
       <h2>{t("strokeOrder")}</h2>
-      <svg viewBox="0 0 1 1" role="img" aria-label={`${t("strokeOrder")}: ${character}`}>
+      <svg viewBox="0 0 1 1" role="img" aria-label={`${t("strokeOrder")}: ${character}`} ref={square} onClick={play}>
         <path class="cross" d="M 0 .5 H 1 M .5 0 V 1 M 0 0 L 1 1 M 1 0 L 0 1" />
         {strokes.map((stroke, k) => <path key={k} class={k < count ? (k === now && (playing || count < strokes.length) ? "now" : "written") : "to-come"} d={stroke.path} />)}
         {next && share > 0 && (
@@ -75,12 +91,12 @@ function Strokes({ character: { character, strokes } }: { character: CharacterSt
               stroke-width={BRUSH} pathLength={1} stroke-dasharray="1 2" stroke-dashoffset={1 - share} />
           </>
         )}
-        {numbered && strokes.map((stroke, k) => <Badge key={k} at={stroke.centre_line[0]!} number={k + 1} />)}
+        {numbered && <Numbers lines={strokes.map((stroke) => stroke.centre_line)} radius={NUMBER / (side || UNSEEN)} />}
       </svg>
       <p class="stroke-name" aria-live={playing ? "off" : "polite"}>{name || "\u00a0"}</p>
       <div class="stroke-buttons">
-        <button type="button" class="quiet" aria-label={t("strokeBack")} title={t("strokeBack")} disabled={count === 0} onClick={() => show(share > 0 ? count : count - 1)}><Icon name="previous" /></button>
-        <button type="button" onClick={() => (playing ? show(count) : setPlaying(true))}>{t(playing ? "stopStrokes" : "playStrokes")}</button>
+        <button type="button" class="quiet" aria-label={t("strokeBack")} title={t("strokeBack")} disabled={count === 0} onClick={back}><Icon name="previous" /></button>
+        <button type="button" onClick={play}>{t(playing ? "stopStrokes" : "playStrokes")}</button>
         <button type="button" class="quiet" aria-label={t("strokeOn")} title={t("strokeOn")} disabled={count === strokes.length} onClick={() => show(count + 1)}><Icon name="next" /></button>
         <label><input type="checkbox" checked={numbered} onChange={(event) => setNumbered(event.currentTarget.checked)} />{t("strokeNumbers")}</label>
       </div>
@@ -89,11 +105,17 @@ function Strokes({ character: { character, strokes } }: { character: CharacterSt
   );
 }
 
-function Badge({ at: [x, y], number }: { at: [number, number]; number: number }) {
+function Numbers({ lines, radius }: { lines: [number, number][][]; radius: number }) {
+  const places = placeNumbers(lines.map((line) => ({ lines: [line] })), { width: 1, height: 1, radius, from: "start" });
   return (
-    <g class="badge">
-      <circle cx={x} cy={y} r={0.04} />
-      <text x={x} y={y + 0.019} text-anchor="middle" font-size={0.055}>{number}</text>
-    </g>
+    <>
+      {places.map(({ x, y, tether }, k) => (
+        <g key={k} class="stroke-number">
+          {tether && <path d={`M${tether[0]} ${tether[1]}L${x} ${y}`} />}
+          <circle cx={x} cy={y} r={radius} />
+          <text x={x} y={y} font-size={1.3 * radius}>{k + 1}</text>
+        </g>
+      ))}
+    </>
   );
 }
