@@ -17,7 +17,7 @@ import numpy as np
 
 import rumu
 from rumu.gallery.search import MasterIndex, find, index_masters
-from rumu_lab.experiments.e3c import Copy, read_copies
+from rumu_lab.experiments.marked_copies import Copy, read_copies
 
 SETS = ("regular", "running-lantingxu", "cursive")
 MANY = 8000

@@ -28,7 +28,7 @@ from rumu.executors import in_order
 from rumu.gallery.masters import Master, read_masters
 from rumu.gallery.starter import starter_works
 from rumu.pipeline import measure
-from rumu_lab.experiments.e3c import read_copies
+from rumu_lab.experiments.marked_copies import read_copies
 from rumu_lab.experiments.measuring import master_at
 from rumu_lab.simulation import faults
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor, picture_of

@@ -9,7 +9,6 @@ differs by more than 1e-6 or a remark by a letter. `--write` records anew, for a
 from __future__ import annotations
 
 import argparse
-import csv
 import gzip
 import hashlib
 import json
@@ -21,6 +20,8 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
+
+from rumu_lab.experiments.marked_copies import read_copies
 
 ROOT = Path(__file__).parents[1]
 RECORD = Path(__file__).with_name("recorded_marks.json.gz")
@@ -35,11 +36,10 @@ Figures = dict[str, Any]
 def jobs() -> Iterator[tuple[str, Path, list[tuple[str, Path]], str | None]]:
     """(key of the master, its picture, [(key, picture) of its copies], script) of every master."""
     copies = defaultdict(list)
-    with (DATA / "e3c" / "scores.csv").open(encoding="utf-8", newline="") as stream:
-        for row in csv.DictReader(stream):
-            copies[row["template"]].append((row["image"], DATA / "e3c" / row["image"]))
+    for copy in read_copies(DATA):
+        copies[copy.template].append((f"copies/{copy.image.name}", copy.image))
     for template, found in copies.items():
-        yield template, DATA / "e3c" / template, found, None
+        yield f"templates/{template.name}", template, found, None
     works = {work["id"]: work for work in json.loads((STARTER / "works.json").read_text("utf-8"))}
     for sample in json.loads((STARTER / "samples.json").read_text("utf-8")):
         work = works[sample["work"]]

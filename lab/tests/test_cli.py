@@ -15,7 +15,7 @@ from rumu_lab.experiments.findings import Findings
 @pytest.fixture
 def data(tmp_path) -> Path:
     """A data folder in which nothing is missing, and nothing is in."""
-    for name in ("e3c/scores.csv", "masters/regular/labels.csv"):
+    for name in ("e3c/scores.csv", "e3c-more/scores.csv", "masters/regular/labels.csv"):
         (tmp_path / "data" / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / "data" / name).touch()
     return tmp_path / "data"

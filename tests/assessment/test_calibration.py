@@ -248,7 +248,7 @@ def test_levels_by_name():
 
 
 def test_all_four_levels_are_in_use_on_human_marks(data):
-    from rumu_lab.experiments.e3c import read_copies
+    from rumu_lab.experiments.marked_copies import read_copies
 
     levels = [level_of(copy.mark) for copy in read_copies(data)]
     shares = {level: levels.count(level) / len(levels) for level in (*CUT_OFFS["panel"], "bad")}
@@ -294,7 +294,7 @@ def test_a_calibration_comes_back_from_its_file(tmp_path):
 
 
 def test_it_says_what_it_was_fitted_on():
-    for word in ("652", "E3C", "2023", "mean times ten"):
+    for word in ("810", "E3C", "2023", "mean times ten"):
         assert word in panel().provenance
 
 

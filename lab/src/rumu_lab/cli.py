@@ -18,6 +18,7 @@ Name = Literal[
     "runtime",
     "pictures",
     "e3c",
+    "nested",
     "human",
     "levels",
     "severities",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from rumu_lab.baselines.methods import METHODS
 from rumu_lab.experiments.grading import OURS, OWN, Grades, GradingTask
+from rumu_lab.experiments.marked_copies import FOLDERS
 from rumu_lab.experiments.run_settings import RunSettings
 
 
@@ -34,17 +36,17 @@ def graded():
 
 @pytest.fixture
 def e3c_data(tmp_path) -> Path:
-    """scores.csv with the characters of the quick subset; the pictures are not there."""
-    folder = tmp_path / "data" / "e3c"
-    folder.mkdir(parents=True)
+    """Both tables with the characters of the quick subset; the pictures are not there."""
     rng = np.random.default_rng(3)
-    rows = ["image,character,template,mean_score,n_raters,ratings"]
-    for character in "十合得":
-        for k in range(8):
+    for folder, characters in zip(FOLDERS, ("十得", "合"), strict=True):
+        rows = ["image,character,template,mean_score,n_raters,ratings"]
+        for character, k in product(characters, range(8)):
             ratings = np.clip(np.round(2 + k + rng.normal(size=4)), 1, 10)
             told = " ".join(f"{r:.0f}" for r in ratings)
             rows.append(
                 f"copies/{character}{k}.png,{character},templates/{character}.png,{ratings.mean()},4,{told}"
             )
-    (folder / "scores.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+        table = tmp_path / "data" / folder / "scores.csv"
+        table.parent.mkdir(parents=True)
+        table.write_text("\n".join(rows) + "\n", encoding="utf-8")
     return tmp_path / "data"

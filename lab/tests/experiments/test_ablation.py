@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rumu.assessment import fitting
 from rumu.assessment.features import FEATURE_GROUPS, FEATURE_NAMES
-from rumu.assessment.fitting import WEIGHED_FEATURES
 from rumu_lab.experiments import ablation, variants
-from rumu_lab.experiments.e3c import Copy, HeldOutMarks, MeasuredCopy
+from rumu_lab.experiments.e3c import HeldOutMarks, MeasuredCopy
 from rumu_lab.experiments.grading import Grades
+from rumu_lab.experiments.marked_copies import Copy
 from rumu_lab.experiments.severities import starter_subjects
 
 CHARACTERS = np.repeat([f"c{k}" for k in range(12)], 10)
@@ -74,12 +75,11 @@ def held_out() -> HeldOutMarks:
 
 def test_the_groups_are_those_of_the_code():
     found = ablation.group_variants()
-    assert found[ablation.WHOLE] == WEIGHED_FEATURES
-    for group, names in FEATURE_GROUPS.items():
-        used = [name for name in names if name in WEIGHED_FEATURES]
-        assert (f"{group} alone" in found) == bool(used)
-        if used:
-            assert not set(found[f"without {group}"]) & set(names)
+    assert found[ablation.WHOLE] == fitting.WHOLE
+    for group in FEATURE_GROUPS:
+        assert (f"{group} alone" in found) == (group in fitting.WHOLE)
+        if group in fitting.WHOLE:
+            assert set(found[f"without {group}"]) == set(fitting.WHOLE) - {group}
 
 
 def test_the_group_that_carries_the_marks_is_missed(held_out, quick):
@@ -93,7 +93,7 @@ def test_the_group_that_carries_the_marks_is_missed(held_out, quick):
 def test_a_character_s_own_marks_do_not_count(held_out):
     own = held_out.characters == "c2"
     moved = np.where(own, held_out.panel[::-1], held_out.panel)
-    only = {ablation.WHOLE: WEIGHED_FEATURES}
+    only = {ablation.WHOLE: fitting.WHOLE}
     before = ablation.group_marks(held_out, chosen=only)[ablation.WHOLE]
     after = ablation.group_marks(replace(held_out, panel=moved), chosen=only)[ablation.WHOLE]
     np.testing.assert_allclose(after[own], before[own])

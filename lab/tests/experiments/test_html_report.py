@@ -42,7 +42,7 @@ def test_the_page_needs_nothing_and_hides_nothing(results):
     assert not re.findall(r"""(?:src|href)=["'](?!data:|#)""", text)
     assert "<script" not in text and "@import" not in text
     assert text.count(results.protocol.sha256) > len(made.figures) / 2  # on the page and under every table
-    assert set(made.missing) == {"e3c", "levels", "ablation", "remarks", "identity", "pictures"}
+    assert set(made.missing) == {"e3c", "nested", "levels", "ablation", "remarks", "identity", "pictures"}
     assert all(f"<code>{name}</code>" in text for name in made.missing)
     assert "no result" in text and "小樣快跑" in text
     assert "none &lt;above&gt; 40" in text

@@ -6,9 +6,9 @@ import pytest
 
 from rumu.errors import CalibrationError
 from rumu_lab.experiments import human_marks
-from rumu_lab.experiments.e3c import chosen_copies
 from rumu_lab.experiments.grading import Grades
 from rumu_lab.experiments.human_marks import OWN_SCALE, SHARED
+from rumu_lab.experiments.marked_copies import chosen_copies
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rumu_lab.experiments import human_marks, levels
-from rumu_lab.experiments.e3c import chosen_copies
 from rumu_lab.experiments.levels import DEGREES
+from rumu_lab.experiments.marked_copies import chosen_copies
 
 MIDDLES = dict(zip(DEGREES, (0.2, 0.48, 0.62, 0.85), strict=True))
 

@@ -9,7 +9,7 @@ from PIL import Image
 
 from rumu.errors import OutputError
 from rumu_lab.experiments import pictures
-from rumu_lab.experiments.e3c import Copy
+from rumu_lab.experiments.marked_copies import Copy
 
 CUTS = {"excellent": 69.0, "good": 56.0, "medium": 41.0}
 

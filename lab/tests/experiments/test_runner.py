@@ -10,6 +10,7 @@ import pytest
 
 from rumu_lab.experiments import runner
 from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.marked_copies import TABLES
 from rumu_lab.experiments.runner import EXPERIMENTS
 
 
@@ -24,8 +25,9 @@ def test_what_an_experiment_needs(quick, tmp_path):
     human, runtime, e3c = (runner.find(name) for name in ("human", "runtime", "e3c"))
     assert runner.why_not(runtime, quick) is None
     assert "scores.csv" in runner.why_not(human, quick)
-    (tmp_path / "data" / "e3c").mkdir(parents=True)
-    (tmp_path / "data" / "e3c" / "scores.csv").touch()
+    for table in TABLES:
+        (tmp_path / "data" / table).parent.mkdir(parents=True)
+        (tmp_path / "data" / table).touch()
     assert runner.why_not(human, quick) is None
     assert runner.why_not(e3c, quick) == "not in the quick subset"
     assert runner.why_not(e3c, replace(quick, quick=False)) is None

@@ -26,6 +26,26 @@ def test_kappa():
     assert np.isnan(s.weighted_kappa([2, 2], [2, 2], levels=4))
 
 
+def test_quick_kappa_is_kappa():
+    rng = np.random.default_rng(0)
+    truth = rng.integers(0, 4, 60)
+    given = np.clip(truth + rng.integers(-1, 2, 60), 0, 3)
+    assert s.quick_kappa(truth, given) == pytest.approx(s.weighted_kappa(truth, given, levels=4))
+    assert s.quick_kappa(np.ones(3, int), np.ones(3, int)) == 0.0
+
+
+def test_cuts_are_where_levels_agree_and_leave_no_level_empty():
+    rng = np.random.default_rng(1)
+    truth = np.repeat([0, 1, 2, 3], (30, 80, 60, 30))
+    scores = 40.0 + 8.0 * truth + rng.normal(0, 2.0, len(truth))
+    cuts = s.choose_cuts(scores, truth)
+    np.testing.assert_allclose(cuts, (44, 52, 60), atol=2)
+    unsure = np.full(len(truth), 50.0) + rng.normal(0, 3.0, len(truth))
+    shares = np.bincount(s.level_numbers(unsure, s.choose_cuts(unsure, truth)), minlength=4) / len(truth)
+    assert shares.min() >= 0.05
+    np.testing.assert_array_equal(s.level_numbers(np.array([43.9, 44.0, 99.0]), (44, 52, 60)), (0, 1, 3))
+
+
 def test_whole_clusters_are_drawn():
     """Two clusters that differ: single values would be a hundred witnesses, clusters are only two."""
     values = np.repeat([0.0, 1.0], 50)

@@ -107,15 +107,23 @@ class Scale:
 
     def weighted_sum(self, vector: FloatArray) -> float:
         """The sum of a feature vector, (len(FEATURE_NAMES),), before it is anchored; without bounds."""
+        return float(self.weighted_sums(vector[None])[0])
+
+    def weighted_sums(self, vectors: FloatArray) -> FloatArray:
+        """(N,) the sums of N feature vectors."""
         chosen = [_INDEX[name] for name in self.names]
-        z = (vector[chosen] - np.array(self.centre)) / np.array(self.spread)
+        z = (vectors[:, chosen] - np.array(self.centre)) / np.array(self.spread)
         far = np.where([name in RESIDUALS for name in self.names], np.inf, MAX_Z)
-        return float(self.mean + np.clip(z, -far, far) @ np.array(self.weights))
+        return np.asarray(self.mean + np.clip(z, -far, far) @ np.array(self.weights))
 
     def read(self, features: Features) -> float:
         """The mark, 0-100."""
+        return float(self.read_all(features.vector()[None])[0])
+
+    def read_all(self, vectors: FloatArray) -> FloatArray:
+        """(N,) the marks of N feature vectors."""
         sums, marks = zip(*self.anchors, strict=True)
-        return float(np.interp(self.weighted_sum(features.vector()), sums, marks))
+        return np.asarray(np.interp(self.weighted_sums(vectors), sums, marks))
 
 
 _INDEX = {name: k for k, name in enumerate(FEATURE_NAMES)}

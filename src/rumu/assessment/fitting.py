@@ -12,21 +12,16 @@ from rumu.assessment.features import FEATURE_GROUPS, FEATURE_NAMES, SIGNED_FEATU
 from rumu.errors import CalibrationError
 from rumu.values import BoolArray, FloatArray
 
-WEIGHED_FEATURES: tuple[str, ...] = tuple(
-    name
-    for group in ("plane", "whole", "edge_amount", "edge_sense", "fullness")
-    for name in FEATURE_GROUPS[group]
-)
-"""The features that the mark rests on; height and direction are in the distances of the whole."""
-PARTS: Mapping[str, tuple[str, ...]] = {
-    "structure": FEATURE_GROUPS["plane"],
-    "brushwork": tuple(
-        name
-        for group in ("height", "direction", "edge_amount", "edge_sense")
-        for name in FEATURE_GROUPS[group]
-    ),
+Evidence = Mapping[str, float]
+"""Groups of features that a scale rests on, each with its shrinkage, in units of one standardised copy."""
+
+WHOLE: Evidence = dict.fromkeys(("plane", "whole", "edge_amount", "edge_sense", "fullness"), 500.0)
+"""What the mark rests on; height and direction are in the distances of the whole."""
+PARTS: Mapping[str, Evidence] = {
+    "structure": {"plane": 500.0},
+    "brushwork": dict.fromkeys(("height", "direction", "edge_amount", "edge_sense"), 500.0),
 }
-"""The features that each part of the mark rests on."""
+"""What each part of the mark rests on."""
 FEWEST = 8
 """Copies of one master from which their mean is trusted."""
 OTHER_CHARACTER = 10.0
@@ -41,7 +36,7 @@ def fit_scale(
     groups: Sequence[str],
     *,
     names: tuple[str, ...],
-    shrinkage: float = 500.0,
+    shrinkage: float | Sequence[float] = 500.0,
 ) -> Scale:
     """Weights from what differs within a master's copies, with what differs between masters as noise.
 
@@ -49,7 +44,7 @@ def fit_scale(
     Copies of one master differ in how well they are written; how they differ on the whole from another
     master's copies says more of the master, so a weight pays for the scatter of the masters' means. Ridge,
     with weights that are not positive except for SIGNED_FEATURES ones.
-    shrinkage: in units of one standardised copy; strong, since characters are few.
+    shrinkage: of all features, or one for each of the names; strong, since characters are few.
     Raises CalibrationError for fewer than 20 marks.
     """
     if len(marks) < 20:
@@ -59,10 +54,24 @@ def fit_scale(
     z = (chosen - centre) / spread
     within, left = _subtract_group_means(z, groups), _subtract_group_means(np.asarray(marks, float), groups)
     n = len(marks)
-    normal = within.T @ within / n + _scatter(z, groups) + shrinkage / n * np.eye(len(names))
+    normal = within.T @ within / n + _scatter(z, groups) + np.diag(np.broadcast_to(shrinkage, len(names)) / n)
     weights = _signed_least_squares(normal, within.T @ left / n, free=np.isin(names, SIGNED_FEATURES))
     numbers = [tuple(map(float, values)) for values in (centre, spread, weights)]
     return Scale(names, numbers[0], numbers[1], numbers[2], mean=float(np.mean(marks)))
+
+
+def fit_evidence(
+    vectors: FloatArray, marks: FloatArray, groups: Sequence[str], *, evidence: Evidence
+) -> Scale:
+    """`fit_scale` on groups of features, each with its own shrinkage."""
+    names = names_of(evidence)
+    shrinkage = [evidence[group] for group in evidence for _ in FEATURE_GROUPS[group]]
+    return fit_scale(vectors, marks, groups, names=names, shrinkage=shrinkage)
+
+
+def names_of(evidence: Evidence) -> tuple[str, ...]:
+    """The features of all its groups."""
+    return tuple(name for group in evidence for name in FEATURE_GROUPS[group])
 
 
 def _scatter(z: FloatArray, groups: Sequence[str]) -> FloatArray:

@@ -14,7 +14,7 @@ import numpy as np
 
 from rumu.assessment.calibration import Calibration, Charges, Scale
 from rumu.assessment.features import Features, Residuals
-from rumu.assessment.fitting import PARTS, WEIGHED_FEATURES, anchor_scale, fit_scale
+from rumu.assessment.fitting import PARTS, WHOLE, Evidence, anchor_scale, fit_evidence
 from rumu.errors import CalibrationError
 from rumu.values import BoolArray, FloatArray, IntArray
 
@@ -264,13 +264,13 @@ def _fit_weights(known: MarkedCopies, settings: TeacherSettings) -> Calibration:
     charged = known.marks + [Charges().all_points(f) for f in known.features]
     low, high = np.clip(np.percentile(known.marks, settings.reach), settings.gap, 100.0 - settings.gap)
 
-    def fitted(names: tuple[str, ...]) -> Scale:
-        scale = fit_scale(vectors, charged, known.masters, names=names)
+    def fitted(evidence: Evidence) -> Scale:
+        scale = fit_evidence(vectors, charged, known.masters, evidence=evidence)
         reach = (float(low), min(float(high), scale.weighted_sum(_PERFECT.vector()) - settings.gap))
         return anchor_scale(scale, reach=reach)
 
-    parts = {part: fitted(names) for part, names in PARTS.items()}
-    return Calibration(fitted(WEIGHED_FEATURES), parts, (0.0, 0.0), "")
+    parts = {part: fitted(evidence) for part, evidence in PARTS.items()}
+    return Calibration(fitted(WHOLE), parts, (0.0, 0.0), "")
 
 
 def _assign_folds(masters: Sequence[str], settings: TeacherSettings) -> IntArray:

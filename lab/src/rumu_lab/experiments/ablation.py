@@ -15,11 +15,14 @@ from typing import Any
 
 import numpy as np
 
+from rumu.assessment import fitting
+from rumu.assessment.fitting import Evidence
 from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments.agreement import GradedMethod, held_out, raw_grades, side_by_side
-from rumu_lab.experiments.e3c import HeldOutMarks, chosen_copies, held_out_marks
+from rumu_lab.experiments.e3c import HeldOutMarks, held_out_marks
 from rumu_lab.experiments.findings import Cell, Column, Findings, Table
 from rumu_lab.experiments.grading import Grades, GradingTask
+from rumu_lab.experiments.marked_copies import chosen_copies
 from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.severities import Subject, key_of, starter_subjects, task_of
@@ -137,42 +140,35 @@ def _gain(
 # Groups of features left out of the mark, and alone.
 
 
-def group_variants() -> dict[str, tuple[str, ...]]:
-    """Name -> features weighed: all that the mark weighs, those without each group, each group alone.
+def group_variants() -> dict[str, Evidence]:
+    """Name -> evidence: all that the mark weighs, that without each group, each group alone.
 
-    Groups and names are read from the code, so a new group takes part by itself.
+    The groups are read from the code, so a new one takes part by itself.
     """
-    from rumu.assessment.features import FEATURE_GROUPS
-    from rumu.assessment.fitting import WEIGHED_FEATURES
-
-    found = {WHOLE: tuple(WEIGHED_FEATURES)}
-    used = {g: [n for n in names if n in WEIGHED_FEATURES] for g, names in FEATURE_GROUPS.items()}
-    for group, names in used.items():
-        rest = tuple(n for n in WEIGHED_FEATURES if n not in names)
-        if names and rest:
-            found[f"without {group}"] = rest
-    found |= {f"{group} alone": tuple(names) for group, names in used.items() if names}
-    return found
+    found: dict[str, Evidence] = {WHOLE: fitting.WHOLE}
+    for group in fitting.WHOLE:
+        rest = {name: shrinkage for name, shrinkage in fitting.WHOLE.items() if name != group}
+        found |= {f"without {group}": rest} if rest else {}
+    return found | {f"{group} alone": {group: fitting.WHOLE[group]} for group in fitting.WHOLE}
 
 
 def group_marks(
-    held_out: HeldOutMarks, *, chosen: Mapping[str, tuple[str, ...]] | None = None
+    held_out: HeldOutMarks, *, chosen: Mapping[str, Evidence] | None = None
 ) -> dict[str, FloatArray]:
     """Variant -> (N,) marks of copies whose character took no part in the fit; not anchored, no charges.
 
     chosen: some variants only.
     """
-    from rumu.assessment.fitting import fit_scale
-
-    evidence = np.array([m.features.vector() for m in held_out.measured if m.features])
+    vectors = np.array([m.features.vector() for m in held_out.measured if m.features])
     marks, characters = held_out.panel, held_out.characters
     found: dict[str, FloatArray] = {}
-    for name, weighed in (chosen or group_variants()).items():
+    for name, evidence in (chosen or group_variants()).items():
         given = np.empty(len(marks))
         for character in np.unique(characters):
             own = characters == character
-            scale = fit_scale(evidence[~own], marks[~own], characters[~own].tolist(), names=weighed)
-            given[own] = [scale.weighted_sum(row) for row in evidence[own]]
+            others = vectors[~own], marks[~own], characters[~own].tolist()
+            scale = fitting.fit_evidence(*others, evidence=evidence)
+            given[own] = [scale.weighted_sum(row) for row in vectors[own]]
         found[name] = np.clip(given, 0.0, 100.0)
     return found
 

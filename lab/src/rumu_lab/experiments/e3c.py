@@ -1,9 +1,8 @@
 """Agreement of the mark with people on learners' brush copies, whole characters held out.
 
-Data: the E3C copies with their marks (Sun et al., SRAFE, CAAI Trans. Intell. Technol. 2023); each copy was
-marked 1-10 by about ten people. The panel's mark is their mean times ten. Every figure on a copy comes from
-weights, anchors and interval fitted without any copy of its character. Nothing here is tuned on the copies
-it reports, but the choice of residuals and of their weights in the matching was made on these characters.
+Every figure on a copy comes from weights, anchors and interval fitted without any copy of its character.
+Nothing here is tuned on the copies it reports, but the choice of features and of their weights in the
+matching was made on these characters; `nested` takes the choice of features into the folds.
 """
 
 from __future__ import annotations
@@ -16,13 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from rumu.assessment.calibration import CUT_OFFS, Calibration, level_of
+from rumu.assessment.calibration import CUT_OFFS, Calibration, Scale, level_of
 from rumu.assessment.features import Features
-from rumu.assessment.fitting import PARTS, WEIGHED_FEATURES, anchor_scale, fit_scale
-from rumu.errors import CalibrationError, RefusedImage
+from rumu.assessment.fitting import PARTS, WHOLE, Evidence, anchor_scale, fit_evidence
+from rumu.errors import RefusedImage
 from rumu.pipeline import measure
 from rumu.values import FloatArray
 from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.marked_copies import Copy, read_copies
 from rumu_lab.experiments.measuring import master_at, measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 
@@ -30,17 +30,6 @@ FEWEST = 5
 """A rank correlation within a character is taken where it has at least this many copies."""
 TAILS = (9, 91)
 """Percentiles of held-out errors at which the 80 % interval ends: a little wide, since characters are few."""
-
-
-@dataclass(frozen=True, slots=True)
-class Copy:
-    """One row of scores.csv. mark: the panel's mark, 0-100; ratings: one a rater, 1-10."""
-
-    image: Path
-    template: Path
-    character: str
-    mark: float
-    ratings: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,42 +115,10 @@ def run(settings: RunSettings) -> Findings:
 
 
 def held_out_marks(settings: RunSettings) -> HeldOutMarks:
-    """Our marks of all copies under DATA/e3c, each character marked by what was fitted on the others."""
+    """Our marks of all marked copies, each character marked by what was fitted on the others."""
     copies = read_copies(settings.data)
     measured = measure_each(measure_copy, copies, settings)
     return hold_out_characters(measured, other_characters(copies))
-
-
-def read_copies(data: Path) -> list[Copy]:
-    """The rows of scores.csv, paths resolved."""
-    table = data / "e3c" / "scores.csv"
-    if not table.is_file():
-        raise CalibrationError(
-            f"{table}: expected the E3C marks here (set RUMU_DATA or --data), found nothing"
-        )
-    with table.open(encoding="utf-8", newline="") as stream:
-        return [
-            Copy(
-                table.parent / row["image"],
-                table.parent / row["template"],
-                row["character"],
-                10.0 * float(row["mean_score"]),
-                tuple(map(float, row["ratings"].split())),
-            )
-            for row in csv.DictReader(stream)
-        ]
-
-
-def chosen_copies(settings: RunSettings) -> list[Copy]:
-    """The marked copies; a few of a few characters when quick."""
-    copies = read_copies(settings.data)
-    if not settings.quick:
-        return copies
-    quick = settings.protocol.plain["quick"]
-    chosen = []
-    for character in quick["characters"]:
-        chosen += [c for c in copies if c.character == character][: quick["copies_of_each"]]
-    return chosen
 
 
 def measure_copy(copy: Copy) -> MeasuredCopy:
@@ -186,16 +143,20 @@ def other_characters(copies: list[Copy]) -> list[Features]:
     return [measure(master_at(b).surface, master_at(a)).features for a, b in chosen if a != b]
 
 
-def fit_panel(measured: Sequence[MeasuredCopy], others: list[Features]) -> Calibration:
+def fit_panel(
+    measured: Sequence[MeasuredCopy], others: list[Features], *, evidence: Evidence = WHOLE
+) -> Calibration:
     """Scale and parts from marked copies, anchored; the interval is left at zero width."""
     kept = [(m.features, m.copy) for m in measured if m.features]
-    evidence = np.array([features.vector() for features, _ in kept])
+    vectors = np.array([features.vector() for features, _ in kept])
     marks, characters = np.array([c.mark for _, c in kept]), [c.character for _, c in kept]
-    scale = fit_scale(evidence, marks, characters, names=WEIGHED_FEATURES)
-    parts = {part: fit_scale(evidence, marks, characters, names=names) for part, names in PARTS.items()}
+
+    def fitted(rests_on: Evidence) -> Scale:
+        return fit_evidence(vectors, marks, characters, evidence=rests_on)
+
     return Calibration(
-        scale=anchor_scale(scale, others=others),
-        parts={part: anchor_scale(scale) for part, scale in parts.items()},
+        scale=anchor_scale(fitted(evidence), others=others),
+        parts={part: anchor_scale(fitted(rests_on)) for part, rests_on in PARTS.items()},
         interval=(0.0, 0.0),
         provenance=f"{len(marks)} brush copies of {len(set(characters))} "
         "regular-script characters, each marked 1-10 by about ten people (E3C, Sun et al. 2023); "

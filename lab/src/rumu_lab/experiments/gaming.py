@@ -16,6 +16,7 @@ from typing import Any
 
 from rumu.gallery.starter import starter_works
 from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.marked_copies import read_templates
 from rumu_lab.experiments.measuring import master_at, measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.simulation.impostors import IMPOSTORS, impostor
@@ -109,7 +110,7 @@ def text(facts: Mapping[str, Any], *, masters: int) -> str:
 def trials(data: Path) -> Iterator[Trial]:
     """All trials: every kind of impostor of every master, and every other work in its place."""
     works = starter_works()
-    templates = sorted((data / "e3c" / "templates").glob("*.png"))
+    templates = read_templates(data)
     masters = [(w.path, w.id) for w in works] + [(t, f"template {t.stem}") for t in templates]
     for path, name in masters:
         for kind in IMPOSTORS:

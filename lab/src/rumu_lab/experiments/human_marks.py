@@ -20,9 +20,10 @@ from rumu_lab.experiments.agreement import (
     verdict,
     verdict_sentence,
 )
-from rumu_lab.experiments.e3c import Copy, chosen_copies, held_out_marks
+from rumu_lab.experiments.e3c import held_out_marks
 from rumu_lab.experiments.findings import Cell, Findings, Table
 from rumu_lab.experiments.grading import OURS, OWN, Grades, GradingTask, grade
+from rumu_lab.experiments.marked_copies import Copy, chosen_copies
 from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import Written

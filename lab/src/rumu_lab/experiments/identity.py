@@ -24,8 +24,8 @@ from rumu.errors import RefusedImage, RegistrationError
 from rumu.gallery.masters import Master, read_masters
 from rumu.pipeline import measure
 from rumu.values import FloatArray
-from rumu_lab.experiments.e3c import read_copies
 from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.marked_copies import read_copies
 from rumu_lab.experiments.measuring import master_at, measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 

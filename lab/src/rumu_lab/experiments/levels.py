@@ -17,9 +17,9 @@ from rumu.errors import CalibrationError
 from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments import human_marks
 from rumu_lab.experiments.agreement import CONSTANT, constant, held_out, raw_grades
-from rumu_lab.experiments.e3c import chosen_copies
 from rumu_lab.experiments.findings import Cell, Column, Findings, Table
 from rumu_lab.experiments.grading import OURS, Grades, GradingTask, grade
+from rumu_lab.experiments.marked_copies import chosen_copies
 from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import AtDegree

@@ -10,10 +10,10 @@ import numpy as np
 
 from rumu.errors import OutputError
 from rumu.values import Bilingual, Surface
-from rumu_lab.experiments.e3c import Copy, read_copies
 from rumu_lab.experiments.figures import sheet
 from rumu_lab.experiments.findings import Findings
 from rumu_lab.experiments.levels import DEGREES, level_number
+from rumu_lab.experiments.marked_copies import TABLES, Copy, read_copies
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.simulated_copies import AtDegree
 
@@ -107,7 +107,7 @@ def _figure_6(folder: Path, settings: RunSettings) -> CaptionedFile:
     from rumu import pipeline
     from rumu.gallery.starter import find_work
 
-    copies = read_copies(settings.data) if (settings.data / "e3c/scores.csv").is_file() else []
+    copies = read_copies(settings.data) if all((settings.data / t).is_file() for t in TABLES) else []
     chosen = four_levels(copies, settings.protocol.cut_offs)
     if chosen:
         template, examples = chosen

@@ -23,6 +23,7 @@ from rumu.errors import CalibrationError, RumuError, SurfaceError
 from rumu.pipeline import PreparedMaster
 from rumu.values import BoolArray, Remark
 from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.marked_copies import read_templates
 from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.simulation.faults import FaultyGlyph, apply
@@ -148,7 +149,7 @@ def standard_masters(data: Path) -> list[RemarkMaster]:
     """The thirty starter works, the E3C templates, and samples of steles."""
     from rumu.gallery.starter import starter_works
 
-    templates = sorted((data / "e3c" / "templates").glob("*.*"))
+    templates = read_templates(data)
     steles = sorted((data / "masters" / "regular").rglob("*.png"))
     if not templates or not steles:
         raise CalibrationError(f"{data}: expected e3c/templates and masters/regular here, found none")

@@ -30,9 +30,9 @@ def _silent(done: int, total: int) -> None:
 class RunSettings:
     """Where and how an experiment is run.
 
-    data: folder of the data sets, with e3c/ in it. out: folder for results; None stores nothing. quick: the
-    small subset. progress: called with how many of how many are done. executor: takes the work in place of
-    new processes.
+    data: folder of the data sets, with e3c/ and e3c-more/ in it. out: folder for results; None stores
+    nothing. quick: the small subset. progress: called with how many of how many are done. executor: takes
+    the work in place of new processes.
     """
 
     data: Path

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from rumu.errors import RumuError
 from rumu.values import Bilingual
 from rumu_lab.experiments.findings import Findings
+from rumu_lab.experiments.marked_copies import TABLES as _E3C
 from rumu_lab.experiments.results import origin_of, write_result
 from rumu_lab.experiments.run_settings import RunSettings, code_digest
 
@@ -33,11 +34,17 @@ class Experiment:
     alone: bool = False
 
 
-_E3C = ("e3c/scores.csv",)
 _MASTERS = ("masters/regular/labels.csv",)
 
 EXPERIMENTS: tuple[Experiment, ...] = (
     Experiment("e3c", "e3c", Bilingual("分數與真人評分", "The mark against people"), _E3C, in_quick=False),
+    Experiment(
+        "nested",
+        "nested",
+        Bilingual("誰也沒見過的字", "Characters that nobody has seen"),
+        _E3C,
+        in_quick=False,
+    ),
     Experiment(
         "human", "human_marks", Bilingual("表二、圖七：真人評分", "Table 2 and Figure 7: human marks"), _E3C
     ),

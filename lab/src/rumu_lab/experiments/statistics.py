@@ -7,11 +7,12 @@ human marks, a work for simulated copies. Copies of one character are no indepen
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 
-from rumu.values import FloatArray
+from rumu.values import FloatArray, IntArray
 
 Labels = Sequence[Any] | np.ndarray
 
@@ -34,6 +35,41 @@ def weighted_kappa(truth: Sequence[int], given: Sequence[int], *, levels: int) -
     np.add.at(seen, (np.asarray(truth), np.asarray(given)), 1.0)
     kappa = float(cohens_kappa(seen, wt="quadratic", return_results=False))
     return round(kappa, 12)  # its last digits depend on the order of the sums, and .1875 would print as .187
+
+
+def quick_kappa(truth: IntArray, given: IntArray) -> float:
+    """The same in closed form, 2 cov / (var + var + difference of means squared); 0 where it has none."""
+    a, b = np.asarray(truth, float), np.asarray(given, float)
+    apart = a.var() + b.var() + (a.mean() - b.mean()) ** 2
+    return float(2.0 * ((a - a.mean()) * (b - b.mean())).mean() / apart) if apart > 0 else 0.0
+
+
+def level_numbers(scores: FloatArray, cuts: Sequence[float]) -> IntArray:
+    """(N,) 0 for scores below all cut-offs, which rise, 1 from the first on, and so forth."""
+    return np.asarray(np.searchsorted(np.asarray(cuts), scores, side="right"))
+
+
+def choose_cuts(scores: FloatArray, truth: IntArray, *, least_share: float = 0.05) -> tuple[float, ...]:
+    """Rising cut-offs, whole points, at which levels of the scores agree best with the true ones, 0 to 3.
+
+    least_share: of the scores in each level, so that all are in use. Starts where the shares are those of
+    the true levels and moves one cut-off at a time while quadratic weighted kappa grows.
+    """
+    shares = np.cumsum(np.bincount(truth, minlength=4))[:3] / len(truth)
+    cuts = [float(np.round(v)) for v in np.quantile(scores, shares)]
+    best = quick_kappa(truth, level_numbers(scores, cuts))
+    moved = True
+    while moved:
+        moved = False
+        for k, step in product(range(3), (-2.0, -1.0, 1.0, 2.0)):
+            tried = [*cuts[:k], cuts[k] + step, *cuts[k + 1 :]]
+            levels = level_numbers(scores, tried)
+            if np.bincount(levels, minlength=4).min() < least_share * len(scores) or tried != sorted(tried):
+                continue
+            kappa = quick_kappa(truth, levels)
+            if kappa > best:
+                best, cuts, moved = kappa, tried, True
+    return tuple(cuts)
 
 
 def cluster_interval(
