@@ -24,8 +24,8 @@ GROUND = ("rumu.errors", "rumu.values")
 """Modules that hold no step of the way: what is raised and what travels."""
 NOT_TO_A_MARK = (
     "rumu.pipeline._read_folder",
-    "rumu.assessment.remarks.choose_worst",
-    "rumu.assessment.remarks.find_faults",
+    "rumu.assessment.remarks.write_remarks",
+    "rumu.characters.stroke_data.find_character",
 )
 """Where other ways part from a copy's to its mark: photographs under lamps, a written surface, remarks."""
 

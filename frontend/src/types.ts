@@ -105,6 +105,8 @@ export type Mark = {
   interval: [number, number] | null;
   interval_note: Bilingual | null;
   parts: Part[];
+  /** One thing that is good about the copy; absent in marks of older versions. */
+  praise?: Bilingual | null;
   remarks: Remark[];
   similarity: number | null;
   sim_paper: number | null;

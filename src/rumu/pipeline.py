@@ -14,8 +14,9 @@ from rumu.assessment.calibration import Calibration, check_terms, mark_fields
 from rumu.assessment.features import Features, describe_edge, measure_features, sim_paper, similarity
 from rumu.assessment.refusal import RefusalFigures, RefusalLimits, RefusalReference, check_copy
 from rumu.assessment.refusal_reasons import Refusal, refusal_of
-from rumu.assessment.remarks import choose_worst, find_faults
+from rumu.assessment.remarks import Review, write_remarks
 from rumu.capture.folder import read_capture
+from rumu.characters.stroke_data import find_character
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.registration.icp import IcpSettings, register_points
 from rumu.registration.points import Canvas, canvas_of, ink_mask, sample_points
@@ -217,6 +218,8 @@ def assess(
     calibration: Calibration | str | Path | None = None,
     weights: Mapping[str, float] | None = None,
     script: str | None = None,
+    character: str | None = None,
+    framed: bool = False,
     remarks: bool = True,
 ) -> Assessment:
     """Mark a copy against its master.
@@ -236,6 +239,12 @@ def assess(
     script
         Of the master: 'seal', 'clerical', 'regular', 'running' or 'cursive'. People's marks cover 'regular'
         alone; for the others the interval is wider.
+    character
+        What is written, where it is known: the remarks then speak of the parts that it has.
+    framed
+        Whether the picture of the copy is the cell that it was written in, as with a pen on the page or cut
+        out along a printed grid. Only then are size, place and lean the writer's doing and worth a remark;
+        a photograph that was cropped by hand says nothing of them.
     remarks
         False leaves them out, which saves a third of the time.
 
@@ -268,14 +277,24 @@ def assess(
     if measurement.refusal is not None:
         return _refused_assessment(measurement.refusal)
     registration = measurement.registration
-    found = find_faults(measurement.copy, registration, master.stroke_model) if remarks else ()
-    told = choose_worst(found)
+    fields = mark_fields(measurement.features, terms=terms, highest=measurement.highest)
+    review = Review(None, (), ())
+    if remarks:
+        review = write_remarks(
+            measurement.copy,
+            registration,
+            master.stroke_model,
+            character=find_character(character) if character else None,
+            framed=framed,
+            parts=fields["parts"],
+        )
     return Assessment(
-        **mark_fields(measurement.features, terms=terms, highest=measurement.highest),
+        **fields,
         sim_paper=sim_paper(registration),
         similarity=similarity(registration),
-        remarks=told,
-        untold=tuple(remark for remark in found if remark not in told),
+        praise=review.praise,
+        remarks=review.remarks,
+        untold=review.untold,
         registration=registration,
         source=(measurement.copy.source, master.surface.source),
     )

@@ -365,12 +365,11 @@ class Assessment:
     sim_paper, similarity
         The paper's similarity in per cent, as printed, which saturates near 100 and is never the mark; the
         two-sided similarity: 1 is identical, below about 0.7 unrelated.
-    parts, remarks, untold
-        'brushwork', 'structure', 'ink', each 0-100; what a teacher would say, the most important first; the
-        faults found besides.
+    parts, praise, remarks, untold
+        'brushwork', 'structure', 'ink', each 0-100; one thing that is good, or None; what a teacher would
+        correct, at most three, the most important first; the faults found besides.
     registration, source
-        The pose that the mark rests on, None when the copy was refused before it was registered; where the
-        heights of copy and master come from.
+        The pose that the mark rests on; where the heights of copy and master come from. None when refused.
     refused, refused_zh, turned_by
         The reason when the copy cannot be marked, 'code: sentence', else None; the sentence in Chinese; the
         degrees clockwise (90, 180, 270) that turn the picture upright, where that is what it needs.
@@ -398,3 +397,4 @@ class Assessment:
     interval_note: str | None = None
     interval_note_zh: str | None = None
     untold: tuple[Remark, ...] = ()
+    praise: Bilingual | None = None

@@ -10,6 +10,7 @@ from PIL import Image
 
 KEYS = {"copy", "reference", "score", "level", "interval", "sim_paper", "similarity", "parts", "remarks"} | {
     "pose",
+    "praise",
     "source",
     "refused",
     "refused_zh",

@@ -203,7 +203,7 @@ def test_each_row_may_have_its_script(rumu, desk):
 
 def test_rows_are_read_one_by_one(desk):
     pairs = pair_rows(read_pairs(table(desk, *(f"{n}.png,master.png" for n in range(3)))))
-    assert next(pairs) == ("0.png", "master.png", None, "")
+    assert next(pairs) == ("0.png", "master.png", None, None, "")
     assert [pair.copy for pair in pairs] == ["1.png", "2.png"]
 
 

@@ -14,8 +14,11 @@ export type MakeCell = () => Promise<Blob>;
 type Props = {
   grid: Grid;
   work: WorkCard;
-  /** Called with a function that crops the cell, whenever the square changes; with null while there is no photograph. */
-  onCell: (make: MakeCell | null) => void;
+  /**
+   * Called with a function that crops the cell, whenever the square changes; with null while there is no photograph.
+   * framed: the square is the printed cell.
+   */
+  onCell: (make: MakeCell | null, framed: boolean) => void;
   /** Called once with a function that turns the photograph clockwise and crops it anew. */
   onTurnable?: (turn: (degrees: number) => void) => void;
 };
@@ -26,7 +29,8 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
   const [trouble, setTrouble] = useState(false);
   const plain = useRef<HTMLCanvasElement | null>(null); // the photograph as it is turned, without more paper
   const photo = opened?.photo ?? null;
-  useEffect(() => onCell(photo && square ? () => cropToBlob(photo.canvas, square) : null), [photo, square]);
+  const framed = opened?.reason === "grid" && square === opened.square;
+  useEffect(() => onCell(photo && square ? () => cropToBlob(photo.canvas, square) : null, framed), [photo, square]);
   useEffect(() => () => void (photo && URL.revokeObjectURL(photo.url)), [photo]);
   const shape = useRef<ReturnType<typeof masterShape> | null>(null);
   const order = useRef(0);

@@ -51,7 +51,7 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
   const [medium, setMedium] = useState<Medium>("pen");
   const [history, setHistory] = useState<History>(() => historyOf(loadDraft(work.id)));
   const [settings, setSettings] = useState<WritingSettings>(loadSettings);
-  const [cell, setCell] = useState<{ make: (() => Promise<Blob>) | null }>({ make: null });
+  const [cell, setCell] = useState<PhotoCell>({ make: null, framed: false });
   // only a pupil's copy counts for the task; for a teacher the task is just a link back
   const pupil = session.value?.person?.role === "pupil";
   const { marked, requestMark, discard } = useMarking(work.id, pupil ? task : null);
@@ -64,16 +64,16 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
     setHistory(step);
   };
   const adjust = (part: Partial<WritingSettings>) => setSettings((old) => ({ ...old, ...part }));
-  const make = copyMaker(medium, strokes, cell.make, settings);
+  const make = copyMaker(medium, strokes, cell, settings);
   const mark = (automatic = false) => void (make && requestMark(make, { automatic }));
   const turnAndMark = (degrees: number) => {
     markNext.current = true;
     turnPhoto.current?.(degrees);
   };
-  const changeCell = (next: MakeCell | null) => {
+  const changeCell = (make: MakeCell | null, framed: boolean) => {
     discard();
-    setCell({ make: next });
-    const cropped = markNext.current && copyMaker("photo", [], next, settings);
+    setCell({ make, framed });
+    const cropped = markNext.current && copyMaker("photo", [], { make, framed }, settings);
     markNext.current = false;
     if (cropped) void requestMark(cropped, { automatic: false });
   };
@@ -125,11 +125,14 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
   );
 }
 
+/** What is cropped from a photograph. framed: the crop is the printed cell. */
+type PhotoCell = { make: MakeCell | null; framed: boolean };
+
 /** A function that makes the copy to send; null while there is nothing to mark. */
 function copyMaker(
-  medium: Medium, strokes: History["done"], cut: (() => Promise<Blob>) | null, { grid }: WritingSettings,
+  medium: Medium, strokes: History["done"], { make: cut, framed }: PhotoCell, { grid }: WritingSettings,
 ): (() => Promise<Copy>) | null {
-  if (medium === "photo") return cut && (async () => ({ kind: "photo", picture: await cut(), grid: "" }));
+  if (medium === "photo") return cut && (async () => ({ kind: "photo", picture: await cut(), grid: "", framed }));
   if (!strokes.length) return null;
   return async () => ({ kind: "pen", picture: await strokesPicture(strokes), strokes: JSON.stringify(serializeStrokes(strokes)), grid });
 }

@@ -4,7 +4,8 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { post, ServiceError, session } from "../api";
 import type { Attempt, Grid } from "../types";
 
-export type Copy = { kind: "pen" | "photo"; picture: Blob; strokes?: string; grid: Grid };
+/** framed: the picture was cut out along a printed cell, so that size and place are the writer's. */
+export type Copy = { kind: "pen" | "photo"; picture: Blob; strokes?: string; grid: Grid; framed?: boolean };
 /** keep: store the copy with its mark. unmarked: store it even if it cannot be marked. */
 export type Keeping = { keep: boolean; unmarked: boolean };
 export type MarkingState =
@@ -56,6 +57,7 @@ export function markForm(copy: Copy, work: string, task: string | null, { keep, 
   if (copy.strokes) form.set("strokes", copy.strokes);
   form.set("grid", copy.grid);
   if (task) form.set("task", task);
+  if (copy.framed) form.set("framed", "true");
   form.set("keep", String(keep));
   form.set("keep_unmarked", String(unmarked));
   return form;

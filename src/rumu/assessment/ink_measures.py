@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rumu.strokes.centre_lines import SCALE, SIDE, FramedInk, from_pixels, to_pixels
+from rumu.registration.points import ink_mask
+from rumu.strokes.centre_lines import SCALE, SIDE, FramedInk, from_pixels, pixels_at, to_pixels
 from rumu.strokes.correspondence import CharacterMatch, MasterStrokes
+from rumu.strokes.edges import InnerWhite, look_at_edge, white_left
 from rumu.strokes.measures import edge_tremor
-from rumu.values import BoolArray, FloatArray, Surface
+from rumu.values import BoolArray, FloatArray, Registration, Surface
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +21,13 @@ class InkSettings:
     beside: distance from a stroke's own edge from which ink is beside it. deep: how far a patch must reach
         beyond that. share: of the copy's ink that it must hold.
     inner: share of a stroke's half-width that is its inside. streak: width up to which bare paper between ink
-        is a streak. least_tremor: pixels that a master's edges are taken to swing at least.
+        is a streak; in_ink: share of ink around a point of a stroke from which it lies in the stroke
+        and not in a gap beside it. least_tremor: pixels that a master's edges are taken to swing at least.
+    moved, turning: how much more than the master's of each makes an edge torn, see `EdgeLook`.
+    half_dark: half-dark pixels for each pixel of outline, from which a picture has shades of ink.
+    far: rms radii from the master's ink, from which the copy's sticks out. lost: share of its half-width from
+        which a white is told of at all. in_one_place: how much more than elsewhere an edge must be torn in
+        one place, to say where.
     """
 
     beside: float = 0.18
@@ -28,6 +36,13 @@ class InkSettings:
     inner: float = 0.6
     streak: float = 0.45
     least_tremor: float = 0.05
+    in_ink: float = 0.55
+    moved: float = 0.3
+    turning: float = 0.02
+    half_dark: float = 0.05
+    far: float = 0.15
+    lost: float = 0.3
+    in_one_place: float = 1.8
 
 
 INK = InkSettings()
@@ -49,38 +64,136 @@ class InkPatch:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FilledWhite:
+    """White that ran shut.
+
+    lost: share of its half-width. outline: (n, 2) its edge on the copy's picture, closed.
+    """
+
+    lost: float
+    outline: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StickingOut:
+    """Ink that joins the copy's strokes and lies far from all of the master's.
+
+    distance: of its farthest point, rms radii. middle: (2,) of it in the common frame. outline: (n, 2) its
+    edge on the copy's picture, closed.
+    """
+
+    distance: float
+    middle: FloatArray
+    outline: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class InkMeasures:
     """What is measured of the copy's ink.
 
     patches: ink that no stroke explains, largest first; blots and extra strokes alike.
     bare: share of the inside of its strokes that is bare, beyond the master's. tremor: how much more than the
         master's its edges swing about their own smoothed line, rms radii; rough: so many times the master's.
-    darkness: of the ink over the master's.
+    torn: how much more than the master's its edges are frayed and turn about; 1 is plainly torn.
+        torn_at: (2,) where most, fractions of the copy's picture; None where it is so everywhere.
+    filled: white that the master's ink encloses and the copy's has run into, the worst first.
+    sticking_out: ink far from all of the master's, the farthest first.
+    has_shades: whether the picture shows ink lighter and darker at all; a binarised one does not.
+    paleness: how much paler than the darkest ink of its own page the ink is, beyond the master's.
+    darkness: of the ink against its paper, over the master's.
     """
 
     patches: tuple[InkPatch, ...]
     bare: float
     tremor: float
     rough: float
+    torn: float
+    torn_at: FloatArray | None
+    filled: tuple[FilledWhite, ...]
+    sticking_out: tuple[StickingOut, ...]
+    has_shades: bool
+    paleness: float
     darkness: float
 
 
-def measure_ink(strokes: CharacterMatch, copy: Surface, master: MasterStrokes) -> InkMeasures:
+def measure_ink(
+    strokes: CharacterMatch, copy: Surface, master: MasterStrokes, registration: Registration
+) -> InkMeasures:
     """Measure the ink of a copy whose strokes are matched."""
     framed, itself = strokes.framed, master.itself
     beside = INK.beside * strokes.master.width * SCALE
     tube = _draw_strokes(strokes.moved, strokes.radius * SCALE + beside)
     tube |= _unexplained_in_master(master, beside)
     tremor = edge_tremor(framed)
+    edge = look_at_edge(ink_mask(copy), registration.probe)
+    torn = (edge.moved - master.edge.moved) / INK.moved + (edge.turning - master.edge.turning) / INK.turning
     # median darkness of the ink against its paper, 0 to 1; 1 where it is not known
     darkness, darkness_master = (float(s.quality.get("contrast", 1.0)) for s in (copy, master.surface))
+    darkest, darkest_master = (float(s.quality.get("darkest", 1.0)) for s in (copy, master.surface))
+    own, own_master = darkness / max(darkest, 1e-6), darkness_master / max(darkest_master, 1e-6)
     return InkMeasures(
         patches=_find_patches(framed, tube, strokes.copy.width * SCALE),
         bare=_bare(strokes, framed.ink, strokes.covered) - _bare(itself, master.framed.ink, strokes.covered),
         tremor=(tremor - master.tremor) / SCALE,
         rough=tremor / max(master.tremor, INK.least_tremor),
+        torn=torn,
+        torn_at=_on_picture(edge.worst, registration) if edge.worst_share > INK.in_one_place else None,
+        filled=_find_filled(framed, master.whites),
+        sticking_out=_find_sticking_out(framed, master.framed.ink),
+        has_shades=float(copy.quality.get("between", 0.0)) >= INK.half_dark,
+        paleness=1.0 - own / max(own_master, 1e-6),
         darkness=darkness / max(darkness_master, 1e-6),
     )
+
+
+def _on_picture(at: FloatArray, registration: Registration) -> FloatArray:
+    """A point in rms radii of the copy's own ink from its middle, y down, on the copy's picture."""
+    probe = registration.probe
+    from_middle = at * probe.radius + probe.centre * np.array([1.0, -1.0])
+    return np.asarray(0.5 + from_middle / np.array(probe.cell))
+
+
+def _find_filled(framed: FramedInk, whites: tuple[InnerWhite, ...]) -> tuple[FilledWhite, ...]:
+    """Those of the master's inner whites of which little is left."""
+    import cv2
+
+    depth = cv2.distanceTransform((~framed.ink).view(np.uint8), cv2.DIST_L2, 5)
+    found = []
+    for white in whites:
+        lost = 1.0 - white_left(white, depth)
+        if lost > INK.lost:
+            own = np.zeros(framed.ink.shape, bool)
+            own[tuple(white.pixels.T)] = True
+            found.append(FilledWhite(lost, _outline_of(own, framed)))
+    return tuple(sorted(found, key=lambda white: -white.lost))
+
+
+def _find_sticking_out(framed: FramedInk, master: BoolArray) -> tuple[StickingOut, ...]:
+    """Ink of the copy far from the master's, where it joins ink that is not."""
+    import cv2
+
+    away = cv2.distanceTransform((~master).view(np.uint8), cv2.DIST_L2, 5)
+    far = framed.ink & (away > INK.far * SCALE)
+    count, labels = cv2.connectedComponents(far.view(np.uint8), connectivity=8)
+    found = []
+    for k in range(1, count):
+        own = labels == k
+        around = cv2.dilate(own.view(np.uint8), np.ones((5, 5), np.uint8)) > 0
+        if (around & framed.ink & ~far).any():
+            row, column = np.argwhere(own).mean(axis=0)
+            middle = from_pixels(np.array([[column, row]]))[0]
+            distance = float(away[own].max()) / SCALE
+            found.append(StickingOut(distance, middle, _outline_of(own, framed)))
+    return tuple(sorted(found, key=lambda patch: -patch.distance))
+
+
+def _outline_of(own: BoolArray, framed: FramedInk) -> FloatArray:
+    """(n, 2) the longest edge of some pixels of the frame, on the copy's picture, closed."""
+    import cv2
+
+    edges, _ = cv2.findContours(own.view(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    edge = max(edges, key=len)[:, 0, :].astype(float)
+    return framed.on_picture(from_pixels(np.concatenate([edge, edge[:1]])))
 
 
 def _draw_strokes(points: FloatArray, radius: FloatArray) -> BoolArray:
@@ -113,10 +226,7 @@ def _find_patches(framed: FramedInk, tube: BoolArray, width: float) -> tuple[Ink
         slender = area / (np.pi * float(inside[own].max()) ** 2)
         around = cv2.dilate(own.view(np.uint8), np.ones((5, 5), np.uint8)) > 0
         attached = bool((around & framed.ink & tube).any())
-        edges, _ = cv2.findContours(own.view(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
-        edge = max(edges, key=len)[:, 0, :].astype(float)
-        outline = framed.on_picture(from_pixels(np.concatenate([edge, edge[:1]])))
-        found.append(InkPatch(area / total, slender, attached, outline))
+        found.append(InkPatch(area / total, slender, attached, _outline_of(own, framed)))
     return tuple(sorted(found, key=lambda p: -p.share))
 
 
@@ -130,10 +240,17 @@ def _unexplained_in_master(master: MasterStrokes, beside: float) -> BoolArray:
 
 
 def _bare(strokes: CharacterMatch, ink: BoolArray, seen: BoolArray) -> float:
-    """Share of the inside of the strokes that holds no ink, though there is ink on both sides of it."""
+    """Share of the inside of the strokes that holds no ink, though there is ink on both sides of it.
+
+    A point that lies beside a stroke of the copy, in the gap to the next, says nothing of its ink.
+    """
     import cv2
 
-    inner = _draw_strokes(strokes.moved[seen], INK.inner * SCALE * strokes.radius[seen])
+    row, column = pixels_at(strokes.moved)
+    around = max(2 * round(strokes.master.width / 2 * SCALE) + 1, 3)
+    share = cv2.blur(ink.astype(np.float32), (around, around))[row, column]
+    inside = seen & (share >= INK.in_ink)
+    inner = _draw_strokes(strokes.moved[inside], INK.inner * SCALE * strokes.radius[inside])
     reach = max(round(INK.streak * strokes.master.width * SCALE), 1)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     closed = cv2.morphologyEx(ink.view(np.uint8), cv2.MORPH_CLOSE, disc) > 0

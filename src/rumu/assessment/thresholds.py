@@ -15,26 +15,32 @@ Lines = tuple[tuple[tuple[float, float], ...], ...]
 
 @dataclass(frozen=True, slots=True)
 class RemarkThresholds:
-    """The smallest fault that is worth a remark.
+    """The smallest fault that is worth a remark: about what the eye notices.
 
     lean: degrees. offset: fraction of the cell. size: relative. weight: natural logarithm of the width.
-    squeeze: how much wider one part is than the other, relative to the master.
+    squeeze: how much wider one part is than the other, relative to the master; squeeze_unknown: the same
+        where the character's structure is not known. part_place: fraction of the cell by which one part
+        stands off the other. inner: relative size of what is enclosed.
     missing: share of a stroke, in one run, that must be wanting; missing_run: stroke widths that the run must
         be long. inked, corner: a stroke that was not found and joins another is taken for a corner, of which
         thinning drew no line, where such a share of it is on ink and it is shorter than so many widths.
     extra, blot: share of the copy's ink; round: how slender a blot may be.
-    displaced: rms radii; stretched: share of a stroke's change of length by which its middle may have moved
-        along it. turn: degrees, of a stroke `slender` widths long or longer; of a shorter one more, up to
-        turn_short times.
+    displaced: fraction of the cell, of what the measurement is sure of, which is less than what
+        the eye sees; stretched: share of a stroke's change of length by which its middle may
+        have moved along it. turn: degrees, of a stroke `slender` widths long or longer; of a shorter one
+        more, up to turn_short times.
     length: relative; length_unsure: so many times more for a stroke that joins others at both ends, and for
-        one up to `short` widths long.
+        one up to `short` widths long. sticks_out: fraction of the cell.
     stroke: logarithm of one stroke's width over that of the whole; entry, exit: how much wider an end is than
         in the master, as a share of its stroke; faint: how much thinner an entry is.
     tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some.
     gap: relative change of the white between strokes; uneven: spread of the changes, over that.
-    bare: share of the strokes' inside. tremor: rms radii. pale: relative.
+    bare: share of the strokes' inside. tremor: rms radii. torn: see `InkMeasures.torn`. filled: share of its
+        half-width that a white must have lost. pale: relative; paler: the same where all ink is equally pale,
+        which a photograph's exposure may do.
     margin: stroke widths around a stroke, of the box of a remark.
-    of_a_kind: remarks of one kind; at_most: remarks in all.
+    weak: share of these sizes from which a fault may explain a part of the mark below `part_explained`, when
+        no greater one does. at_most: remarks in all.
     """
 
     lean: float = 3.0
@@ -42,6 +48,9 @@ class RemarkThresholds:
     size: float = 0.08
     weight: float = 0.14
     squeeze: float = 0.15
+    squeeze_unknown: float = 0.5
+    part_place: float = 0.035
+    inner: float = 0.15
     missing: float = 0.35
     missing_run: float = 2.0
     inked: float = 0.5
@@ -49,7 +58,7 @@ class RemarkThresholds:
     extra: float = 0.012
     blot: float = 0.009
     round: float = 2.6
-    displaced: float = 0.03
+    displaced: float = 0.013
     stretched: float = 0.55
     turn: float = 3.0
     slender: float = 4.3
@@ -57,6 +66,7 @@ class RemarkThresholds:
     length: float = 0.08
     length_unsure: float = 1.6
     short: float = 4.0
+    sticks_out: float = 0.05
     stroke: float = 0.2
     entry: float = 0.1
     faint: float = 0.22
@@ -67,16 +77,21 @@ class RemarkThresholds:
     uneven: float = 0.6
     bare: float = 0.022
     tremor: float = 0.0014
+    torn: float = 1.2
+    filled: float = 0.6
     pale: float = 0.15
+    paler: float = 0.3
     margin: float = 0.4
-    of_a_kind: int = 3
-    at_most: int = 5
+    weak: float = 0.5
+    part_explained: float = 50.0
+    at_most: int = 3
 
 
 SEVERITIES: Mapping[str, float] = {
-    "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 5.0, "squeeze": 7.0,
-    "missing": 8.0, "part missing": 4.0, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 3.5, "pale": 4.5,
-    "displaced": 3.0, "angle": 3.0, "length": 2.6, "width": 3.0, "end": 2.2, "tips": 3.2, "spacing": 3.0,
+    "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 5.0, "squeeze": 7.0, "part_place": 5.0, "inner": 5.0,
+    "missing": 8.0, "part missing": 4.0, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 4.5, "pale": 4.5,
+    "filled": 6.0, "displaced": 3.0, "angle": 3.0, "length": 2.6, "sticks_out": 5.0, "width": 3.0, "end": 2.2,
+    "tips": 3.2, "spacing": 3.0,
 }  # fmt: skip
 """Points of the mark, about, that the smallest fault worth a remark stands for."""
 GROWTH = 0.6

@@ -58,6 +58,17 @@ def assess(
             help="The script of the master (a starter work knows its own).",
         ),
     ] = None,
+    character: Annotated[
+        str | None, typer.Option(metavar="字", help="What is written (a starter work knows its own).")
+    ] = None,
+    framed: Annotated[
+        bool,
+        typer.Option(
+            "--framed/--free",
+            help="Whether a copy's picture is the cell it was written in, so that size, place and lean "
+            "are the writer's; a free photograph's crop says nothing of them.",
+        ),
+    ] = False,
     as_json: AsJson = False,
 ) -> Outcome:
     """The mark of a copy against its master: score, interval, level, parts, remarks."""
@@ -66,13 +77,14 @@ def assess(
         if out is None:
             raise typer.BadParameter("--pairs needs -o OUT.csv")
         not_an_input(out, pairs, calibration)
-        terms = _terms(levels, calibration, weights, script) | {"remarks": bool(remarks)}
+        terms = _terms(levels, calibration, weights, script) | {"character": character, "framed": framed}
+        terms["remarks"] = bool(remarks)
         return _assess_table(pairs, out, root=root, jobs=jobs, terms=terms)
     _only_with(one={"-o": out, "--root": root, "--jobs": jobs, "--remarks": remarks}, mode="one COPY")
     if copy is None or reference is None:
         raise typer.BadParameter("expected COPY --reference MASTER, or --pairs PAIRS.csv -o OUT.csv")
     not_an_input(report, copy, reference, calibration)
-    terms = _terms(levels, calibration, weights, script)
+    terms = _terms(levels, calibration, weights, script) | {"character": character, "framed": framed}
     return _assess_one(copy, reference, report=report, terms=terms)
 
 
@@ -95,8 +107,9 @@ def _only_with(*, one: Mapping[str, object], mode: str) -> None:
 
 
 def _assess_one(copy: Path, reference: str, *, report: Path | None, terms: dict[str, Any]) -> Outcome:
-    path, known_script = find_master(reference)
+    path, known_script, known_character = find_master(reference)
     terms["script"] = terms["script"] or known_script
+    terms["character"] = terms["character"] or known_character
     with working("Comparing"):
         surface, master, mark = assess_files(copy, path, **terms)
         if report is not None:
@@ -139,7 +152,7 @@ def _assess_table(
 def assess_files(copy: Path, master: Path, **terms: Any) -> tuple[Surface | None, Surface, Assessment]:
     """(surface of the copy or None when it was refused, surface of the master, the mark).
 
-    terms: levels, calibration, weights, script, as `pipeline.assess` takes them.
+    terms: levels, calibration, weights, script, character, framed, as `pipeline.assess` takes them.
     """
     from rumu import pipeline
     from rumu.errors import RefusedImage
@@ -189,6 +202,7 @@ def mark_facts(mark: Assessment) -> dict[str, Any]:
     of_pose = ("angle", "shift", "scale", "overlap", "d_ms", "converged", "iterations")
     return (
         {name: getattr(mark, name) for name in names}
+        | {"praise": mark.praise and mark.praise._asdict()}
         | {"pose": pose and {name: getattr(pose, name) for name in of_pose}}
         | {name: getattr(mark, name) for name in ("source", "refused", "refused_zh", "turned_by")}
     )
@@ -203,6 +217,7 @@ def _describe(mark: Assessment, report: Path | None) -> str:
         f"{mark.score:.0f} of 100 ({low:.0f} to {high:.0f})" + (f", {level.en} {level.zh}" if level else ""),
         "  " + ", ".join(f"{name} {value:.0f}" for name, value in mark.parts.items()),
         *(f"  {text.en} {text.zh}" for text in basis(mark)),
+        f"  + {mark.praise.en} {mark.praise.zh}" if mark.praise else "",
         *(f"  - {remark.en} {remark.zh}" for remark in sorted(mark.remarks, key=lambda r: -r.severity)),
         *(f"  {SOURCES[source].en}" for source in dict.fromkeys(mark.source or ())),
     ]

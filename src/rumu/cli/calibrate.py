@@ -109,7 +109,7 @@ def measure_row(row: MarkedRow, *, root: Path) -> MeasuredRow:
     from rumu import pipeline
 
     try:
-        path, _ = find_master(row.reference, root=root)
+        path = find_master(row.reference, root=root).path
         measurement = pipeline.measure(
             pipeline.surface_of(find_copy(row.image, root=root)), prepared_master(path)
         )

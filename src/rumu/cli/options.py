@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import typer
 
@@ -70,15 +70,23 @@ def find_copy(name: str, *, root: Path) -> Path:
     return FolderFiles(root).find(name) or path
 
 
-def find_master(master: str, *, root: Path | None = None) -> tuple[Path, str | None]:
-    """The file or folder of a master, and its script where that is known.
+class FoundMaster(NamedTuple):
+    """The file or folder of a master; its script and what is written, where they are known."""
 
-    master: its path (relative to `root`), or the id of a starter work, which knows its script. Raises
-    ImageError when it is neither.
+    path: Path
+    script: str | None = None
+    character: str | None = None
+
+
+def find_master(master: str, *, root: Path | None = None) -> FoundMaster:
+    """The file or folder of a master, and what is known of it.
+
+    master: its path (relative to `root`), or the id of a starter work, which knows its script and character.
+    Raises ImageError when it is neither.
     """
     path = Path(master) if root is None else find_copy(master, root=root)
     if path.exists():
-        return path, None
+        return FoundMaster(path)
     from rumu.gallery.starter import find_work
 
     try:
@@ -87,7 +95,7 @@ def find_master(master: str, *, root: Path | None = None) -> tuple[Path, str | N
         if Path(master).name != master or Path(master).suffix:
             raise ImageError(f"{path}: there is no such file") from error
         raise ImageError(f"{path}: there is no such file, and {error}") from error
-    return work.path, work.script
+    return FoundMaster(work.path, work.script, work.character)
 
 
 def part_weights(text: str) -> Mapping[str, float]:

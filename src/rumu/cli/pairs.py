@@ -40,11 +40,15 @@ COLUMNS = (
     "script",
     "remarks_zh",
     "remarks_en",
+    "character",
+    "praise_zh",
+    "praise_en",
 )
 NAMES = {
     "copy": ("臨作", "临作", "臨本", "临本", "習作", "习作", "作業", "作业", "副本"),
     "reference": ("範本", "范本", "字帖", "原帖", "碑帖", "參照", "参照"),
     "script": ("書體", "书体", "字體", "字体"),
+    "character": ("字", "漢字", "汉字", "單字", "单字"),
 }
 """Column of a table of pairs -> its other names."""
 _WINDOW = 2000  # rows that are in memory at a time
@@ -56,6 +60,7 @@ class PairRow(NamedTuple):
     copy: str | None
     reference: str | None
     script: str | None = None
+    character: str | None = None
     fault: str = ""
 
 
@@ -64,8 +69,9 @@ def assess_pairs(
 ) -> tuple[int, int]:
     """Mark every row of `pairs` and write `out` in the same order; returns (marked, refused) rows.
 
-    pairs: see `read_pairs`. terms: levels, calibration, weights, script, remarks, as `pipeline.assess` takes
-    them; a row's own script wins; without remarks their columns stay empty.
+    pairs: see `read_pairs`. terms: levels, calibration, weights, script, character, framed, remarks,
+    as `pipeline.assess` takes them; a row's own script and character win; without remarks their columns stay
+    empty.
     A row that cannot be marked carries its reason in `refused` and stops nothing. Raises RumuError when the
     table holds no pair, OutputError when `out` cannot be written; then nothing is written.
     """
@@ -94,7 +100,7 @@ def assess_pairs(
 
 
 def read_pairs(path: Path) -> Table:
-    """A table with the columns copy, reference and perhaps script.
+    """A table with the columns copy, reference and perhaps script and character.
 
     Raises ImageError naming the file when it cannot be read as one.
     """
@@ -105,7 +111,11 @@ def pair_rows(table: Table) -> Iterator[PairRow]:
     """The rows of a table of pairs; one with a fault carries it."""
     for row in table.rows(with_faulty=True):
         yield PairRow(
-            row.get("copy") or None, row.get("reference") or None, row.get("script") or None, row.fault
+            row.get("copy") or None,
+            row.get("reference") or None,
+            row.get("script") or None,
+            row.get("character") or None,
+            row.fault,
         )
 
 
@@ -118,12 +128,15 @@ def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str
     from rumu.gallery.vocabulary import script_key
 
     try:
-        path, known_script = find_master(pair.reference, root=root)
+        path, known_script, known_character = find_master(pair.reference, root=root)
+        character = pair.character or terms.get("character") or known_character
         script = (pair.script and script_key(pair.script)) or terms.get("script") or known_script
         mark = pipeline.assess(
-            find_copy(pair.copy, root=root), prepared_master(path), **{**terms, "script": script}
+            find_copy(pair.copy, root=root),
+            prepared_master(path),
+            **{**terms, "script": script, "character": character},
         )
-        return row | _cells(mark)
+        return row | {"character": character or ""} | _cells(mark)
     except Exception as error:  # one row must never cost the others
         return row | {"refused": reason_in_one_line(error)}
 
@@ -159,6 +172,8 @@ def _cells(mark: Assessment) -> dict[str, Any]:
     cells |= {
         f"remarks_{tongue}": " / ".join(getattr(r, tongue) for r in mark.remarks) for tongue in ("zh", "en")
     }
+    if mark.praise is not None:
+        cells |= {"praise_zh": mark.praise.zh, "praise_en": mark.praise.en}
     pose = mark.registration
     if pose is not None:
         cells |= {"angle": _number(pose.angle, 3), "scale": _number(pose.scale, 5)}

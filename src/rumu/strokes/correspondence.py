@@ -26,6 +26,7 @@ from rumu.strokes.centre_lines import (
     frame_copy,
     frame_ink,
 )
+from rumu.strokes.edges import EdgeLook, InnerWhite, find_whites, look_at_edge
 from rumu.strokes.matching import find_covered, match_lines
 from rumu.strokes.measures import MEASURES, MatchedStroke, StrokeMeasurer, edge_tremor
 from rumu.strokes.pose import NO_POSE, CharacterPose, Squeeze, find_pose, find_squeeze, share_in_place
@@ -148,6 +149,16 @@ class MasterStrokes:
     def tremor(self) -> float:
         """How much its edges swing, see `measures.edge_tremor`."""
         return edge_tremor(self.framed)
+
+    @cached_property
+    def edge(self) -> EdgeLook:
+        """How even its edges are."""
+        return look_at_edge(ink_mask(self.surface), self.reference)
+
+    @cached_property
+    def whites(self) -> tuple[InnerWhite, ...]:
+        """The white that its ink encloses, in the common frame."""
+        return find_whites(self.framed.ink)
 
 
 @dataclass(frozen=True, slots=True)

@@ -143,3 +143,10 @@ def place_of(at: FloatArray) -> Bilingual:
 def direction_of(way: FloatArray) -> Bilingual:
     """The nearest of eight directions; way: (x right, y DOWN)."""
     return _COMPASS[round(float(np.arctan2(way[1], way[0])) / (np.pi / 4)) % 8]
+
+
+def way_of(way: FloatArray) -> str:
+    """Where something stands that is off in this direction, in English; way: (x right, y DOWN)."""
+    words = direction_of(way).en.replace("bottom", "lower").replace("top", "upper").split()
+    said = {"left": "too far left", "right": "too far right", "lower": "too low", "upper": "too high"}
+    return " and ".join(said[word] for word in words)

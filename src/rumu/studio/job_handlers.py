@@ -129,7 +129,14 @@ def add_samples(gallery: Gallery, *, storage: Storage) -> int:
     calibration = load_calibration_of(storage)
     for sample, work in missing:
         master = pipeline.prepare_master(assets_of(gallery.store, work).surface())
-        copy = mark_copy(sample.path.read_bytes(), master, script=work.script, calibration=calibration)
+        copy = mark_copy(
+            sample.path.read_bytes(),
+            master,
+            script=work.script,
+            calibration=calibration,
+            character=work.character,
+            framed=True,  # as large as its master's picture
+        )
         add_attempt(
             gallery,
             copy,

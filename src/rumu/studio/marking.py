@@ -35,16 +35,32 @@ class MarkedCopy:
 
 
 def mark_copy(
-    data: bytes, master: PreparedMaster, *, script: str, calibration: Calibration | None
+    data: bytes,
+    master: PreparedMaster,
+    *,
+    script: str,
+    calibration: Calibration | None,
+    character: str = "",
+    framed: bool = False,
 ) -> MarkedCopy:
-    """Mark an encoded picture against a master. Raises Unusable when it is no picture."""
+    """Mark an encoded picture against a master. Raises Unusable when it is no picture.
+
+    script, character: of the master, '' where not known. framed: as `pipeline.assess` takes it.
+    """
     from PIL import Image
 
     started = time.perf_counter()
     picture = normalise_picture(data)
     with Image.open(io.BytesIO(picture.data)) as image:
         samples = np.asarray(image, dtype=np.float32) / np.float32(255)
-    assessment = pipeline.assess(samples, master, script=script or None, calibration=calibration)
+    assessment = pipeline.assess(
+        samples,
+        master,
+        script=script or None,
+        calibration=calibration,
+        character=character or None,
+        framed=framed,
+    )
     registration = assessment.registration
     residual = None if registration is None else residual_facts(registration)
     return MarkedCopy(picture, mark_facts(assessment, seconds=time.perf_counter() - started), residual)
@@ -66,6 +82,7 @@ def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
         "interval": None if mark.interval is None else [_round(bound, 2) for bound in mark.interval],
         "interval_note": _interval_note(mark),
         "parts": [_part_facts(name, score) for name, score in mark.parts.items()],
+        "praise": mark.praise and mark.praise._asdict(),
         "remarks": [_remark_facts(remark) for remark in mark.remarks],
         "similarity": _round(mark.similarity, 4),
         "sim_paper": _round(mark.sim_paper, 4),

@@ -187,7 +187,9 @@ def _draw_remarks(canvas: Any, sheet: PracticeSheet, y: float) -> None:
     _draw_caption(canvas, _word("remarks", sheet), y)
     mark = sheet.curve.attempts[-1].mark
     refused = mark.get("refused")
-    sentences = [refused[sheet.language]] if refused else [r[sheet.language] for r in mark.get("remarks", ())]
+    praise = mark.get("praise")
+    told = [*([praise] if praise else []), *mark.get("remarks", ())]
+    sentences = [refused[sheet.language]] if refused else [said[sheet.language] for said in told]
     for text in sentences or [_word("no_remarks", sheet)]:
         for k, line in enumerate(wrap_text(text, 9.5, width=_WIDTH - 2 * _MARGIN - 12)):
             y -= 14

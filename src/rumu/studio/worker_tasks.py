@@ -30,15 +30,33 @@ def warm_up(storage: Storage) -> int:
     return os.getpid()
 
 
-def mark(storage: Storage, *, data: bytes, work_id: str, digest: str, script: str) -> MarkedCopy:
+def mark(
+    storage: Storage,
+    *,
+    data: bytes,
+    work_id: str,
+    digest: str,
+    script: str,
+    character: str = "",
+    framed: bool = False,
+) -> MarkedCopy:
     """Mark a picture against a work. digest: of the work, so that a changed one is read anew.
+
+    script, character: of the work. framed: whether the picture is the cell that was written in.
 
     Raises Unusable when it is no picture.
     """
     from rumu.studio.marking import load_calibration_of, mark_copy
 
     master = _prepare_master(storage, work_id, digest)
-    return mark_copy(data, master, script=script, calibration=load_calibration_of(storage))
+    return mark_copy(
+        data,
+        master,
+        script=script,
+        calibration=load_calibration_of(storage),
+        character=character,
+        framed=framed,
+    )
 
 
 def derived_file(

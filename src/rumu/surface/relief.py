@@ -28,6 +28,8 @@ from rumu.values import BoolArray, FloatArray, Surface
 WORKING_SIZE = Reduction(pixels=6_300_000, above=12_600_000)
 """How a picture in a file is reduced: not at all up to a phone's 12 megapixels, and else to half of them."""
 
+_SAMPLES = 20_000  # pixels of ink that say how dark the darkest of it is
+
 Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
 
@@ -62,8 +64,9 @@ def relief(
     Surface
         In pixels (unit 'px', spacing 1): height 0 on paper; normals of that height; albedo the image as
         linear light; mask the ink; confidence 1 on ink and 0 elsewhere; quality: 'ink_share' of the picture,
-        'contrast' (median density), 'half_width' (median, px), the figures of the ink, and 'reduced', by
-        which the sides of a file's picture were divided, where it has more than 12.6 million pixels.
+        'contrast' (median density), 'darkest' (density that 5 % of the ink exceed), 'half_width' (median,
+        px), the figures of the ink, and 'reduced', by which the sides of a file's picture were divided, where
+        it has more than 12.6 million pixels.
 
     Raises
     ------
@@ -99,10 +102,16 @@ def relief(
         unit="px",
         source=method,
         quality=share
-        | {"contrast": ink.contrast, "half_width": typical}
+        | {"contrast": ink.contrast, "darkest": _darkest(ink), "half_width": typical}
         | dict(ink.figures)
         | ({"reduced": reduced} if reduced > 1 else {}),
     )
+
+
+def _darkest(ink: Ink) -> float:
+    """Density of the darkest twentieth of the ink, from some of its pixels."""
+    density = ink.density[ink.mask]
+    return float(np.quantile(density[:: max(len(density) // _SAMPLES, 1)], 0.95))
 
 
 def check_choice(value: object, choices: tuple[str, ...], name: str) -> None:

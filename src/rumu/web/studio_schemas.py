@@ -94,6 +94,7 @@ class MarkRead(Schema):
     interval: list[float] | None = Field(examples=[[60.1, 83.0]])
     interval_note: BilingualText | None
     parts: list[PartRead]
+    praise: BilingualText | None = Field(default=None, description="One thing that is good; told first.")
     remarks: list[RemarkRead]
     similarity: float | None
     sim_paper: float | None

@@ -24,7 +24,7 @@ export function MarkView({ attempt, picture, remedy }: { attempt: Attempt; pictu
         <section class="panel" aria-label={t("views")}>
           <Tabs names={VIEWS} chosen={view} onChoose={setView} label={t("views")} title={(name) => t(name)}>
             {view === "remarks" ? (
-              <Remarks remarks={attempt.mark.remarks} picture={pictureUrl} work={attempt.work} />
+              <Remarks praise={attempt.mark.praise ?? null} remarks={attempt.mark.remarks} picture={pictureUrl} work={attempt.work} />
             ) : view === "overlay" ? (
               <DistanceOverlay attempt={attempt} picture={pictureUrl} />
             ) : (

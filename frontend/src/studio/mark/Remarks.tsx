@@ -3,14 +3,14 @@
 import { useRef, useState } from "preact/hooks";
 import { localize } from "../../i18n";
 import { t } from "../../i18n/studio";
-import type { Remark, Work, WorkCard } from "../../types";
+import type { Bilingual, Remark, Work, WorkCard } from "../../types";
 import { get } from "../../api";
 import { useLoaded } from "../../ui";
 import { RemarkSheet } from "./RemarkSheet";
 
-type Props = { remarks: Remark[]; picture: string | null; work: WorkCard };
+type Props = { praise: Bilingual | null; remarks: Remark[]; picture: string | null; work: WorkCard };
 
-export function Remarks({ remarks, picture, work }: Props) {
+export function Remarks({ praise, remarks, picture, work }: Props) {
   const [pointed, setPointed] = useState<number | null>(null);
   const [pinned, setPinned] = useState<number | null>(null);
   const list = useRef<HTMLOListElement>(null);
@@ -28,6 +28,7 @@ export function Remarks({ remarks, picture, work }: Props) {
         <MasterSheet work={work} remarks={remarks} {...shared} />
         {picture && <RemarkSheet title={t("copy")} picture={picture} alt={t("copyAlt")} notes={remarks.map(onCopy)} {...shared} />}
       </div>
+      {praise && <p class="praise">{localize(praise)}</p>}
       {remarks.length ? (
         <ol class="remark-list" ref={list}>
           {remarks.map((remark, k) => (

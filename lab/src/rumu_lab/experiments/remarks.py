@@ -76,11 +76,12 @@ NEAR = 0.07
 
 @dataclass(frozen=True, slots=True)
 class RemarkMaster:
-    """One master. seen: whether the thresholds were set with it in view."""
+    """One master. seen: whether the thresholds were set with it in view. character: what is written."""
 
     name: str
     path: Path
     seen: bool
+    character: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,11 +155,25 @@ def standard_masters(data: Path) -> list[RemarkMaster]:
     if not templates or not steles:
         raise CalibrationError(f"{data}: expected e3c/templates and masters/regular here, found none")
     spread = [steles[k] for k in np.linspace(0, len(steles) - 1, STELES).astype(int)]
+    folder = data / "masters" / "regular"
+    written = _characters(data / "e3c" / "scores.csv", "template")
+    carved = _characters(folder / "labels.csv", "file")
     return [
-        *(RemarkMaster(w.id, w.path, w.id in SEEN) for w in starter_works()),
-        *(RemarkMaster(f"e3c-{p.stem}", p, False) for p in templates),
-        *(RemarkMaster(f"stele-{p.stem}", p, False) for p in spread),
+        *(RemarkMaster(w.id, w.path, w.id in SEEN, w.character) for w in starter_works()),
+        *(RemarkMaster(f"e3c-{p.stem}", p, False, written.get(f"templates/{p.name}")) for p in templates),
+        *(
+            RemarkMaster(f"stele-{p.stem}", p, False, carved.get(p.relative_to(folder).as_posix()))
+            for p in spread
+        ),
     ]
+
+
+def _characters(table: Path, column: str) -> dict[str, str]:
+    """What is written in each file that a column names; nothing where the table is not there."""
+    if not table.is_file():
+        return {}
+    with table.open(encoding="utf-8") as stream:
+        return {row[column]: row["character"] for row in csv.DictReader(stream)}
 
 
 def try_master(master: RemarkMaster, severities: tuple[float, ...]) -> list[FaultTrial]:
@@ -175,15 +190,17 @@ def try_master(master: RemarkMaster, severities: tuple[float, ...]) -> list[Faul
             copy = apply(glyph.mask, fault, severity=severity, seed=seed)
         except SurfaceError:  # no stroke to leave out, none that lies
             continue
+        if fault == "squeeze" and not has_halves(master.character):
+            continue  # of a character without a left and a right part nothing is said of them
         if fault == "blunt" and (copy.mask ^ glyph.mask).sum() < SEEN_INK * glyph.mask.sum():
             continue  # no tip that tapers, as in seal script
-        remarks, refused = _remarks(copy.ink, prepared)
+        remarks, refused = _remarks(copy.ink, prepared, master.character)
         right = [r.kind in ANSWERS[fault] and speaks_of(r, copy, glyph) for r in remarks]
         position = right.index(True) if any(right) else None
         kinds = tuple(r.kind for r in remarks)
         trials.append(FaultTrial(master.name, master.seen, fault, severity, position, kinds, refused))
     for name, ink in _clean_copies(glyph).items():
-        remarks, refused = _remarks(ink, prepared)
+        remarks, refused = _remarks(ink, prepared, master.character)
         kinds = tuple(r.kind for r in remarks)
         trials.append(FaultTrial(master.name, master.seen, f"clean {name}", 0.0, None, kinds, refused))
     return trials
@@ -222,12 +239,23 @@ def _clean_copies(glyph: Glyph) -> dict[str, np.ndarray]:
     }
 
 
-def _remarks(ink: np.ndarray, master: PreparedMaster) -> tuple[tuple[Remark, ...], str | None]:
-    """Remarks on a copy with this ink; or none, and why it cannot be marked."""
+def has_halves(character: str | None) -> bool:
+    """Whether a character is made of a left and a right part."""
+    from rumu.assessment.part_measures import AXES
+    from rumu.characters.stroke_data import find_character
+
+    known = find_character(character) if character else None
+    return known is not None and known.structure is not None and AXES.get(known.structure) == "across"
+
+
+def _remarks(
+    ink: np.ndarray, master: PreparedMaster, character: str | None
+) -> tuple[tuple[Remark, ...], str | None]:
+    """Remarks on a copy with this ink in its cell; or none, and why it cannot be marked."""
     from rumu import pipeline
 
     try:
-        return pipeline.assess(_picture(ink), master).remarks, None
+        return pipeline.assess(_picture(ink), master, character=character, framed=True).remarks, None
     except RumuError as error:
         return (), str(error)
 

@@ -25,7 +25,10 @@ router = APIRouter(tags=["marks"])
 
 @dataclass(frozen=True, slots=True)
 class MarkRequest:
-    """The fields of a request, as `add_mark` names them. keep_unmarked: keep it even if it is refused."""
+    """The fields of a request, as `add_mark` names them.
+
+    keep_unmarked: keep it even if it is refused. framed: whether the picture is the cell that was written in.
+    """
 
     work: str
     picture: BinaryIO
@@ -35,6 +38,7 @@ class MarkRequest:
     task: str | None
     keep: bool
     keep_unmarked: bool
+    framed: bool
 
 
 @router.post("/api/marks", response_model=AttemptRead, response_model_by_alias=True, status_code=201)
@@ -51,6 +55,13 @@ async def add_mark(
     task: Annotated[Id | None, Form()] = None,
     keep: Annotated[bool, Form()] = True,
     keep_unmarked: Annotated[bool, Form(description="Keep a copy even if it cannot be marked.")] = True,
+    framed: Annotated[
+        bool,
+        Form(
+            description="Whether the picture is the printed cell, so that size, place and lean are the "
+            "writer's; what is written with the pen always is."
+        ),
+    ] = False,
 ) -> Extended:
     """Mark a copy against a work. Without a login only with keep=false, and then nothing is kept."""
     if user is None and keep:
@@ -60,7 +71,8 @@ async def add_mark(
         service.rate_limiter.hit(limits.tries, "tries", client_address(request))
     else:
         service.rate_limiter.hit(limits.marks, "marks", user.id)
-    copy = MarkRequest(work, picture.file, kind, grid, strokes, task, keep, keep_unmarked)
+    in_cell = framed or kind == "pen"
+    copy = MarkRequest(work, picture.file, kind, grid, strokes, task, keep, keep_unmarked, in_cell)
     # it waits for a worker in a thread of its own, not in those that answer readers
     return await run_sync(_mark, service, user, copy, limiter=service.marking_limiter)
 
@@ -75,7 +87,13 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
     data = copy.picture.read(MAX_BYTES + 1)
     check_picture(data)  # the worker checks too; this refuses before one is occupied
     marked = service.workers.call(
-        worker_tasks.mark, data=data, work_id=master.id, digest=master.digest, script=master.script
+        worker_tasks.mark,
+        data=data,
+        work_id=master.id,
+        digest=master.digest,
+        script=master.script,
+        character=master.character,
+        framed=copy.framed,
     )
     kept = copy.keep and (copy.keep_unmarked or marked.facts["refused"] is None)
     if not kept or user is None:  # shown only: this attempt has no id and is never stored

@@ -1,0 +1,156 @@
+"""What is said of the ink: torn edges, white run shut, blots, what sticks out, dry and pale ink."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from rumu.assessment.advice import WHOLE, for_stroke
+from rumu.assessment.findings import Finding
+from rumu.assessment.ink_measures import InkMeasures, InkPatch, StickingOut
+from rumu.assessment.stroke_remarks import NamedStroke
+from rumu.assessment.thresholds import RemarkThresholds, as_lines, box, ink_severity, severity
+from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.naming import place_of
+from rumu.values import Bilingual, Remark
+
+_NOT_SHORT = 0.97
+"""Length over the master's below which what sticks out does so because its stroke is out of place."""
+_WINDOW = 0.12
+"""Half the side of the box about the worst place of an edge, fractions of the picture."""
+
+
+def find_ink_faults(
+    ink: InkMeasures, strokes: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
+) -> Iterator[Finding]:
+    """Faults of the ink, each where it is worth a remark or half of that."""
+    dry = ink.has_shades and ink.bare >= limits.bare
+    yield from _find_edge_fault(ink, limits, dry=dry)
+    if not dry:
+        for patch in ink.patches:
+            yield from _find_patch_fault(patch, limits)
+    if dry:
+        remark = Remark(
+            "dry", ink.bare, "of the ink", severity("dry", ink.bare, limits.bare), None,
+            f"枯筆露白，筆畫裡約有 {ink.bare:.0%} 沒有墨。",
+            f"The brush ran dry: about {ink.bare:.0%} of the strokes is bare.",
+        )  # fmt: skip
+        yield Finding(remark, ink.bare / limits.bare, WHOLE["dry"], "edge")
+    yield from _find_filled_white(ink, limits)
+    yield from _find_sticking_out(ink, strokes, match, limits)
+    yield from _find_paleness(ink, limits)
+
+
+def _find_edge_fault(ink: InkMeasures, limits: RemarkThresholds, *, dry: bool) -> Iterator[Finding]:
+    """Edges that tremble, or that are torn; dry: then bare streaks make them so."""
+    if not dry and ink.tremor >= limits.weak * limits.tremor:
+        much = ink.rough - 1.0
+        remark = Remark(
+            "rough", much, "of the master", severity("rough", ink.tremor, limits.tremor), None,
+            f"筆畫邊緣抖動，比範本多 {much:.0%}。",
+            f"The edges tremble, {much:.0%} more than the master's.",
+        )  # fmt: skip
+        yield Finding(remark, ink.tremor / limits.tremor, WHOLE["rough"], "edge")
+    if dry or ink.torn < limits.weak * limits.torn:
+        return
+    region, zh, en = None, "", ""
+    if ink.torn_at is not None:
+        x, y = ink.torn_at
+        region = box(np.array([[x - _WINDOW, y - _WINDOW], [x + _WINDOW, y + _WINDOW]]))
+        place = place_of(ink.torn_at)
+        zh, en = f"，{place.zh}最明顯", f", most of all at the {place.en}"
+    remark = Remark(
+        "rough", ink.torn, "of the master", severity("rough", ink.torn, limits.torn), region,
+        f"墨邊毛糙破碎，不光潔{zh}。", f"The edges are frayed and torn{en}.",
+    )  # fmt: skip
+    yield Finding(remark, ink.torn / limits.torn, WHOLE["torn"], "edge")
+
+
+def _find_patch_fault(patch: InkPatch, limits: RemarkThresholds) -> Iterator[Finding]:
+    """Ink that belongs to none of the strokes: a blot, or a stroke too many."""
+    region = box(patch.outline)
+    zh, en = place_of(np.array([region[0] + region[2], region[1] + region[3]]) / 2)
+    round_one, outline = patch.slender < limits.round, as_lines(patch.outline)
+    if round_one and patch.share >= limits.blot:
+        text = (
+            (f"{zh}有一團墨漬。", f"There is a blot at the {en}.")
+            if patch.attached
+            else (f"{zh}濺了一滴墨。", f"A drop of ink fell on the paper at the {en}.")
+        )
+        severe = ink_severity("blot", patch.share)
+        remark = Remark("blot", patch.share, "of the ink", severe, region, *text, outline)
+        yield Finding(remark, patch.share / limits.blot, WHOLE["blot"], "blot")
+    elif not round_one and patch.share >= limits.extra:
+        remark = Remark(
+            "extra", patch.share, "of the ink", ink_severity("extra", patch.share), region,
+            f"{zh}多出一筆，約佔全字墨跡的 {patch.share:.0%}。",
+            f"There is a stroke too many at the {en}, about {patch.share:.0%} of the ink.",
+            outline,
+        )  # fmt: skip
+        yield Finding(remark, patch.share / limits.extra, WHOLE["extra"], "extra")
+
+
+def _find_filled_white(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[Finding]:
+    """White that ran shut; heavy strokes and this are one cause."""
+    if not ink.filled or ink.filled[0].lost < limits.weak * limits.filled:
+        return
+    shut = [white for white in ink.filled if white.lost >= limits.filled] or list(ink.filled[:1])
+    points = np.concatenate([white.outline for white in shut])
+    zh, en = place_of((shut[0].outline.min(axis=0) + shut[0].outline.max(axis=0)) / 2)
+    text = (
+        (f"{zh}的留白糊住了。", f"The white at the {en} has run shut.")
+        if len(shut) == 1
+        else (
+            f"有 {len(shut)} 處留白糊住了，{zh}最甚。",
+            f"The white has run shut in {len(shut)} places, most of all at the {en}.",
+        )
+    )
+    size = shut[0].lost * float(np.sqrt(len(shut)))
+    remark = Remark(
+        "filled", shut[0].lost, "of the master", severity("filled", size, limits.filled), box(points), *text,
+        as_lines(*(white.outline for white in shut)),
+    )  # fmt: skip
+    yield Finding(remark, shut[0].lost / limits.filled, WHOLE["filled"], "weight")
+
+
+def _find_sticking_out(
+    ink: InkMeasures, strokes: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
+) -> Iterator[Finding]:
+    """The ends of strokes that reach far beyond the master's."""
+    for patch in ink.sticking_out[: limits.at_most]:
+        owner = int(((match.moved - patch.middle) ** 2).sum(axis=1).argmin())
+        named = strokes[int(match.master.points.owner[owner])]
+        size = patch.distance * named.cell
+        if named.stroke.present and size >= limits.sticks_out and named.stroke.length > _NOT_SHORT:
+            yield _sticking_out(patch, named, size, owner, limits)
+
+
+def _sticking_out(
+    patch: StickingOut, named: NamedStroke, size: float, nearest: int, limits: RemarkThresholds
+) -> Finding:
+    end = named.end_word(nearest)
+    predicate = Bilingual(
+        f"{end.zh}出頭約 {size:.0%} 格", f"sticks out at its {end.en} by about {size:.0%} of the cell"
+    )
+    remark = named.remark(
+        "sticks_out", size, "of the cell", named.severity("sticks_out", size, limits.sticks_out),
+        f"{named.name.zh}{predicate.zh}。", f"{named.en} {predicate.en}.",
+    )  # fmt: skip
+    return Finding(remark, size / limits.sticks_out, for_stroke("sticks_out", ""), named.cause, predicate)
+
+
+def _find_paleness(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[Finding]:
+    """Ink paler than the darkest of its own page; or all of it much paler than a photograph would show it."""
+    if not ink.has_shades:
+        return
+    overall = 1.0 - ink.darkness
+    paleness = overall if overall >= limits.paler else ink.paleness
+    if paleness < limits.pale:
+        return
+    remark = Remark(
+        "pale", -paleness, "of the master", severity("pale", paleness, limits.pale), None,
+        f"墨色淡了 {paleness:.0%}，不如範本沉著。",
+        f"The ink is {paleness:.0%} too pale.",
+    )  # fmt: skip
+    yield Finding(remark, paleness / limits.pale, WHOLE["pale"], "pale")

@@ -1,0 +1,151 @@
+"""The parts that a character is made of: how wide each is, how they stand to each other, what is enclosed.
+
+Which parts there are is known from the character's structure; where the master's meet is read from its ink.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from rumu.characters.stroke_data import Structure
+from rumu.strokes.centre_lines import SCALE, SIDE
+from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.pose import Axis
+from rumu.values import BoolArray, FloatArray
+
+AXES: Mapping[Structure, Axis] = {
+    "left-right": "across",
+    "left-middle-right": "across",
+    "top-bottom": "down",
+    "top-middle-bottom": "down",
+    "three alike": "down",
+}
+"""Structure -> along which axis its parts stand; the others have no such parts."""
+
+
+@dataclass(frozen=True, slots=True)
+class PartSettings:
+    """How parts are found. Shares of the character's extent unless said.
+
+    borders: between which the parts may meet. share: of the points that each part must hold; strokes: of the
+    master's that each must have, since a single stroke is no part to a teacher. seen: share of each part's
+    points that the copy must have. reach: distance from the edge up to which a stroke is one that
+    encloses. inner: shares of all points between which what is enclosed must lie.
+    """
+
+    borders: tuple[float, float] = (0.22, 0.78)
+    share: float = 0.15
+    strokes: int = 2
+    seen: float = 0.6
+    reach: float = 0.1
+    inner: tuple[float, float] = (0.15, 0.8)
+
+
+PARTS = PartSettings()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartMeasures:
+    """Two parts of a copy against the master's, size, place and lean of the whole taken out.
+
+    axis: along which they stand. first: (n,) which of the master's points are of the left (upper) one.
+    width: of each along the axis, over the master's. apart: (x right, y DOWN), rms radii, by which the first
+    one is off its place beside the second. explained: (n, 2) how far the parts' faults move each point.
+    """
+
+    axis: Axis
+    first: BoolArray
+    width: tuple[float, float]
+    apart: FloatArray
+    explained: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InnerMeasures:
+    """What is enclosed.
+
+    points: (n,) which of the master's points it holds. size: of it over the size of what encloses it, over
+    the same of the master.
+    """
+
+    points: BoolArray
+    size: float
+
+
+def measure_parts(match: CharacterMatch, structure: Structure | None) -> PartMeasures | None:
+    """Measure the two parts of a character; None where its structure has none, or one cannot be seen."""
+    axis = AXES.get(structure) if structure is not None else None
+    if axis is None:
+        return None
+    k = 0 if axis == "across" else 1
+    places, copy, seen = match.places, match.pose.undo(match.in_cell), match.covered
+    first = _first_part(match, k)
+    if first is None:
+        return None
+    width, moved = [], []
+    explained = np.zeros_like(places)
+    for part in (first, ~first):
+        own = part & seen
+        if own.sum() < max(PARTS.seen * part.sum(), 4):
+            return None
+        spread = float(np.std(copy[own, k])) / max(float(np.std(places[own, k])), 1e-6)
+        shift = (copy[own] - places[own]).mean(axis=0)
+        explained[part] = shift
+        explained[part, k] += (spread - 1.0) * (places[part, k] - places[own, k].mean())
+        width.append(spread)
+        moved.append(shift)
+    return PartMeasures(axis, first, (width[0], width[1]), moved[0] - moved[1], explained)
+
+
+def _first_part(match: CharacterMatch, k: int) -> BoolArray | None:
+    """(n,) which of the master's points are of its left (k is 0) or upper (k is 1) part.
+
+    The parts meet where the master has the least ink; a stroke is of the part in which its middle lies.
+    """
+    ink = match.framed_master.ink.sum(axis=k).astype(float)
+    inked = np.flatnonzero(ink)
+    low, extent = inked[0], inked[-1] - inked[0]
+    a, b = (round(low + share * extent) for share in PARTS.borders)
+    candidates = np.arange(a, b + 1)
+    least = candidates[ink[a : b + 1] <= ink[a : b + 1].min() + 0.5]
+    middle = (a + b) / 2
+    border = (float(least[np.abs(least - middle).argmin()]) - (SIDE - 1) / 2) / SCALE
+    points = match.master.points
+    middles = np.array([points.xy[points.owner == i, k].mean() for i in range(len(match.master.lines))])
+    strokes, first = int((middles < border).sum()), (middles < border)[points.owner]
+    whole = PARTS.strokes <= strokes <= len(middles) - PARTS.strokes
+    return first if whole and PARTS.share <= first.mean() <= 1 - PARTS.share else None
+
+
+def measure_inner(match: CharacterMatch, structure: Structure | None) -> InnerMeasures | None:
+    """Measure what an enclosed or half-enclosed character encloses; None where that cannot be told."""
+    if structure not in ("enclosed", "half-enclosed"):
+        return None
+    points, places, seen = match.master.points, match.places, match.covered
+    low, high = points.xy.min(axis=0), points.xy.max(axis=0)
+    reach = PARTS.reach * (high - low)
+    outer = np.zeros(len(points.xy), bool)
+    for i in range(len(match.master.lines)):
+        own = points.owner == i
+        least, most = points.xy[own].min(axis=0), points.xy[own].max(axis=0)
+        # the left, the right or the upper edge; below, most enclosures are open
+        outer[own] = bool((least < low + reach).any() or most[0] > high[0] - reach[0])
+    inner = ~outer
+    if not PARTS.inner[0] <= inner.mean() <= PARTS.inner[1]:
+        return None
+    copy, sizes = match.pose.undo(match.in_cell), []
+    for part in (inner, outer):
+        own = part & seen
+        if own.sum() < max(PARTS.seen * part.sum(), 4):
+            return None
+        sizes.append(np.sqrt(np.var(copy[own], axis=0).sum() / np.var(places[own], axis=0).sum()))
+    return InnerMeasures(inner, float(sizes[0] / sizes[1]))
+
+
+def stroke_outlines(match: CharacterMatch, points: BoolArray) -> tuple[FloatArray, ...]:
+    """The strokes, on the copy's picture, to which some of the master's points belong."""
+    owners = np.unique(match.master.points.owner[points])
+    return tuple(match.strokes[int(k)].outline for k in owners)

@@ -1,0 +1,233 @@
+"""What is said of the whole character and of its parts: lean, size, place, weight, proportion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rumu.assessment.advice import WHOLE
+from rumu.assessment.findings import Fault, Finding
+from rumu.assessment.part_measures import InnerMeasures, PartMeasures, stroke_outlines
+from rumu.assessment.thresholds import RemarkThresholds, as_lines, box, severity
+from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.naming import direction_of, way_of
+from rumu.values import Bilingual, BoolArray, FloatArray, Registration, Remark
+
+_HALVES = {
+    "across": (Bilingual("左旁", "left part"), Bilingual("右旁", "right part")),
+    "down": (Bilingual("上部", "upper part"), Bilingual("下部", "lower part")),
+}
+_EXTENT = {
+    "across": (Bilingual("寬", "wide"), Bilingual("窄", "narrow")),
+    "down": (Bilingual("高", "tall"), Bilingual("扁", "flat")),
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseSeen:
+    """How the whole stands. framed: whether that is the writer's doing and not the photographer's."""
+
+    match: CharacterMatch
+    registration: Registration
+    framed: bool
+
+    @property
+    def lean(self) -> float:
+        """Degrees, positive clockwise."""
+        return self.match.pose.angle
+
+    @property
+    def size(self) -> float:
+        """Of the copy over the master's, less 1."""
+        return self.match.pose.scale - 1.0
+
+    @property
+    def offset(self) -> FloatArray:
+        """(x right, y DOWN), fractions of the cell: how far its middle is from the master's."""
+        match = self.match
+        master = match.places[match.covered]
+        if len(master) == 0:
+            return np.zeros(2)
+        middle = (master.min(axis=0) + master.max(axis=0)) / 2
+        if match.squeeze is None:
+            middle = master.mean(axis=0)
+            away = match.pose.linear @ middle + match.pose.shift - middle
+        else:  # a squeeze keeps the outer edges and moves all between them
+            copy = match.in_cell[match.covered]
+            away = (copy.min(axis=0) + copy.max(axis=0)) / 2 - middle
+        return np.asarray(away) * self.registration.reference.radius
+
+    @property
+    def heaviness(self) -> float:
+        """Natural logarithm of the ink's mean depth over the master's, for its size."""
+        copy, master = (p.xyz[:, 2].mean() for p in (self.registration.probe, self.registration.reference))
+        return float(np.log(max(copy, 1e-6) / max(master, 1e-6)))
+
+
+def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Finding]:
+    """Faults of the whole, each where it is worth a remark or half of that."""
+    if pose.framed:
+        yield from _find_pose_faults(pose, limits)
+    strokes = pose.match
+    least = limits.weight + strokes.width_error(strokes.master.points)
+    measured = float(np.log(max(strokes.width, 1e-6)))
+    # the widths of most strokes, or else of all ink: where only some are heavy the whole looks it, too
+    weight = measured if abs(measured) >= least or measured * pose.heaviness < 0 else pose.heaviness
+    if abs(weight) < limits.weak * least:
+        return
+    much = np.exp(weight) - 1.0
+    zh, en, kind = ("粗", "heavier", "heavy") if weight > 0 else ("細", "thinner", "thin")
+    remark = Remark(
+        kind, much, "of the master", severity("weight", weight, limits.weight), None,
+        f"筆畫比範本{zh}約 {abs(much):.0%}。",
+        f"Strokes are about {abs(much):.0%} {en} than the master's.",
+    )  # fmt: skip
+    yield Finding(remark, abs(weight) / least, WHOLE[kind], "weight")
+
+
+def _find_pose_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Finding]:
+    lean, size, away = pose.lean, pose.size, pose.offset
+    if abs(lean) >= limits.lean:
+        zh, en = ("右", "clockwise") if lean > 0 else ("左", "anticlockwise")
+        remark = Remark(
+            "lean", lean, "degrees", severity("lean", lean, limits.lean), None,
+            f"整字向{zh}傾斜 {abs(lean):.0f}°。", f"The whole character leans {abs(lean):.0f}° {en}.",
+        )  # fmt: skip
+        yield Finding(remark, abs(lean) / limits.lean, WHOLE["lean"], "lean")
+    if abs(size) >= limits.size:
+        zh, en = ("大", "larger") if size > 0 else ("小", "smaller")
+        remark = Remark(
+            "size", size, "of the master", severity("size", size, limits.size), None,
+            f"整字比範本{zh} {abs(size):.0%}。",
+            f"The whole character is {abs(size):.0%} {en} than the master.",
+        )  # fmt: skip
+        yield Finding(remark, abs(size) / limits.size, WHOLE[en], "size")
+    offset = float(np.hypot(*away))
+    if offset >= limits.offset:
+        remark = Remark(
+            "offset", offset, "of the cell", severity("offset", offset, limits.offset), None,
+            f"整字在格中偏{direction_of(away).zh}，離範本位置約 {offset:.0%} 格。",
+            f"The whole character stands {way_of(away)}, by about {offset:.0%} of the cell.",
+        )  # fmt: skip
+        yield Finding(remark, offset / limits.offset, WHOLE["offset"], "offset")
+
+
+def find_part_faults(
+    match: CharacterMatch,
+    parts: PartMeasures | None,
+    inner: InnerMeasures | None,
+    *,
+    known: bool,
+    cell: float,
+    limits: RemarkThresholds,
+) -> tuple[list[Finding], FloatArray]:
+    """Faults of proportion, and (n, 2) how far they alone move each of the master's points, rms radii.
+
+    known: whether the character's structure is. cell: one rms radius in cells.
+    """
+    nothing = np.zeros_like(match.places)
+    if not known:
+        return _find_unknown_parts(match, limits)
+    found = [] if inner is None else list(_find_inner_fault(match, inner, limits))
+    if parts is None:
+        return found, nothing
+    found += _find_width_fault(match, parts, limits)
+    found += _find_place_fault(match, parts, cell, limits, told=bool(found))
+    return found, parts.explained if any(f.excess >= 1.0 for f in found) else nothing
+
+
+def _find_unknown_parts(match: CharacterMatch, limits: RemarkThresholds) -> tuple[list[Finding], FloatArray]:
+    """One half much too wide for the other, in a character whose parts are not known."""
+    q = match.squeeze
+    if q is None or max(q.first / q.second, q.second / q.first) - 1.0 < limits.squeeze_unknown:
+        return [], np.zeros_like(match.places)
+    first = match.places[:, 0 if q.axis == "across" else 1] < q.border
+    explained = q.apply(match.places) - match.places
+    parts = PartMeasures(q.axis, first, (q.first, q.second), np.zeros(2), explained)
+    return list(_find_width_fault(match, parts, limits)), explained
+
+
+def _find_width_fault(
+    match: CharacterMatch, parts: PartMeasures, limits: RemarkThresholds
+) -> Iterator[Finding]:
+    ratio = parts.width
+    large, small = (0, 1) if ratio[0] > ratio[1] else (1, 0)
+    size = ratio[large] / max(ratio[small], 1e-6) - 1.0
+    if size < limits.weak * limits.squeeze:
+        return
+    halves, (much, little) = _HALVES[parts.axis], _EXTENT[parts.axis]
+    (zh, en), (zh_other, en_other) = halves[large], halves[small]
+    text = Bilingual(
+        f"{zh}太{much.zh}，{zh_other}太{little.zh}。",
+        f"The {en} is too {much.en}, the {en_other} too {little.en}.",
+    )
+    points = parts.first if large == 0 else ~parts.first
+    fault = _fault("squeeze", size, "of the master", limits.squeeze)
+    yield _on_strokes(match, points, fault, text, advice="squeeze")
+
+
+def _find_place_fault(
+    match: CharacterMatch, parts: PartMeasures, cell: float, limits: RemarkThresholds, *, told: bool
+) -> Iterator[Finding]:
+    """The first part stands off its place beside the second; told: that one is too wide, which moves it."""
+    k = 0 if parts.axis == "across" else 1
+    away = parts.apart * cell
+    if told:
+        away = np.where(np.arange(2) == k, 0.0, away)
+    off = int(np.abs(away).argmax())
+    size = float(abs(away[off]))
+    if size < limits.weak * limits.part_place:
+        return
+    (zh, en), (zh_other, en_other) = _HALVES[parts.axis]
+    if off == k:
+        word = (
+            Bilingual("靠得太近", "too close together")
+            if away[k] > 0
+            else Bilingual("離得太遠", "too far apart")
+        )
+        text = Bilingual(
+            f"{zh}與{zh_other}{word.zh}，約差 {size:.0%} 格。",
+            f"The {en} and the {en_other} stand {word.en}, by about {size:.0%} of the cell.",
+        )
+    else:
+        way = np.where(np.arange(2) == off, away, 0.0)
+        text = Bilingual(
+            f"{zh}對{zh_other}偏{direction_of(way).zh}約 {size:.0%} 格。",
+            f"The {en} stands {way_of(way)} beside the {en_other}, by about {size:.0%} of the cell."
+            if parts.axis == "across"
+            else f"The {en} stands {way_of(way)} over the {en_other}, by about {size:.0%} of the cell.",
+        )
+    fault = _fault("part_place", size, "of the cell", limits.part_place)
+    yield _on_strokes(match, parts.first, fault, text, advice="part_place")
+
+
+def _find_inner_fault(
+    match: CharacterMatch, inner: InnerMeasures, limits: RemarkThresholds
+) -> Iterator[Finding]:
+    size = inner.size - 1.0
+    if abs(size) < limits.weak * limits.inner:
+        return
+    zh, en = ("大", "large") if size > 0 else ("小", "small")
+    text = Bilingual(
+        f"框內的部分太{zh}，與外框之比差了 {abs(size):.0%}。",
+        f"What is enclosed is too {en} for its frame, by {abs(size):.0%}.",
+    )
+    fault = _fault("inner", size, "of the master", limits.inner)
+    yield _on_strokes(match, inner.points, fault, text, advice=f"inner_{en}")
+
+
+def _fault(kind: str, size: float, unit: str, least: float) -> Fault:
+    return Fault(kind, size, unit, severity(kind, size, least), abs(size) / least)
+
+
+def _on_strokes(
+    match: CharacterMatch, points: BoolArray, fault: Fault, text: Bilingual, *, advice: str
+) -> Finding:
+    """A finding on the strokes that some of the master's points belong to."""
+    outlines = stroke_outlines(match, points)
+    owners = np.unique(match.master.points.owner[points])
+    masters = [match.framed_master.on_picture(match.master.lines[int(k)].points) for k in owners]
+    remark = Remark(*fault[:4], box(np.concatenate(outlines)), *text, as_lines(*outlines), as_lines(*masters))
+    return Finding(remark, fault.excess, WHOLE[advice], "parts")
