@@ -8,7 +8,7 @@ import { get } from "../../api";
 import { useLoaded } from "../../ui";
 import { RemarkSheet } from "./RemarkSheet";
 
-type Props = { praise: Bilingual | null; remarks: Remark[]; picture: string | null; work: WorkCard };
+type Props = { praise?: Bilingual | null; remarks: Remark[]; picture: string | null; work: WorkCard };
 
 export function Remarks({ praise, remarks, picture, work }: Props) {
   const [pointed, setPointed] = useState<number | null>(null);
