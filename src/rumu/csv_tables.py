@@ -20,8 +20,13 @@ from typing import TextIO
 from rumu.encodings import decode_text
 from rumu.errors import RumuError
 from rumu.inputs import MAX_TEXT, read_file
+from rumu.values import Bilingual
 
-SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+SEPARATORS = {
+    ",": Bilingual("逗號", "commas"),
+    ";": Bilingual("分號", "semicolons"),
+    "\t": Bilingual("定位字元", "tabs"),
+}
 """Separator of cells -> its name, in the plural."""
 BYTE_ORDER_MARK = "\ufeff"  # in front of a table in UTF-8, without which Excel misreads it
 _FORMULA_STARTS = tuple("=+-@\t\r")
@@ -61,9 +66,13 @@ class Table:
     _error_type: type[RumuError]
 
     @property
-    def description(self) -> str:
+    def description(self) -> Bilingual:
         """How it was read: encoding and separator."""
-        return f"{self.encoding}, cells separated by {SEPARATORS.get(self.separator, repr(self.separator))}"
+        quoted = repr(self.separator)
+        between = SEPARATORS.get(self.separator, Bilingual(quoted, quoted))
+        return Bilingual(
+            f"{self.encoding}，以{between.zh}分隔", f"{self.encoding}, cells separated by {between.en}"
+        )
 
     def rows(self, *, with_faulty: bool = False) -> Iterator[TableRow]:
         """The rows below the header, without empty ones.

@@ -8,6 +8,7 @@ from rumu.gallery.vocabulary import (
     HEIGHT_SOURCES,
     dynasty_key,
     dynasty_name,
+    file_in_other_characters,
     fold,
     period_name,
     script_name,
@@ -60,3 +61,24 @@ def test_the_forms_of_a_character():
     assert variants("書") == ("書", "书")
     assert variants("水") == ("水",)
     assert set(variants("后")) == {"后", "後"}
+
+
+def test_a_file_is_found_in_other_characters_within_its_folder_alone(tmp_path):
+    folder = tmp_path / "class"
+    (folder / "more").mkdir(parents=True)
+    for name in ("张三.png", "more/书.png", "發.png", "髮.png"):
+        (folder / name).touch()
+    (tmp_path / "出.png").touch()
+    expected = {
+        "張三.png": folder / "张三.png",
+        "more/書.png": folder / "more" / "书.png",
+        "more\\書.PNG": folder / "more" / "书.png",
+        "发.png": None,  # of two it is not clear which
+        "../出.png": None,
+        "/出.png": None,
+        "none/a.png": None,
+        "李四.png": None,
+    }
+    assert {name: file_in_other_characters(folder, name) for name in expected} == expected
+    (folder / "李四.png").touch()
+    assert file_in_other_characters(folder, "李四.PNG") == folder / "李四.png"  # not what stood there before

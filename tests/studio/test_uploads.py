@@ -153,3 +153,13 @@ def test_lamps_of_an_upload_may_be_taken_as_given(gallery, zipped, cases):
     files = {path.name: path.read_bytes() for path in (cases / "ps-yflip").iterdir()}
     sent = zipped(files | {"capture.json": b'{"lamps_as_given": true}'})
     assert import_zip(gallery, sent, {}, progress=quiet)["added"] == 1
+
+
+def test_how_the_table_was_read_is_told_in_both_languages_and_names_in_other_characters_are_found(
+    gallery, zipped, cases
+):
+    picture = (cases / "tables" / "a.png").read_bytes()
+    sent = zipped({"labels.csv": "file;character\n張三.png;水\n".encode("gb18030"), "张三.png": picture})
+    done = import_zip(gallery, sent, {}, progress=quiet)
+    assert done["added"] == 1
+    assert done["read_as"] == {"zh": "GB 18030，以分號分隔", "en": "GB 18030, cells separated by semicolons"}

@@ -135,3 +135,19 @@ def test_an_ambient_frame_that_is_brighter_than_a_lamp(tmp_path: Path) -> None:
     with pytest.raises(CaptureError, match=r"p2\.png: darker than ambient\.png") as darker:
         read_capture(tmp_path)
     assert "比 ambient.png 還暗" in str(darker.value.zh)
+
+
+@pytest.mark.parametrize("kind", ["each its own way", "drifting"])
+@pytest.mark.parametrize("pixels", [2, 6])
+def test_frames_that_all_moved(kind: str, pixels: int) -> None:
+    capture = capture_of()
+    rng = np.random.default_rng(1)
+    moves = rng.normal(size=(6, 2))
+    moves *= pixels / np.hypot(*moves.T)[:, None]
+    if kind == "drifting":
+        moves = np.array([(0.0, pixels * k) for k in range(6)])
+    images = np.stack(
+        [ndimage.shift(i, m, order=1, mode="nearest") for i, m in zip(capture.images, moves, strict=True)]
+    )
+    error = refused(replace(capture, images=images))
+    assert "moved against the other photographs" in str(error) and "錯開了約" in str(error.zh)

@@ -178,3 +178,64 @@ def test_little_or_no_relief_is_no_evidence(lamps: int, sheet: str) -> None:
 def test_the_case_of_y_turned(cases: Path) -> None:
     with pytest.raises(CaptureError, match="change the sign of every y"):
         photometric(read_capture(cases / "ps-yflip"))
+
+
+UNEVEN = {
+    "five": (0, 60, 150, 220, 290),
+    "six": (0, 50, 110, 190, 240, 300),
+    "eight": (0, 30, 80, 130, 190, 220, 280, 330),
+}
+
+
+def rig(tilts, slants, *, height=None, albedo=0.7) -> Capture:
+    """A capture under lamps of any directions."""
+    height = relief() if height is None else height
+    shots = [
+        photographs(
+            height,
+            albedo,
+            tilts=[tilt],
+            slant=slant,
+            cast_shadows=False,
+            sensor=Sensor(noise=0.003, seed=tilt),
+        )
+        for tilt, slant in zip(tilts, slants, strict=True)
+    ]
+    images, lights = (np.concatenate(part) for part in zip(*shots, strict=True))
+    return Capture(images=images, lights=lights, mask=np.ones(SHAPE, bool))
+
+
+@pytest.mark.parametrize("albedo", ["stone", "ink"])
+@pytest.mark.parametrize("ring", UNEVEN)
+def test_lines_out_of_step_in_a_ring_that_is_not_even(ring: str, albedo: str) -> None:
+    capture = rig(UNEVEN[ring], [45] * len(UNEVEN[ring]), albedo=0.7 if albedo == "stone" else inked())
+    solved(capture)
+    for step in (1, -1):
+        with pytest.raises(CaptureError, match="so do lines that are out of step by 1") as found:
+            solved(replace(capture, lights=np.roll(capture.lights, step, axis=0)))
+        assert "順序錯開 1 行" in str(found.value.zh)
+
+
+@pytest.mark.parametrize("step", [1, -1])
+@pytest.mark.parametrize("steepness", [1.0, 0.3])
+def test_lines_out_of_step_under_lamps_of_different_slants(step: int, steepness: float) -> None:
+    capture = rig(UNEVEN["six"], (30, 55, 40, 60, 35, 50), height=relief() * steepness)
+    solved(capture)
+    with pytest.raises(CaptureError, match="another order than the photographs") as found:
+        solved(replace(capture, lights=np.roll(capture.lights, step, axis=0)))
+    assert "燈的順序與照片不同" in str(found.value.zh)
+
+
+def test_a_turn_that_no_order_makes_is_left_alone() -> None:
+    capture = rig(UNEVEN["six"], [45] * 6)
+    solved(replace(capture, lights=capture.lights @ turn(25).T))  # someone's own frame of reference
+
+
+def test_a_light_of_the_room_is_named_where_the_lamps_can_tell() -> None:
+    capture = rig(UNEVEN["six"], (30, 55, 40, 60, 35, 50))
+    lit = capture.images + np.float32(0.35)
+    with pytest.raises(
+        CaptureError, match=r"a light is on in all photographs: it makes \d\d %.*named ambient"
+    ) as found:
+        solved(replace(capture, images=lit / lit.max()))
+    assert "每張照片裡都有別的燈光" in str(found.value.zh)

@@ -30,7 +30,7 @@ def lock_database(tmp_path):
 
 
 def test_a_locked_database_is_told_and_reading_goes_on(new_world, monkeypatch, lock_database, code_of):
-    monkeypatch.setattr("rumu.web.service.WRITE_WAIT", 2.0)
+    monkeypatch.setattr("rumu.web.service.WRITE_WAIT", 6.0)
     world = new_world()
     owner = world.browser("館主")
     writers = [world.browser("林") for _ in range(16)]
@@ -45,11 +45,9 @@ def test_a_locked_database_is_told_and_reading_goes_on(new_world, monkeypatch, l
         work.start()
         threads.append(work)
     time.sleep(0.3)
-    start = time.monotonic()
     for url in ("/api/works?limit=1", "/api/classes", "/api/session", "/api/works/regular-shui/files/thumb"):
         assert owner("GET", url).status_code == 200
-    assert any(thread.is_alive() for thread in threads), "they were not waiting meanwhile"
-    assert time.monotonic() - start < 2.0
+    assert any(thread.is_alive() for thread in threads), "reading waited for them"
     for thread in threads:
         thread.join(30)
     assert [answer.status_code for answer in answers] == [503] * 16

@@ -41,13 +41,14 @@ export function JobProgress({ job }: { job: Job }) {
   );
 }
 
-type Imported = { work?: string; collections?: string[]; added?: number; there?: number; left_out?: [string, string, string][]; left_out_count?: number; assumed?: Bilingual; notes?: Bilingual[] };
+type Imported = { work?: string; collections?: string[]; added?: number; there?: number; left_out?: [string, string, string][]; left_out_count?: number; assumed?: Bilingual; read_as?: Bilingual | null; notes?: Bilingual[] };
 
 function Outcome({ result }: { result: Imported }) {
   const { work, collections = [], added = 0, there = 0, left_out: skipped = [], left_out_count: skippedCount = 0 } = result;
   return (
     <>
       <p>{t("imported", { added: added.toLocaleString(), there: there.toLocaleString() })}</p>
+      {result.read_as && <p class="note">{t("readAs", { how: localize(result.read_as) })}</p>}
       {[...(result.assumed ? [result.assumed] : []), ...(result.notes ?? [])].map((note) => <p class="note" key={note.en}>{localize(note)}</p>)}
       {skippedCount > 0 && (
         <details>

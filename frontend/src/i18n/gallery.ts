@@ -127,6 +127,7 @@ export const t = translator({
   removeWork: { zh: "刪除這件作品", en: "Delete this work" },
   sureRemoveWork: { zh: "確定刪除這件作品？連同它的註解與所有臨作，刪了就沒有了。", en: "Delete this work, with its notes and every copy of it, for good?" },
   imported: { zh: "收入 {added} 件，原有 {there} 件。", en: "{added} added, {there} were there already." },
+  readAs: { zh: "labels.csv 的讀法：{how}。", en: "How labels.csv was read: {how}." },
   leftOut: { zh: "略過 {n} 件：", en: "{n} left out:" },
   collections: { zh: "專題", en: "Collections" },
   tours: { zh: "導覽", en: "Tours" },

@@ -1,11 +1,12 @@
-// What a search was taken for, and the size of a work, as the pages tell them.
+// What a search was taken for, the size of a work, and how a table was read, as the pages tell them.
 
 import { render } from "preact";
 import { describe, expect, it } from "vitest";
 import { SearchMeanings } from "../../src/gallery/GalleryPage";
+import { JobProgress } from "../../src/gallery/JobProgress";
 import { WorkFacts } from "../../src/gallery/WorkFacts";
 import { language } from "../../src/i18n";
-import type { Bilingual, Understood, ViewerFacts } from "../../src/types";
+import type { Bilingual, Job, Understood, ViewerFacts } from "../../src/types";
 
 const shown = (what: preact.ComponentChild): HTMLElement => {
   const box = document.createElement("div");
@@ -67,5 +68,18 @@ describe("the size of a work", () => {
   it("is in millimetres, too, where a pixel has a size", () => {
     language.value = "en";
     expect(sizes({ unit: "mm", spacing: 0.1 })).toEqual(["102.4 mm × 68.3 mm", "6000 × 4000 px", "shown here at 1024 × 683"]);
+  });
+});
+
+describe("an import that has ended", () => {
+  const job = (result: Record<string, unknown>): Job => ({ id: "a", kind: "import", state: "done", done: 2, total: 2, message: "", result, error: null });
+
+  it("tells how the table was read", () => {
+    const read_as = { zh: "GB 18030，以分號分隔", en: "GB 18030, cells separated by semicolons" };
+    language.value = "zh";
+    expect(texts(shown(<JobProgress job={job({ added: 2, there: 0, read_as })} />), ".note")).toEqual(["labels.csv 的讀法：GB 18030，以分號分隔。"]);
+    language.value = "en";
+    expect(texts(shown(<JobProgress job={job({ added: 2, there: 0, read_as })} />), ".note")).toEqual(["How labels.csv was read: GB 18030, cells separated by semicolons."]);
+    expect(texts(shown(<JobProgress job={job({ added: 2, there: 0, read_as: null })} />), ".note")).toEqual([]);
   });
 });

@@ -22,13 +22,13 @@ import numpy as np
 
 from rumu.capture.description import DESCRIPTION, Description, read_description
 from rumu.capture.formats import ENCODINGS, Encoding
-from rumu.capture.frames import ORIENTATIONS, Frames, Orientation, read_frames, size_of, with_file_name
-from rumu.capture.image import read_mask
+from rumu.capture.frames import ORIENTATIONS, Orientation, read_frames
 from rumu.capture.light_files import LampLine, read_directions, read_lp
 from rumu.capture.lights import direction
+from rumu.capture.masks import mask_file, read_folder_mask
 from rumu.capture.photographs import FolderImages, capture_error, files, place
-from rumu.errors import CaptureError, ImageError
-from rumu.values import Bilingual, BoolArray, Capture, FloatArray
+from rumu.errors import CaptureError
+from rumu.values import Bilingual, Capture, FloatArray
 
 Choice = TypeVar("Choice", bound=str)
 
@@ -98,13 +98,8 @@ def read_capture(
     """
     _check_choice("encoding", encoding, ENCODINGS)
     _check_choice("orientation", orientation, ORIENTATIONS)
-    folder, named = _split_path(Path(path))
-    images = FolderImages(folder, within=within)
-    images.check_links()
-    description_file = folder / DESCRIPTION
-    description = read_description(description_file) if description_file.is_file() else Description()
-    lamps = _read_lamps(images, named, description)
-    _check_lamps(lamps)
+    images, description, lamps = _find_files(Path(path), within)
+    folder = images.folder
     chosen = _entry(folder, "encoding", description.encoding, ENCODINGS) if encoding == "auto" else encoding
     turned = (
         _entry(folder, "orientation", description.orientation, ORIENTATIONS)
@@ -121,7 +116,7 @@ def read_capture(
     return Capture(
         images=frames.images,
         lights=lamps.lights,
-        mask=_read_folder_mask(images, description, frames),
+        mask=read_folder_mask(images, description, frames),
         strengths=lamps.strengths,
         spacing=description.spacing_mm,
         names=tuple(
@@ -132,6 +127,26 @@ def read_capture(
         notes=(*lamps.notes, *frames.notes),
         lamps_as_given=description.lamps_as_given,
     )
+
+
+def check_capture_files(path: str | os.PathLike[str], *, within: Path | None = None) -> None:
+    """Raise CaptureError for lamps, names of images or a mask that `read_capture` would refuse.
+
+    No image is read, so that an upload can be refused at once. Arguments: see `read_capture`.
+    """
+    images, description, _ = _find_files(Path(path), within)
+    mask_file(images, description)
+
+
+def _find_files(path: Path, within: Path | None) -> tuple[FolderImages, Description, _Lamps]:
+    folder, named = _split_path(path)
+    images = FolderImages(folder, within=within)
+    images.check_links()
+    description_file = folder / DESCRIPTION
+    description = read_description(description_file) if description_file.is_file() else Description()
+    lamps = _read_lamps(images, named, description)
+    _check_lamps(lamps)
+    return images, description, lamps
 
 
 def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
@@ -334,63 +349,3 @@ def _check_lamps(lamps: _Lamps) -> None:
             en=f"expected lamps from at least three sides, got {count} that lie in one plane",
             zh=f"燈至少要在三個方向，這裡 {count} 盞燈都在同一平面上",
         )
-
-
-# --- the mask ---------------------------------------------------------------------------------------
-
-
-def _read_folder_mask(images: FolderImages, description: Description, frames: Frames) -> BoolArray:
-    shape = frames.images.shape[1:3]
-    path = _mask_file(images, description)
-    if path is None:
-        return np.ones(shape, dtype=bool)
-    try:
-        mask = read_mask(path, upright=frames.upright)
-    except ImageError as error:
-        named = with_file_name(error, path)
-        raise CaptureError(f"mask {named}", zh=None if named.zh is None else f"遮罩 {named.zh}") from error
-    if mask.shape != shape:
-        raise capture_error(
-            path,
-            en=f"expected a mask of {shape[1]} x {shape[0]} pixels, got {size_of(mask)}",
-            zh=f"遮罩應是 {shape[1]} x {shape[0]} 像素，卻是 {size_of(mask)}",
-        )
-    if not mask.any():
-        raise capture_error(
-            path,
-            en="expected a mask with white where the object is, it is black all over",
-            zh="遮罩中物體處應是白色，這裡卻全是黑色",
-        )
-    return mask
-
-
-def _mask_file(images: FolderImages, description: Description) -> Path | None:
-    if description.mask is not None:
-        mask = images.find(description.mask, any_suffix=False)
-        if mask is None:
-            raise capture_error(
-                images.folder / DESCRIPTION,
-                en=f"expected the mask {description.mask}, there is no such file",
-                zh=f"所指的遮罩 {description.mask} 不在這組照片裡；請一併放入",
-            )
-        return mask
-    plain = images.by_stem("mask")
-    if plain is not None:
-        return plain
-    named = [p for p in images.images() if p.stem.lower().endswith(".mask")]
-    if len(named) > 1:
-        names = ", ".join(p.name for p in named)
-        raise capture_error(
-            images.folder, en=f"expected one mask, found {names}", zh=f"遮罩應只有一個，卻有 {names}"
-        )
-    return named[0] if named else _mask_above(images)
-
-
-def _mask_above(images: FolderImages) -> Path | None:
-    """The mask that several captures share, one folder up; not one that belongs to photographs beside it."""
-    above = FolderImages(images.folder.resolve().parent)
-    try:
-        mask = None if above.photographs else above.by_stem("mask")
-    except CaptureError:  # the folder above need not be readable, nor in order
-        return None
-    return mask if mask is not None and images.may_read(mask) else None

@@ -139,7 +139,7 @@ def _assess_table(
     facts |= {"encoding": table.encoding, "separator": table.separator}
     text = (
         f"{out}: {marked_rows} marked, {refused_rows} refused, {seconds:.1f} s\n"
-        f"  {pairs}: {table.description}"
+        f"  {pairs}: {table.description.en}"
     )
     none = (
         f"{out}: no pair of {pairs} could be marked; the column 'refused' says why"

@@ -198,7 +198,7 @@ def _describe(fit: TeacherFit, left_out: LeftOut, table: Table, out: Path) -> st
         [
             f"{table.path}: {fit.copies} marks of copies of {fit.masters} masters, "
             f"{len(left_out)} rows left out",
-            f"  read as {table.description}",
+            f"  read as {table.description.en}",
             *(f"  line {row.line}: {row.image}: {why}" for row, why in left_out),
             f"{_HELD_OUT[fit.held_out]}:",
             *rows,

@@ -199,10 +199,10 @@ def import_works(
             f"{len(done.left_out)} left out, such as {done.left_out[0][0]}: {done.left_out[0][1].en}"
         )
     if done.read_as:
-        lines.append(f"labels.csv read as {done.read_as}")
+        lines.append(f"labels.csv read as {done.read_as.en}")
     left_out = [{"file": file, "reason": reason.en} for file, reason in done.left_out]
     facts = {"collections": list(done.collections), "added": done.added, "there": done.existing}
-    facts |= {"read_as": done.read_as}
+    facts |= {"read_as": done.read_as.en if done.read_as else ""}
     return Outcome({**facts, "left_out": left_out}, "\n".join(lines))
 
 

@@ -60,14 +60,16 @@ def check_writable(writing: AbstractContextManager[Path]) -> None:
 def find_copy(name: str, *, root: Path) -> Path:
     """The file of a copy that a table names, relative to `root`.
 
-    A name that stands there in composed or decomposed characters, in other case or with backslashes is found.
+    A name that stands there in composed or decomposed, traditional or simplified characters, in other case or
+    with backslashes is found.
     """
     path = root / name
     if path.exists():
         return path
     from rumu.containment import FolderFiles
+    from rumu.gallery.vocabulary import file_in_other_characters
 
-    return FolderFiles(root).find(name) or path
+    return FolderFiles(root).find(name) or file_in_other_characters(root, name) or path
 
 
 class FoundMaster(NamedTuple):

@@ -49,14 +49,14 @@ class ImportResult:
 
     collections: their ids. added: number of new works. existing: number of works that were there before.
     left_out: (file, reason) of each picture that was not imported. read_as: encoding and separator of the
-    labels.csv, '' if there is none.
+    labels.csv, None if there is none.
     """
 
     collections: tuple[str, ...]
     added: int = 0
     existing: int = 0
     left_out: tuple[tuple[str, Bilingual], ...] = ()
-    read_as: str = ""
+    read_as: Bilingual | None = None
 
     def and_then(self, other: ImportResult) -> ImportResult:
         """The result of both batches."""

@@ -25,6 +25,7 @@ from rumu.gallery.labels import LabelledPicture, SharedMetadata, collection_of, 
 from rumu.gallery.masters import LABELS, read_label_table
 from rumu.gallery.metadata import CollectionMetadata, StoredFiles, insert_works, work_row
 from rumu.gallery.store import Gallery
+from rumu.gallery.vocabulary import file_in_other_characters
 from rumu.values import Bilingual
 
 _BATCH_BYTES = 64_000_000  # or fewer works, when their pictures are large
@@ -93,7 +94,7 @@ def _read_batches(folder: Path, labels: Sequence[LabelledPicture]) -> Iterator[l
     files = FolderFiles(folder)
     with ThreadPoolExecutor(_THREADS) as threads:
         for some in split(labels, _READ_AHEAD):
-            for picture in threads.map(lambda label: _read_picture(files, label), some):
+            for picture in threads.map(lambda label: _read_picture(folder, files, label), some):
                 batch.append(picture)
                 if len(batch) == BATCH or sum(len(one.data) for one in batch) > _BATCH_BYTES:
                     yield batch
@@ -102,10 +103,10 @@ def _read_batches(folder: Path, labels: Sequence[LabelledPicture]) -> Iterator[l
         yield batch
 
 
-def _read_picture(files: FolderFiles, label: LabelledPicture) -> _Picture:
+def _read_picture(folder: Path, files: FolderFiles, label: LabelledPicture) -> _Picture:
     from rumu.capture.formats import decode
 
-    path = files.find(label.file)
+    path = files.find(label.file) or file_in_other_characters(folder, label.file)
     if path is None:
         return _Picture(
             label,

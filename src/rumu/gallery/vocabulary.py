@@ -12,6 +12,7 @@ import functools
 import re
 import unicodedata
 from importlib import resources
+from pathlib import Path
 
 from rumu.values import SCRIPTS, Bilingual
 
@@ -187,3 +188,26 @@ def _other_forms() -> dict[str, tuple[str, ...]]:
 def _read_pairs(name: str) -> list[tuple[str, str]]:
     packed = resources.files("rumu.gallery").joinpath(name).read_text(encoding="utf-8").replace("\n", "")
     return list(zip(packed[::2], packed[1::2], strict=True))
+
+
+def file_in_other_characters(folder: Path, name: str) -> Path | None:
+    """The file of a folder that a name means in traditional or simplified characters, None unless it is one.
+
+    A program that writes a table may convert its characters: 張三.png is then 张三.png on the disk. Only the
+    last part of the name is looked at, and nothing outside of the folder.
+    """
+    path = folder / name.replace("\\", "/")
+    if not path.parent.is_dir() or not path.resolve().is_relative_to(folder.resolve()):
+        return None
+    found = _names_by_folded(path.parent, path.parent.stat().st_mtime_ns).get(fold(path.name), [])
+    file = path.parent / found[0] if len(found) == 1 else None
+    return file if file and file.is_file() and file.resolve().is_relative_to(folder.resolve()) else None
+
+
+@functools.lru_cache(maxsize=8)  # a table may name thousands of files of one folder
+def _names_by_folded(folder: Path, changed: int) -> dict[str, list[str]]:
+    """The names in a folder by their folded form. changed: when the folder was, so that none is outdated."""
+    names: dict[str, list[str]] = {}
+    for one in folder.iterdir():
+        names.setdefault(fold(one.name), []).append(one.name)
+    return names

@@ -8,6 +8,7 @@ import stat
 import struct
 import zipfile
 import zlib
+from collections.abc import Callable, Set
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -87,8 +88,16 @@ def check_zip(head: bytes) -> None:
     raise Unusable("no_zip", zh="這不是 zip 檔。", en="Expected a zip file; this is something else.")
 
 
-def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Unpacked:
+def unpack(
+    packed: Path,
+    folder: Path,
+    *,
+    limits: ZipLimits | None = None,
+    written: Callable[[str], bool] | None = None,
+) -> Unpacked:
     """Unpack a zip into an empty folder.
+
+    written: by its name, whether a file gets its content; the others stay empty. None for all.
 
     Names are checked before the first byte is written, and bytes are counted as they are written, since
     the sizes that a zip states may be false. Files are written under their `safe_name`; those that macOS,
@@ -107,7 +116,8 @@ def unpack(packed: Path, folder: Path, *, limits: ZipLimits | None = None) -> Un
         names, encoding = decode_names(archive, archive.infolist())
         files = _files_by_name(archive.infolist(), names)
         _check_entries(files, packed, folder, limits)
-        _write_all(archive, files, folder, limits, max_bytes=_max_bytes(packed, limits))
+        empty = [name for name in files if written is not None and not written(name)]
+        _write_all(archive, files, folder, limits, max_bytes=_max_bytes(packed, limits), empty=set(empty))
     if not encoding:
         return Unpacked(folder, None)
     known_as = ENCODINGS[encoding]
@@ -216,12 +226,16 @@ def _write_all(
     limits: ZipLimits,
     *,
     max_bytes: int,
+    empty: Set[str],
 ) -> None:
     left = max_bytes
     for name, entry in files.items():
         target = folder.joinpath(*safe_name(name).split("/"))
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
+            if name in empty:
+                target.open("xb").close()
+                continue
             left -= _write_entry(archive, entry, target, name, max_bytes=min(limits.file_bytes, left))
         except (FileExistsError, NotADirectoryError, IsADirectoryError) as error:
             raise _two_files(name) from error

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from rumu.capture.folder import check_capture_files
+from rumu.errors import DiskFull
 from rumu.gallery.add_work import SUFFIXES, add_capture, add_picture, named_collection
 from rumu.gallery.archive import MANIFEST
 from rumu.gallery.bulk_import import import_folder
@@ -69,6 +71,26 @@ def find_or_name_collection(gallery: Gallery, name: str) -> CollectionMetadata:
     return named_collection(name or None)
 
 
+def check_capture(packed: Path) -> None:
+    """Raise CaptureError for a zip of a capture whose lamps, names of photographs or mask are refused.
+
+    No photograph is unpacked, so this takes no time and a person is told at once. Any other zip is left to
+    `import_zip`, as is what only the photographs themselves show.
+    """
+    with temporary_folder() as temporary:
+        try:
+            unpacked = unpack(packed, temporary / "sent", written=_tells_of_a_capture)
+            folder, is_capture = _find_content(unpacked.folder)
+        except (Unusable, DiskFull):
+            return
+        if is_capture:
+            check_capture_files(folder, within=unpacked.folder)
+
+
+def _tells_of_a_capture(name: str) -> bool:
+    return _LAMPS.fullmatch(PurePosixPath(name).name.lower()) is not None
+
+
 def import_zip(
     gallery: Gallery,
     packed: Path,
@@ -103,7 +125,7 @@ def import_zip(
                 "collections": list(done.collections),
                 "added": done.added,
                 "there": done.existing,
-                "read_as": done.read_as,
+                "read_as": done.read_as._asdict() if done.read_as else None,
                 "left_out": [
                     [file, without_folders(reason.en), without_folders(reason.zh)]
                     for file, reason in done.left_out[:_MAX_LISTED]

@@ -23,7 +23,7 @@ class FrameCheckSettings:
     side: pixels, of the reduced frames that are laid on each other. detail: pixels, of the largest detail
         that is compared. still: correlation above which a frame did not move. least_shift: pixels by which a
         frame must be off. agreement: correlation that it must reach when it is laid right. miss: to which
-        share what is missing from full correlation must fall then.
+        share what is missing from full correlation must fall then. rounds: of laying frames on the others.
     """
 
     black: float = 0.02
@@ -36,6 +36,7 @@ class FrameCheckSettings:
     least_shift: float = 0.75
     agreement: float = 0.9
     miss: float = 0.4
+    rounds: int = 3
     pixels: int = 20_000
 
 
@@ -87,6 +88,8 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
         if shift >= settings.least_shift:
             moved.append((i, shift * scale))
     if not moved:
+        moved = [(i, far * scale) for i, far in _all_moved(frames, capture.lights, settings)]
+    if not moved:
         return
     names = _names(capture)
     which = _listed([names[i] for i, _ in moved], np.ones(len(moved), bool))
@@ -107,12 +110,77 @@ def _from_the_others(frames: FloatArray, lights: FloatArray) -> Iterator[tuple[i
             yield i, np.maximum((fitted[i] - own * frames[i]) / (1.0 - own), 0.0)
 
 
+def _all_moved(
+    frames: FloatArray, lights: FloatArray, settings: FrameCheckSettings
+) -> list[tuple[int, float]]:
+    """Numbers of the frames that moved, and by how much, when so many did that none is like the others say.
+
+    Edges of ink and relief, which all frames show, lay them on each other, and then Lambert's law does so
+    more closely. It is clear when the frames are as the others say afterwards, and were not before.
+    """
+    import cv2
+
+    def laid(shifts: FloatArray) -> FloatArray:
+        size = frames.shape[:0:-1]
+        moves = [np.array([[1.0, 0, -dx], [0, 1, -dy]]) for dx, dy in shifts]
+        return np.stack(
+            [
+                cv2.warpAffine(f, m, size, borderMode=cv2.BORDER_REFLECT)
+                for f, m in zip(frames, moves, strict=True)
+            ]
+        )
+
+    before = _likeness(frames, lights, settings)
+    if len(before) < 4 or np.median(before) > settings.still:
+        return []
+    window = cv2.createHanningWindow(frames.shape[:0:-1], cv2.CV_32F)
+    edges = [_edges(frame) for frame in frames]
+    shifts = np.array([cv2.phaseCorrelate(edges[0], one, window)[0] for one in edges])
+    for _ in range(settings.rounds):
+        for i, wanted in _from_the_others(laid(shifts), lights):
+            here, there = _details(frames[i], settings), _details(wanted, settings)
+            shifts[i] = cv2.phaseCorrelate(there, here, window)[0]
+    shifts -= np.median(shifts, axis=0)
+    sizes = np.hypot(*shifts.T)
+    if not settings.least_shift <= sizes.max() < 0.2 * max(frames.shape[1:]):
+        return []
+    after = float(np.median(_likeness(laid(shifts), lights, settings)))
+    miss = (1.0 - after) / (1.0 - float(np.median(before)))
+    if after < settings.agreement or miss > settings.miss:
+        return []
+    return [(i, float(size)) for i, size in enumerate(sizes) if size >= settings.least_shift]
+
+
+def _likeness(frames: FloatArray, lights: FloatArray, settings: FrameCheckSettings) -> FloatArray:
+    """Correlation of each frame with what the others say it should look like."""
+    import cv2
+
+    window = cv2.createHanningWindow(frames.shape[:0:-1], cv2.CV_32F)
+    pairs = ((frames[i], wanted) for i, wanted in _from_the_others(frames, lights))
+    return np.array([_correlation(_details(a, settings), _details(b, settings), window) for a, b in pairs])
+
+
+def _details(frame: FloatArray, settings: FrameCheckSettings) -> FloatArray:
+    """(h, w) float32 logarithm of a frame, less what is smooth."""
+    import cv2
+
+    log = np.log(frame + 0.02).astype(np.float32)
+    return np.asarray(log - cv2.blur(log, (settings.detail, settings.detail)))
+
+
+def _edges(frame: FloatArray) -> FloatArray:
+    """(h, w) float32: how strongly the logarithm of a frame changes, whichever way."""
+    import cv2
+
+    log = cv2.GaussianBlur(np.log(frame + 0.02).astype(np.float32), (0, 0), 1.0)
+    return np.asarray(cv2.magnitude(cv2.Sobel(log, cv2.CV_32F, 1, 0), cv2.Sobel(log, cv2.CV_32F, 0, 1)))
+
+
 def _shift_of(frame: FloatArray, wanted: FloatArray, settings: FrameCheckSettings) -> float:
     """By how many pixels a frame is off, 0 where it is not clear."""
     import cv2
 
-    logs = (np.log(one + 0.02).astype(np.float32) for one in (frame, wanted))
-    here, there = (one - cv2.blur(one, (settings.detail, settings.detail)) for one in logs)
+    here, there = _details(frame, settings), _details(wanted, settings)
     window = cv2.createHanningWindow(here.shape[::-1], cv2.CV_32F)
     before = _correlation(here, there, window)
     if before > settings.still:

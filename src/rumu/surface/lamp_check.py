@@ -6,8 +6,9 @@ leave the same residual, but the slopes are then those of no surface. And more t
 contradict lamps in a wrong order by more than they contradict the right ones.
 
 What cannot be found this way: lamps turned by 180 degrees about the camera's axis, which turn the relief
-inside out (the curl stays 0 and the residual the same), and any wrong lamp of flat paper, whose normals are
-all alike. One axis mirrored and the other one mirrored differ by just that half turn, so both are named.
+inside out (the curl stays 0 and the residual the same); any wrong lamp of flat paper, whose normals are all
+alike; and a light of the room under lamps in one ring, which makes all slopes less steep by one factor. One
+axis mirrored and the other one mirrored differ by just that half turn, so both are named.
 
 Ours, not the paper's. Slopes are compared over blocks of pixels of several sizes, since noise is stronger in
 small ones and uneven light in large ones; blocks across an edge of ink are left out, because frames that are
@@ -18,53 +19,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
 from rumu.errors import CaptureError
+from rumu.surface.lamp_order import AS_GIVEN, LampCheckSettings, check_order, unexplained
 from rumu.surface.robust import pixel_scale
 from rumu.surface.stereo import gradients_from_normals
-from rumu.surface.strengths import Photometry, estimate_photometry, sample
+from rumu.surface.strengths import sample
 from rumu.values import Bilingual, BoolArray, Capture, FloatArray
 
 _FITTED = 3000
 """About how many blocks the smooth part of a slope is fitted to."""
-
-
-@dataclass(frozen=True, slots=True)
-class LampCheckSettings:
-    """How clear it must be that other lamps fit better before right ones could be blamed.
-
-    curl_ratio: times that the curl must exceed that under other lamps, and theirs that of every further kind.
-    sizes: of blocks, one after the other, at which that must hold, with the same angle to within `angle`.
-    angle: degrees; also by how far an angle may miss the ones that mistakes make: multiples of 90, and those
-        that other orders of the lamps make.
-    blocks, cells: fewest blocks across the picture, and fewest places where slopes are compared.
-    slope_step: least difference of slope between neighbouring blocks that counts, above what 8 bits round.
-    ink_edge: largest difference of log albedo within or between blocks. strong: how many times the usual
-        difference of slopes makes relief that stands out from a flat ground.
-    residual: share of the brightness that must contradict the lamps before their order is doubted.
-    shading: times that share by which the brightness must differ from that of a sheet that faces one way.
-    residual_ratio: to what share of that another order must bring it. free_ratio: the same for three
-        directions of any kind, which says that the lamps are of another capture.
-    rows: most pixels that orders are tried on; orders: most pairs of lamps tried.
-    """
-
-    curl_ratio: float = 2.5
-    sizes: int = 2
-    angle: float = 8.0
-    blocks: int = 20
-    cells: int = 150
-    slope_step: float = 0.008
-    ink_edge: float = 0.25
-    strong: float = 3.0
-    residual: float = 0.04
-    shading: float = 0.5
-    residual_ratio: float = 0.5
-    free_ratio: float = 0.25
-    rows: int = 400
-    orders: int = 2000
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,11 +64,11 @@ def check_lamps(
     flat paper.
     """
     settings = settings or LampCheckSettings()
-    _check_order(capture, strengths, settings)
+    check_order(capture, strengths, settings)
     fit = _turned_or_mirrored(normals, albedo, known, settings)
     if fit is None:
         return
-    order = _order_of(capture.lights, _under(capture.lights, fit), settings)
+    order = _order_of(capture, _under(capture.lights, fit), settings)
     if order is not None or abs((fit.angle + 45) % 90 - 45) <= settings.angle:
         raise _wrong_lamps(capture, fit, order)
 
@@ -230,16 +196,10 @@ def _wrong_lamps(capture: Capture, fit: _Fit, order: Bilingual | None) -> Captur
     share = f"{100 * fit.best / fit.given:.0f} %"
     return CaptureError(
         f"the lamps do not fit the photographs: {'; '.join(cause.en for cause in causes)}. As they are, "
-        f"the slopes are those of no surface; then, their curl falls to {share}. {_AS_GIVEN.en}",
+        f"the slopes are those of no surface; then, their curl falls to {share}. {AS_GIVEN.en}",
         zh=f"燈的方向與照片不合：{'；'.join(cause.zh for cause in causes)}。"
-        f"照現在的方向，算出的斜率不成曲面；改正後旋度降到 {share}。{_AS_GIVEN.zh}",
+        f"照現在的方向，算出的斜率不成曲面；改正後旋度降到 {share}。{AS_GIVEN.zh}",
     )
-
-
-_AS_GIVEN = Bilingual(
-    '若燈的方向確實沒錯，請用 --lamps-as-given，或在 capture.json 寫 "lamps_as_given": true。',
-    'If the lamps are right, use --lamps-as-given, or "lamps_as_given": true in capture.json.',
-)
 
 
 def _mistake(fit: _Fit) -> Bilingual:
@@ -278,14 +238,24 @@ def _under(lights: FloatArray, fit: _Fit) -> FloatArray:
     return np.asarray(lights @ (mirror @ turn).T)
 
 
-def _order_of(lights: FloatArray, wanted: FloatArray, settings: LampCheckSettings) -> Bilingual | None:
-    """How the lines are out of step when the lamps that fit are the given ones in another order."""
-    n, near = len(lights), np.cos(np.radians(settings.angle))
+def _order_of(capture: Capture, wanted: FloatArray, settings: LampCheckSettings) -> Bilingual | None:
+    """How the lines are out of step when the lamps that fit are the given ones in another order.
+
+    On a ring whose lamps stand unevenly that is so on average, and the photographs must agree.
+    """
+    lights, n = capture.lights, len(capture.lights)
+    near, uneven = (float(np.cos(np.radians(angle))) for angle in (settings.angle, settings.uneven))
     for turned in (wanted, wanted * (-1.0, -1.0, 1.0)):
         for step in (1, -1):
             for k in range(n):
                 order = [(step * i + k) % n for i in range(n)]
-                if order == list(range(n)) or (lights[order] * turned).sum(axis=1).min() < near:
+                alike = float((lights[order] * turned).sum(axis=1).min())
+                if order == list(range(n)) or alike < uneven:
+                    continue
+                if alike < near and not (
+                    abs(_mean_turn(lights[order], turned)) < settings.angle
+                    and _fits_no_worse(capture, order, settings)
+                ):
                     continue
                 if step == -1:
                     return Bilingual("順序顛倒也會這樣", "lines in reversed order do the same")
@@ -296,80 +266,16 @@ def _order_of(lights: FloatArray, wanted: FloatArray, settings: LampCheckSetting
     return None
 
 
-# --- the order of the lamps ------------------------------------------------------------------------
+def _mean_turn(lights: FloatArray, others: FloatArray) -> float:
+    """Degrees about the optical axis from some lamps to others, on average."""
+    here, there = (one[:, 0] + 1j * one[:, 1] for one in (lights, others))
+    return float(np.degrees(np.angle((there * here.conj()).sum())))
 
 
-def _check_order(capture: Capture, strengths: FloatArray, settings: LampCheckSettings) -> None:
-    """Raise CaptureError when another order of the lamps, or other lamps, explain the photographs better."""
-    n = len(capture.lights)
+def _fits_no_worse(capture: Capture, order: list[int], settings: LampCheckSettings) -> bool:
+    """Whether the photographs contradict the lamps in another order no more than as they are."""
     rows = sample(capture.images, mask=capture.mask, most=settings.rows)
-    if n < 5 or len(rows) < n:
-        return
+    if len(rows) < len(order):
+        return False
     scale = pixel_scale(rows)
-    facing = np.median(rows / scale, axis=0)[:, None]
-    given = min(
-        _residual(rows, capture.lights, scale), _residual(rows, capture.lights * strengths[:, None], scale)
-    )
-    if given < settings.residual:
-        return
-    # No order of the lamps explains more than the three best directions of any kind do.
-    free = np.linalg.svd(rows / scale, full_matrices=False)[2][:3].T
-    least = _residual(rows, free, scale)
-    if least > settings.residual_ratio * given or _residual(rows, facing, scale) < settings.shading * given:
-        return
-    given = min(given, _residual(rows, _with_strengths(capture, capture.lights), scale))
-    if given < settings.residual or least > settings.residual_ratio * given:
-        return
-    trials = [(_residual(rows, capture.lights[order], scale), order) for order in _orders(n, settings)]
-    trials.sort(key=lambda one: one[0])
-    for _, order in trials[:3]:
-        lights = capture.lights[order]
-        fitted = min(_residual(rows, lights, scale), _residual(rows, _with_strengths(capture, lights), scale))
-        if fitted < settings.residual_ratio * given:
-            raise _wrong_order(capture, order, before=given, after=fitted)
-    if given > 2.5 * settings.residual and least < settings.free_ratio * given:
-        raise CaptureError(
-            f"the lamps do not fit the photographs: {100 * given:.0f} % of the brightness contradicts them, "
-            "and other lamps would explain it. Are they those of another capture, or in another order? "
-            f"{_AS_GIVEN.en}",
-            zh=f"燈的方向與照片不合：亮度有 {100 * given:.0f} % 與它們矛盾，換成別的方向就說得通。"
-            f"是不是別組照片的燈，或順序不同？{_AS_GIVEN.zh}",
-        )
-
-
-def _residual(rows: FloatArray, lights: FloatArray, scale: FloatArray) -> float:
-    """Median share of the brightness that no normal explains under these lamps, times strength."""
-    q, _ = np.linalg.qr(lights)
-    return float(np.median(np.abs(rows - (rows @ q) @ q.T) / scale))
-
-
-def _with_strengths(capture: Capture, lights: FloatArray) -> FloatArray:
-    found: Photometry = estimate_photometry(
-        capture.images, lights, mask=capture.mask, strengths=capture.strengths
-    )
-    return np.asarray(lights * found.strengths[:, None])
-
-
-def _orders(n: int, settings: LampCheckSettings) -> Iterator[list[int]]:
-    """Orders that mistakes make: shifted, reversed, two exchanged."""
-    for step in (1, -1):
-        yield from ([(step * i + k) % n for i in range(n)] for k in range(n) if (step, k) != (1, 0))
-    pairs = list(combinations(range(n), 2))
-    for i, j in pairs if len(pairs) <= settings.orders else []:
-        order = list(range(n))
-        order[i], order[j] = j, i
-        yield order
-
-
-def _wrong_order(capture: Capture, order: list[int], *, before: float, after: float) -> CaptureError:
-    names = capture.names or tuple(f"photograph {i + 1}" for i in range(len(order)))
-    moved = [i for i, k in enumerate(order) if i != k]
-    first = ", ".join(f"{names[i]} -> {names[order[i]]}" for i in moved[:3])
-    more = ", ..." if len(moved) > 3 else ""
-    shares = f"{100 * before:.0f} % / {100 * after:.0f} %"
-    return CaptureError(
-        "the lamps are in another order than the photographs: what contradicts them falls from "
-        f"{100 * before:.0f} to {100 * after:.0f} % of the brightness when each photograph takes the lamp of "
-        f"another one ({first}{more}). {_AS_GIVEN.en}",
-        zh=f"燈的順序與照片不同：照片改配別張的燈（{first}{more}）時，矛盾的亮度大減（{shares}）。{_AS_GIVEN.zh}",
-    )
+    return unexplained(rows, capture.lights[order], scale) <= unexplained(rows, capture.lights, scale)

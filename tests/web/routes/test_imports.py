@@ -89,6 +89,12 @@ class Sender:
         answer = self.browser(
             "POST", "/api/imports", data=facts, files={"zip": ("sent.zip", make_zip(files))}
         )
+        if answer.status_code == 422 and answer.json()["error"]["code"] == "unusable":
+            job = {"state": "failed", "error": answer.json()["error"]}  # told at once
+            assert job["error"]["zh"] and job["error"]["en"] and not list(Path(self.store).glob("uploads/*"))
+            for folder in (self.store, f"{tempfile.gettempdir()}/rumu-"):
+                assert folder not in answer.text
+            return job
         assert answer.status_code == 202, answer.text
         url = f"/api/jobs/{answer.json()['job']['id']}"
         with self.browser.client.stream("GET", f"{url}/events") as stream:
@@ -268,6 +274,31 @@ def test_an_lp_reads_no_photograph_of_the_server(unharmed, victim, kind):
     job, _ = unharmed(CAPTURE | {"lights.lp": lp("0.png", name, "2.png", "3.png")})
     assert job["state"] == "failed"
     assert name.startswith("//") or "no such file" in job["error"]["en"], job  # which begins a comment
+
+
+@pytest.mark.parametrize(
+    ("changed", "en", "zh"),
+    [
+        (
+            {"lights.lp": lp("0.png", "1.png", "2.png", "3.png").replace(b"4", b"5", 1)},
+            "lights.lp",
+            "lights.lp",
+        ),
+        ({"lights.lp": b"1\n0.png 1 2\n"}, "lights.lp line 2", "lights.lp 第 2 行"),
+        ({"lights.lp": b"2\n0.png 0.5 0 1\n1.png 0 0.5 1\n"}, "at least 3 images, got 2", "至少要 3 張"),
+        ({"lights.lp": lp("0.png", "0.png", "2.png", "3.png")}, "named before", "已經出現過"),
+        ({"lights.lp": lp("0.png", "9.png", "2.png", "3.png")}, "no such file", "卻沒有這個檔案"),
+        ({"capture.json": b'{"mask": "none.png"}'}, "expected the mask none.png", "遮罩 none.png"),
+        ({"capture.json": b'{"spacing_mm": '}, "capture.json", "capture.json"),
+    ],
+)
+def test_a_capture_that_is_plainly_wrong_is_refused_at_once(world, changed, en, zh):
+    browser = world.browser("林")
+    answer = browser("POST", "/api/imports", files={"zip": ("sent.zip", make_zip(CAPTURE | changed))})
+    assert answer.status_code == 422, answer.text
+    error = answer.json()["error"]
+    assert error["code"] == "unusable" and en in error["en"] and zh in error["zh"]
+    assert not list(Path(world.service.gallery.store.root).glob("uploads/*"))
 
 
 @pytest.mark.parametrize("kind", range(11))

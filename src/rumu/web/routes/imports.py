@@ -11,6 +11,7 @@ from rumu.studio import job_queue, worker_tasks
 from rumu.studio.job_handlers import upload_folder, upload_key
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import HEAD, check_zip, folder_name
+from rumu.studio.uploads import check_capture
 from rumu.web.dependencies import CleanText, ServiceDep, ShortText, TeacherUser
 from rumu.web.routes.works import get_work
 from rumu.web.schemas import Extended, ScriptName, Spacing, WorkRead
@@ -78,7 +79,7 @@ def import_zip(
 
     collection: where the works go, by its name; else where collection.json, the export or the name of the zip
     say. The other facts are those of a capture. The zip is stored before the response, so that a restart
-    loses nothing.
+    loses nothing. A capture whose lamps do not match the names of its photographs is refused at once.
     """
     service.rate_limiter.hit(service.settings.rate_limits.uploads, "uploads", user.id)
     check_zip(archive.file.read(HEAD))
@@ -88,8 +89,11 @@ def import_zip(
     name = folder_name(archive.filename or "")
     payload = {"upload": key, "facts": facts, "name": name, "person": user.id}
     store = service.gallery.store
-    with store.whole_folder(upload_folder(job_id)), service.gallery.database.writing() as session:
+    with store.whole_folder(upload_folder(job_id)):
         store.write(key, archive.file)
-        job = job_queue.add(session, "import", payload, person_id=user.id, job_id=job_id)
+        with store.local(key) as packed:
+            check_capture(packed)
+        with service.gallery.database.writing() as session:
+            job = job_queue.add(session, "import", payload, person_id=user.id, job_id=job_id)
     service.runner.wake()
     return {"job": job}
