@@ -42,10 +42,14 @@ class Candidate:
 _BARE: Mapping[str, Evidence] = {
     "plane": {"plane": 500.0},
     "distances": DISTANCES,
-    "distances, fullness": DISTANCES | {"fullness": 500.0},
-    "distances, which way edges differ": DISTANCES | {"edge_sense": 1000.0, "fullness": 500.0},
-    "the same, how much edges differ, drawn to nought": DISTANCES
-    | {"edge_amount": 5000.0, "edge_sense": 1000.0, "fullness": 500.0},
+    "distances, fullness": {**DISTANCES, "fullness": 500.0},
+    "distances, which way edges differ": {**DISTANCES, "edge_sense": 1000.0, "fullness": 500.0},
+    "the same, how much edges differ, drawn to nought": {
+        **DISTANCES,
+        "edge_amount": 5000.0,
+        "edge_sense": 1000.0,
+        "fullness": 500.0,
+    },
     "as before: all at one shrinkage": dict.fromkeys(
         ("plane", "whole", "edge_amount", "edge_sense", "fullness"), 500.0
     ),
@@ -212,13 +216,16 @@ def _candidate_rows(
 ) -> list[dict[str, Cell]]:
     """Every candidate with its own character left out, and how often it was chosen."""
     rows: list[dict[str, Cell]] = [
-        {"method": "the choice inside the folds", "times": len(known.names)}
-        | agreement(nested.marks, known.marks, known.characters)
+        {
+            "method": "the choice inside the folds",
+            "times": len(known.names),
+            **agreement(nested.marks, known.marks, known.characters),
+        }
     ]
     own = np.arange(len(known.marks)), known.characters
     for name, marks in apart.items():
         row = agreement(marks[own], known.marks, known.characters)
-        rows.append({"method": name, "times": nested.chosen.count(name)} | row)
+        rows.append({"method": name, "times": nested.chosen.count(name), **row})
     return rows
 
 
