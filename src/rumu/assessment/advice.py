@@ -64,6 +64,12 @@ WHOLE: Mapping[str, Advice] = {
             "Before the second part, see where on the first one the master lets it begin.",
         ),
     ),
+    "inner_place": (
+        Bilingual(
+            "先看框內四邊的白各有多少，再落筆。",
+            "See first how much white the master leaves on each side of it.",
+        ),
+    ),
     "inner_large": (
         Bilingual(
             "框內的筆畫收小，四周留白要勻。",

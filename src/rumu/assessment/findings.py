@@ -67,7 +67,8 @@ def choose_remarks(
     ordered = sorted(_merge_causes(found), key=lambda f: -f.remark.severity)
     chosen: list[Finding] = []
     for finding in ordered:
-        if finding.excess < 1.0 or len(chosen) >= limits.at_most:
+        slight = chosen and finding.remark.severity < limits.slight * chosen[0].remark.severity
+        if finding.excess < 1.0 or slight or len(chosen) >= limits.at_most:
             continue
         if finding.remark.kind in POSE_KINDS and any(f.remark.kind in POSE_KINDS for f in chosen):
             continue
@@ -113,7 +114,7 @@ def _told_together(worst: Finding, second: Finding) -> Finding:
     more = second.predicate or Bilingual("", "")
     remark = worst.remark
     zh, en = remark.zh.removesuffix("。"), remark.en.removesuffix(".")
-    return replace(worst, remark=replace(remark, zh=f"{zh}，又{more.zh}。", en=f"{en} and {more.en}."))
+    return replace(worst, remark=replace(remark, zh=f"{zh}，又{more.zh}。", en=f"{en}, and {more.en}."))
 
 
 def _explain_parts(
@@ -121,8 +122,8 @@ def _explain_parts(
 ) -> list[Finding]:
     """The chosen ones, the least of them exchanged where a low part of the mark has no remark."""
     needed: list[Finding] = []
-    for part, value in sorted(parts.items(), key=lambda item: item[1]):
-        kinds = PARTS_OF_KINDS.get(part, ())
+    for part, kinds in PARTS_OF_KINDS.items():  # the part that fewest kinds explain comes first
+        value = parts.get(part, 100.0)
         if value >= limits.part_explained or any(f.remark.kind in kinds for f in needed):
             continue
         best = next((f for f in (*chosen, *found) if f.remark.kind in kinds), None)

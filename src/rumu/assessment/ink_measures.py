@@ -24,7 +24,8 @@ class InkSettings:
         is a streak; in_ink: share of ink around a point of a stroke from which it lies in the stroke
         and not in a gap beside it. least_tremor: pixels that a master's edges are taken to swing at least.
     moved, turning: how much more than the master's of each makes an edge torn, see `EdgeLook`.
-    half_dark: half-dark pixels for each pixel of outline, from which a picture has shades of ink.
+    half_dark: half-dark pixels for each pixel of outline, from which a picture has shades of ink; black: it
+        has where even its darkest ink is lighter.
     far: rms radii from the master's ink, from which the copy's sticks out. lost: share of its half-width from
         which a white is told of at all. in_one_place: how much more than elsewhere an edge must be torn in
         one place, to say where.
@@ -40,6 +41,7 @@ class InkSettings:
     moved: float = 0.3
     turning: float = 0.02
     half_dark: float = 0.05
+    black: float = 0.97
     far: float = 0.15
     lost: float = 0.3
     in_one_place: float = 1.8
@@ -140,7 +142,7 @@ def measure_ink(
         torn_at=_on_picture(edge.worst, registration) if edge.worst_share > INK.in_one_place else None,
         filled=_find_filled(framed, master.whites),
         sticking_out=_find_sticking_out(framed, master.framed.ink),
-        has_shades=float(copy.quality.get("between", 0.0)) >= INK.half_dark,
+        has_shades=float(copy.quality.get("between", 0.0)) >= INK.half_dark or darkest < INK.black,
         paleness=1.0 - own / max(own_master, 1e-6),
         darkness=darkness / max(darkness_master, 1e-6),
     )

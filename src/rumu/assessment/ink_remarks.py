@@ -10,13 +10,11 @@ from rumu.assessment.advice import WHOLE, for_stroke
 from rumu.assessment.findings import Finding
 from rumu.assessment.ink_measures import InkMeasures, InkPatch, StickingOut
 from rumu.assessment.stroke_remarks import NamedStroke
-from rumu.assessment.thresholds import RemarkThresholds, as_lines, box, ink_severity, severity
+from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, ink_severity, severity
 from rumu.strokes.correspondence import CharacterMatch
 from rumu.strokes.naming import place_of
 from rumu.values import Bilingual, Remark
 
-_NOT_SHORT = 0.97
-"""Length over the master's below which what sticks out does so because its stroke is out of place."""
 _WINDOW = 0.12
 """Half the side of the box about the worst place of an edge, fractions of the picture."""
 
@@ -38,7 +36,8 @@ def find_ink_faults(
         )  # fmt: skip
         yield Finding(remark, ink.bare / limits.bare, WHOLE["dry"], "edge")
     yield from _find_filled_white(ink, limits)
-    yield from _find_sticking_out(ink, strokes, match, limits)
+    blots = [box(patch.outline) for patch in ink.patches if patch.slender < limits.round]
+    yield from _find_sticking_out(ink, strokes, match, limits, blots)
     yield from _find_paleness(ink, limits)
 
 
@@ -61,7 +60,7 @@ def _find_edge_fault(ink: InkMeasures, limits: RemarkThresholds, *, dry: bool) -
         place = place_of(ink.torn_at)
         zh, en = f"，{place.zh}最明顯", f", most of all at the {place.en}"
     remark = Remark(
-        "rough", ink.torn, "of the master", severity("rough", ink.torn, limits.torn), region,
+        "rough", ink.torn, "of the master", severity("torn", ink.torn, limits.torn), region,
         f"墨邊毛糙破碎，不光潔{zh}。", f"The edges are frayed and torn{en}.",
     )  # fmt: skip
     yield Finding(remark, ink.torn / limits.torn, WHOLE["torn"], "edge")
@@ -115,14 +114,21 @@ def _find_filled_white(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[F
 
 
 def _find_sticking_out(
-    ink: InkMeasures, strokes: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
+    ink: InkMeasures,
+    strokes: Sequence[NamedStroke],
+    match: CharacterMatch,
+    limits: RemarkThresholds,
+    blots: Sequence[Box],
 ) -> Iterator[Finding]:
-    """The ends of strokes that reach far beyond the master's."""
+    """Ends of strokes that reach far beyond the master's; blots: what is none."""
     for patch in ink.sticking_out[: limits.at_most]:
+        x, y = patch.outline.mean(axis=0)
+        if any(x0 <= x <= x1 and y0 <= y <= y1 for x0, y0, x1, y1 in blots):
+            continue
         owner = int(((match.moved - patch.middle) ** 2).sum(axis=1).argmin())
         named = strokes[int(match.master.points.owner[owner])]
         size = patch.distance * named.cell
-        if named.stroke.present and size >= limits.sticks_out and named.stroke.length > _NOT_SHORT:
+        if named.stroke.present and size >= limits.sticks_out:
             yield _sticking_out(patch, named, size, owner, limits)
 
 

@@ -14,7 +14,7 @@ from rumu.characters.stroke_data import Structure
 from rumu.strokes.centre_lines import SCALE, SIDE
 from rumu.strokes.correspondence import CharacterMatch
 from rumu.strokes.pose import Axis
-from rumu.values import BoolArray, FloatArray
+from rumu.values import BoolArray, FloatArray, IntArray
 
 AXES: Mapping[Structure, Axis] = {
     "left-right": "across",
@@ -32,7 +32,8 @@ class PartSettings:
 
     borders: between which the parts may meet. share: of the points that each part must hold; strokes: of the
     master's that each must have, since a single stroke is no part to a teacher. seen: share of each part's
-    points that the copy must have. reach: distance from the edge up to which a stroke is one that
+    points that the copy must have. spread: of a part's width that its strokes but one must still span for
+    the part to be measured by them. reach: distance from the edge up to which a stroke is one that
     encloses. inner: shares of all points between which what is enclosed must lie.
     """
 
@@ -40,6 +41,7 @@ class PartSettings:
     share: float = 0.15
     strokes: int = 2
     seen: float = 0.6
+    spread: float = 0.5
     reach: float = 0.1
     inner: tuple[float, float] = (0.15, 0.8)
 
@@ -68,11 +70,14 @@ class InnerMeasures:
     """What is enclosed.
 
     points: (n,) which of the master's points it holds. size: of it over the size of what encloses it, over
-    the same of the master.
+    the same of the master. apart: (x right, y DOWN), rms radii, by which it is off its place in that.
+    explained: (n, 2) how far these faults move each of the master's points.
     """
 
     points: BoolArray
     size: float
+    apart: FloatArray
+    explained: FloatArray
 
 
 def measure_parts(match: CharacterMatch, structure: Structure | None) -> PartMeasures | None:
@@ -91,13 +96,30 @@ def measure_parts(match: CharacterMatch, structure: Structure | None) -> PartMea
         own = part & seen
         if own.sum() < max(PARTS.seen * part.sum(), 4):
             return None
-        spread = float(np.std(copy[own, k])) / max(float(np.std(places[own, k])), 1e-6)
+        spread = _widening(places[own, k], copy[own, k], match.master.points.owner[own])
         shift = (copy[own] - places[own]).mean(axis=0)
         explained[part] = shift
         explained[part, k] += (spread - 1.0) * (places[part, k] - places[own, k].mean())
         width.append(spread)
         moved.append(shift)
     return PartMeasures(axis, first, (width[0], width[1]), moved[0] - moved[1], explained)
+
+
+def _widening(places: FloatArray, copy: FloatArray, owner: IntArray) -> float:
+    """Width of a part over the master's; places, copy: (n,) its points along the axis, by stroke.
+
+    One stroke that is too long does not make its part wide: of the widths without any one of the strokes the
+    one counts that is nearest to the master's.
+    """
+    whole = float(np.std(places))
+    logs = []
+    for left_out in (-1, *np.unique(owner)):
+        kept = owner != left_out
+        if kept.any() and np.std(places[kept]) >= PARTS.spread * whole:
+            logs.append(float(np.log(np.std(copy[kept]) / max(np.std(places[kept]), 1e-6) + 1e-9)))
+    if min(logs) < 0 < max(logs):
+        return 1.0
+    return float(np.exp(min(logs, key=abs)))
 
 
 def _first_part(match: CharacterMatch, k: int) -> BoolArray | None:
@@ -136,13 +158,18 @@ def measure_inner(match: CharacterMatch, structure: Structure | None) -> InnerMe
     inner = ~outer
     if not PARTS.inner[0] <= inner.mean() <= PARTS.inner[1]:
         return None
-    copy, sizes = match.pose.undo(match.in_cell), []
+    copy, sizes, moved = match.pose.undo(match.in_cell), [], []
+    explained = np.zeros_like(places)
     for part in (inner, outer):
         own = part & seen
         if own.sum() < max(PARTS.seen * part.sum(), 4):
             return None
-        sizes.append(np.sqrt(np.var(copy[own], axis=0).sum() / np.var(places[own], axis=0).sum()))
-    return InnerMeasures(inner, float(sizes[0] / sizes[1]))
+        size = float(np.sqrt(np.var(copy[own], axis=0).sum() / np.var(places[own], axis=0).sum()))
+        middle, shift = places[own].mean(axis=0), (copy[own] - places[own]).mean(axis=0)
+        explained[part] = shift + (size - 1.0) * (places[part] - middle)
+        sizes.append(size)
+        moved.append(shift)
+    return InnerMeasures(inner, sizes[0] / sizes[1], moved[0] - moved[1], explained)
 
 
 def stroke_outlines(match: CharacterMatch, points: BoolArray) -> tuple[FloatArray, ...]:

@@ -320,10 +320,18 @@ def _find_blunt_tips(
     yield Finding(remark, tips.lost / limits.tips, WHOLE["tips"], "tips")
 
 
+def _is_straight(named: NamedStroke) -> bool:
+    """Whether it is level or upright; of the white beside a dot nobody speaks."""
+    return named.kind.zh[:1] in ("橫", "豎")
+
+
 def _find_spacing_fault(
     gaps: tuple[StrokeGap, ...], strokes: Sequence[NamedStroke], limits: RemarkThresholds
 ) -> Iterator[Finding]:
     """Spaces are uneven when several differ from the master's in different ways."""
+    gaps = tuple(
+        gap for gap in gaps if _is_straight(strokes[gap.first]) and _is_straight(strokes[gap.second])
+    )
     odd = [gap for gap in gaps if abs(gap.change) >= limits.gap]
     if len(gaps) < 2 or not odd:
         return

@@ -20,7 +20,8 @@ class RemarkThresholds:
     lean: degrees. offset: fraction of the cell. size: relative. weight: natural logarithm of the width.
     squeeze: how much wider one part is than the other, relative to the master; squeeze_unknown: the same
         where the character's structure is not known. part_place: fraction of the cell by which one part
-        stands off the other. inner: relative size of what is enclosed.
+        stands off the other. inner: relative size of what is enclosed; inner_place: fraction of the
+        cell by which it is off its place.
     missing: share of a stroke, in one run, that must be wanting; missing_run: stroke widths that the run must
         be long. inked, corner: a stroke that was not found and joins another is taken for a corner, of which
         thinning drew no line, where such a share of it is on ink and it is shorter than so many widths.
@@ -40,7 +41,8 @@ class RemarkThresholds:
         which a photograph's exposure may do.
     margin: stroke widths around a stroke, of the box of a remark.
     weak: share of these sizes from which a fault may explain a part of the mark below `part_explained`, when
-        no greater one does. at_most: remarks in all.
+        no greater one does. at_most: remarks in all. slight: share of the worst one's severity below which
+        another is not worth saying beside it.
     """
 
     lean: float = 3.0
@@ -50,14 +52,15 @@ class RemarkThresholds:
     squeeze: float = 0.15
     squeeze_unknown: float = 0.5
     part_place: float = 0.035
-    inner: float = 0.15
+    inner: float = 0.12
+    inner_place: float = 0.03
     missing: float = 0.35
     missing_run: float = 2.0
     inked: float = 0.5
     corner: float = 2.0
     extra: float = 0.012
     blot: float = 0.009
-    round: float = 2.6
+    round: float = 2.0
     displaced: float = 0.013
     stretched: float = 0.55
     turn: float = 3.0
@@ -68,7 +71,7 @@ class RemarkThresholds:
     short: float = 4.0
     sticks_out: float = 0.05
     stroke: float = 0.2
-    entry: float = 0.1
+    entry: float = 0.16
     faint: float = 0.22
     exit: float = 0.19
     tips: float = 0.16
@@ -85,13 +88,14 @@ class RemarkThresholds:
     weak: float = 0.5
     part_explained: float = 50.0
     at_most: int = 3
+    slight: float = 0.4
 
 
 SEVERITIES: Mapping[str, float] = {
-    "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 5.0, "squeeze": 7.0, "part_place": 5.0, "inner": 5.0,
-    "missing": 8.0, "part missing": 4.0, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 4.5, "pale": 4.5,
-    "filled": 6.0, "displaced": 3.0, "angle": 3.0, "length": 2.6, "sticks_out": 5.0, "width": 3.0, "end": 2.2,
-    "tips": 3.2, "spacing": 3.0,
+    "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 5.0, "squeeze": 7.0, "part_place": 6.0, "inner": 7.0,
+    "missing": 8.0, "part missing": 4.0, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 4.5, "torn": 7.0,
+    "pale": 4.5, "filled": 6.0, "displaced": 3.0, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
+    "width": 3.0, "end": 2.2, "tips": 3.2, "spacing": 4.5,
 }  # fmt: skip
 """Points of the mark, about, that the smallest fault worth a remark stands for."""
 GROWTH = 0.6

@@ -25,6 +25,12 @@ _EXTENT = {
 }
 
 
+_AGREED = 0.05
+"""Logarithm of a width up to which two measures of it may have different signs and still agree."""
+_OFF = 0.06
+"""Relative width from which a part itself is called wide or narrow, and not only one beside the other."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseSeen:
     """How the whole stands. framed: whether that is the writer's doing and not the photographer's."""
@@ -73,8 +79,10 @@ def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
     strokes = pose.match
     least = limits.weight + strokes.width_error(strokes.master.points)
     measured = float(np.log(max(strokes.width, 1e-6)))
+    if measured * pose.heaviness < -(_AGREED**2):
+        return  # some strokes are heavy, others thin
     # the widths of most strokes, or else of all ink: where only some are heavy the whole looks it, too
-    weight = measured if abs(measured) >= least or measured * pose.heaviness < 0 else pose.heaviness
+    weight = measured if abs(measured) >= least else pose.heaviness
     if abs(weight) < limits.weak * least:
         return
     much = np.exp(weight) - 1.0
@@ -130,11 +138,14 @@ def find_part_faults(
     nothing = np.zeros_like(match.places)
     if not known:
         return _find_unknown_parts(match, limits)
-    found = [] if inner is None else list(_find_inner_fault(match, inner, limits))
+    if inner is not None:
+        found = list(_find_inner_faults(match, inner, cell, limits))
+        return found, inner.explained if any(f.excess >= 1.0 for f in found) else nothing
     if parts is None:
-        return found, nothing
+        return [], nothing
+    found = []
     found += _find_width_fault(match, parts, limits)
-    found += _find_place_fault(match, parts, cell, limits, told=bool(found))
+    found += _find_place_fault(match, parts, cell, limits, told=any(f.excess >= 1.0 for f in found))
     return found, parts.explained if any(f.excess >= 1.0 for f in found) else nothing
 
 
@@ -159,10 +170,21 @@ def _find_width_fault(
         return
     halves, (much, little) = _HALVES[parts.axis], _EXTENT[parts.axis]
     (zh, en), (zh_other, en_other) = halves[large], halves[small]
-    text = Bilingual(
-        f"{zh}太{much.zh}，{zh_other}太{little.zh}。",
-        f"The {en} is too {much.en}, the {en_other} too {little.en}.",
-    )
+    wide, narrow = ratio[large] - 1.0 >= _OFF, 1.0 - ratio[small] >= _OFF
+    if wide and narrow:
+        text = Bilingual(
+            f"{zh}太{much.zh}，{zh_other}太{little.zh}。",
+            f"The {en} is too {much.en}, the {en_other} too {little.en}.",
+        )
+    elif wide:
+        text = Bilingual(
+            f"{zh}太{much.zh}，與{zh_other}不相稱。", f"The {en} is too {much.en} for the {en_other}."
+        )
+    else:
+        text = Bilingual(
+            f"{zh_other}太{little.zh}，與{zh}不相稱。", f"The {en_other} is too {little.en} for the {en}."
+        )
+        large = small
     points = parts.first if large == 0 else ~parts.first
     fault = _fault("squeeze", size, "of the master", limits.squeeze)
     yield _on_strokes(match, points, fault, text, advice="squeeze")
@@ -203,19 +225,26 @@ def _find_place_fault(
     yield _on_strokes(match, parts.first, fault, text, advice="part_place")
 
 
-def _find_inner_fault(
-    match: CharacterMatch, inner: InnerMeasures, limits: RemarkThresholds
+def _find_inner_faults(
+    match: CharacterMatch, inner: InnerMeasures, cell: float, limits: RemarkThresholds
 ) -> Iterator[Finding]:
-    size = inner.size - 1.0
-    if abs(size) < limits.weak * limits.inner:
-        return
-    zh, en = ("大", "large") if size > 0 else ("小", "small")
-    text = Bilingual(
-        f"框內的部分太{zh}，與外框之比差了 {abs(size):.0%}。",
-        f"What is enclosed is too {en} for its frame, by {abs(size):.0%}.",
-    )
-    fault = _fault("inner", size, "of the master", limits.inner)
-    yield _on_strokes(match, inner.points, fault, text, advice=f"inner_{en}")
+    size, away = inner.size - 1.0, inner.apart * cell
+    if abs(size) >= limits.weak * limits.inner:
+        zh, en = ("大", "large") if size > 0 else ("小", "small")
+        text = Bilingual(
+            f"框內的部分太{zh}，與外框不相稱。", f"What is enclosed is too {en} for what encloses it."
+        )
+        fault = _fault("inner", size, "of the master", limits.inner)
+        yield _on_strokes(match, inner.points, fault, text, advice=f"inner_{en}")
+    off = float(np.hypot(*away))
+    if off >= limits.weak * limits.inner_place:
+        text = Bilingual(
+            f"框內的部分偏{direction_of(away).zh}約 {off:.0%} 格。",
+            f"What is enclosed stands {way_of(away)}, by about {off:.0%} of the cell.",
+        )
+        severe, excess = severity("part_place", off, limits.inner_place), off / limits.inner_place
+        fault = Fault("part_place", off, "of the cell", severe, excess)
+        yield _on_strokes(match, inner.points, fault, text, advice="inner_place")
 
 
 def _fault(kind: str, size: float, unit: str, least: float) -> Fault:
@@ -230,4 +259,4 @@ def _on_strokes(
     owners = np.unique(match.master.points.owner[points])
     masters = [match.framed_master.on_picture(match.master.lines[int(k)].points) for k in owners]
     remark = Remark(*fault[:4], box(np.concatenate(outlines)), *text, as_lines(*outlines), as_lines(*masters))
-    return Finding(remark, fault.excess, WHOLE[advice], "parts")
+    return Finding(remark, fault.excess, WHOLE[advice], fault.kind)
