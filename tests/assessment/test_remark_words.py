@@ -37,7 +37,8 @@ def words(findings, kind):
     [
         ({"torn": 2.0}, "rough", "墨邊毛糙破碎，不光潔。", "The edges are frayed and torn."),
         ({"torn": 2.0, "torn_at": np.array([0.1, 0.9])}, "rough",
-         "墨邊毛糙破碎，不光潔，左下部最明顯。", "The edges are frayed and torn, most of all at the bottom left."),
+         "墨邊毛糙破碎，不光潔，左下部最明顯。",
+         "The edges are frayed and torn, most of all at the bottom left."),
         ({"tremor": 0.01, "rough": 1.4}, "rough", "筆畫邊緣抖動，比範本多 40%。",
          "The edges tremble, 40% more than the master's."),
         ({"bare": 0.1}, "dry", "枯筆露白，筆畫裡約有 10% 沒有墨。",
@@ -47,13 +48,15 @@ def words(findings, kind):
         ({"filled": (FilledWhite(0.9, SQUARE),)}, "filled", "左上部的留白糊住了。",
          "The white at the top left has run shut."),
         ({"filled": (FilledWhite(0.9, SQUARE), FilledWhite(0.8, SQUARE + 0.5))}, "filled",
-         "有 2 處留白糊住了，左上部最甚。", "The white has run shut in 2 places, most of all at the top left."),
+         "有 2 處留白糊住了，左上部最甚。",
+         "The white has run shut in 2 places, most of all at the top left."),
         ({"patches": (InkPatch(0.05, 1.2, True, SQUARE),)}, "blot", "左上部有一團墨漬。",
          "There is a blot at the top left."),
         ({"patches": (InkPatch(0.05, 1.2, False, SQUARE),)}, "blot", "左上部濺了一滴墨。",
          "A drop of ink fell on the paper at the top left."),
         ({"patches": (InkPatch(0.05, 5.0, False, SQUARE),)}, "extra",
-         "左上部多出一筆，約佔全字墨跡的 5%。", "There is a stroke too many at the top left, about 5% of the ink."),
+         "左上部多出一筆，約佔全字墨跡的 5%。",
+         "There is a stroke too many at the top left, about 5% of the ink."),
     ],
 )  # fmt: skip
 def test_of_the_ink(*, itself, change, kind, zh, en):

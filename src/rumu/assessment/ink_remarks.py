@@ -27,7 +27,7 @@ def find_ink_faults(
     yield from _find_edge_fault(ink, limits, dry=dry)
     if not dry:
         for patch in ink.patches:
-            yield from _find_patch_fault(patch, limits)
+            yield from _find_patch_fault(patch, strokes, match, limits)
     if dry:
         remark = Remark(
             "dry", ink.bare, "of the ink", severity("dry", ink.bare, limits.bare), None,
@@ -36,7 +36,11 @@ def find_ink_faults(
         )  # fmt: skip
         yield Finding(remark, ink.bare / limits.bare, WHOLE["dry"], "edge")
     yield from _find_filled_white(ink, limits)
-    blots = [box(patch.outline) for patch in ink.patches if patch.slender < limits.round]
+    blots = [
+        box(patch.outline)
+        for patch in ink.patches
+        if patch.slender < limits.round and not _is_stroke(patch, strokes, match, limits)
+    ]
     yield from _find_sticking_out(ink, strokes, match, limits, blots)
     yield from _find_paleness(ink, limits)
 
@@ -66,11 +70,27 @@ def _find_edge_fault(ink: InkMeasures, limits: RemarkThresholds, *, dry: bool) -
     yield Finding(remark, ink.torn / limits.torn, WHOLE["torn"], "edge")
 
 
-def _find_patch_fault(patch: InkPatch, limits: RemarkThresholds) -> Iterator[Finding]:
+def _is_stroke(
+    patch: InkPatch, strokes: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
+) -> bool:
+    """Whether what touches a stroke is the stroke itself, out of its place or too long."""
+    if not patch.attached:
+        return False
+    nearest = ((match.framed.on_picture(match.moved) - patch.outline.mean(axis=0)) ** 2).sum(axis=1).argmin()
+    named = strokes[int(match.master.points.owner[int(nearest)])]
+    away = float(np.hypot(*named.shift)) * named.cell
+    return away >= limits.off * limits.displaced or named.stroke.length - 1.0 >= limits.off * limits.length
+
+
+def _find_patch_fault(
+    patch: InkPatch, strokes: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
+) -> Iterator[Finding]:
     """Ink that belongs to none of the strokes: a blot, or a stroke too many."""
     region = box(patch.outline)
     zh, en = place_of(np.array([region[0] + region[2], region[1] + region[3]]) / 2)
     round_one, outline = patch.slender < limits.round, as_lines(patch.outline)
+    if round_one and _is_stroke(patch, strokes, match, limits):
+        return
     if round_one and patch.share >= limits.blot:
         text = (
             (f"{zh}有一團墨漬。", f"There is a blot at the {en}.")

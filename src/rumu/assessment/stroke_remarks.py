@@ -256,6 +256,7 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
     least *= 1.0 if named.slenderness > limits.short else limits.length_unsure
     error = named.match.width_error(named.stroke.line)
     least += 2.0 * error / max(named.slenderness, 1e-9)  # a pixel of the coarser picture
+    least *= named.match.enlargement**2
     if abs(change) < limits.weak * least or named.kind == RING:
         return
     kind, zh, en = ("stroke_long", "長", "too long") if change > 0 else ("stroke_short", "短", "too short")
@@ -284,16 +285,17 @@ def _find_width_fault(named: NamedStroke) -> Iterator[Finding]:
 
 def _find_end_faults(named: NamedStroke) -> Iterator[Finding]:
     limits, entry, end = named.limits, named.stroke.entry, named.stroke.exit
-    coarse = named.match.enlargement**2  # an end is small: an enlarged picture shows it blurred
+    coarse = named.match.enlargement**3  # an end is small: an enlarged picture shows it blurred
+    cut_short = named.stroke.length < 1.0 - limits.length  # then its ends are where its middle should be
     least = coarse * (limits.entry if entry > 0 else limits.faint)
-    if abs(entry) >= limits.weak * least:  # not so where it is NaN
+    if abs(entry) >= limits.weak * least and (entry > 0 or not cut_short):  # not so where it is NaN
         kind, zh, en = ("entry_heavy", "重", "heavily") if entry > 0 else ("entry_light", "輕", "lightly")
         yield named.finding_at_end(
             Fault(kind, entry, "of the master", named.severity("end", entry, least), abs(entry) / least),
             Bilingual(f"起筆太{zh}", f"begins too {en}"),
         )  # fmt: skip
     least = coarse * limits.exit
-    if end >= limits.weak * least:
+    if end >= limits.weak * least and not cut_short:
         yield named.finding_at_end(
             Fault("exit_blunt", end, "of the master", named.severity("end", end, least), end / least),
             Bilingual("收筆禿鈍，鋒沒有收住", "ends bluntly"),

@@ -25,7 +25,8 @@ class RemarkThresholds:
     missing: share of a stroke, in one run, that must be wanting; missing_run: stroke widths that the run must
         be long. inked, corner: a stroke that was not found and joins another is taken for a corner, of which
         thinning drew no line, where such a share of it is on ink and it is shorter than so many widths.
-    extra, blot: share of the copy's ink; round: how slender a blot may be.
+    extra, blot: share of the copy's ink; round: how slender a blot may be; off: what is at a stroke
+        that is so many times out of its place, or too long, is that stroke and no blot.
     displaced: fraction of the cell, of what the measurement is sure of, which is less than what
         the eye sees; stretched: share of a stroke's change of length by which its middle may
         have moved along it. turn: degrees, of a stroke `slender` widths long or longer; of a shorter one
@@ -60,7 +61,8 @@ class RemarkThresholds:
     corner: float = 2.0
     extra: float = 0.012
     blot: float = 0.009
-    round: float = 2.0
+    round: float = 2.6
+    off: float = 2.0
     displaced: float = 0.013
     stretched: float = 0.55
     turn: float = 3.0
@@ -93,8 +95,8 @@ class RemarkThresholds:
 
 SEVERITIES: Mapping[str, float] = {
     "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 5.0, "squeeze": 7.0, "part_place": 6.0, "inner": 7.0,
-    "missing": 8.0, "part missing": 4.0, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 4.5, "torn": 7.0,
-    "pale": 4.5, "filled": 6.0, "displaced": 3.0, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
+    "missing": 8.0, "part missing": 4.0, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 6.0, "torn": 7.0,
+    "pale": 4.5, "filled": 6.0, "displaced": 3.6, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
     "width": 3.0, "end": 2.2, "tips": 3.2, "spacing": 4.5,
 }  # fmt: skip
 """Points of the mark, about, that the smallest fault worth a remark stands for."""
