@@ -272,7 +272,7 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
 def _find_width_fault(named: NamedStroke) -> Iterator[Finding]:
     ratio, limits = named.stroke.width / named.match.width, named.limits
     least = limits.stroke + named.match.width_error(named.stroke.line)
-    if not np.isfinite(ratio) or abs(np.log(ratio)) < limits.weak * least:
+    if not np.isfinite(ratio) or not limits.weak * least <= abs(np.log(ratio)) <= limits.believed:
         return
     change, size = ratio - 1.0, float(np.log(ratio))
     kind, zh, en = ("stroke_heavy", "粗", "heavier") if change > 0 else ("stroke_thin", "細", "thinner")

@@ -33,8 +33,9 @@ class RemarkThresholds:
         more, up to turn_short times.
     length: relative; length_unsure: so many times more for a stroke that joins others at both ends, and for
         one up to `short` widths long. sticks_out: fraction of the cell.
-    stroke: logarithm of one stroke's width over that of the whole; entry, exit: how much wider an end is than
-        in the master, as a share of its stroke; faint: how much thinner an entry is.
+    stroke: logarithm of one stroke's width over that of the whole; believed: the same above which it is an
+        error of measurement; entry, exit: how much wider an end is than in the master, as a share of its
+        stroke; faint: how much thinner an entry is.
     tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some.
     gap: relative change of the white between strokes; uneven: spread of the changes, over that.
     bare: share of the strokes' inside. tremor: rms radii. torn: see `InkMeasures.torn`. filled: share of its
@@ -50,7 +51,7 @@ class RemarkThresholds:
     offset: float = 0.04
     size: float = 0.08
     weight: float = 0.14
-    squeeze: float = 0.15
+    squeeze: float = 0.2
     squeeze_unknown: float = 0.5
     part_place: float = 0.035
     inner: float = 0.12
@@ -73,6 +74,7 @@ class RemarkThresholds:
     short: float = 4.0
     sticks_out: float = 0.05
     stroke: float = 0.2
+    believed: float = 0.8
     entry: float = 0.16
     faint: float = 0.22
     exit: float = 0.19
