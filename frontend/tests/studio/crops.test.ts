@@ -141,6 +141,7 @@ describe("ink that a crop cuts", () => {
 const CELLS = "tests/vectors/crops.json";
 
 describe.skipIf(!existsSync(CELLS))("on real pictures", () => {
+  if (!existsSync(CELLS)) return; // vitest looks into what it skips, too
   const { cells, photographs } = JSON.parse(readFileSync(CELLS, "utf8")) as { cells: Entry[]; photographs: Entry[] };
   const bytes = new Uint8Array(gunzipSync(readFileSync("tests/vectors/crops.bin.gz")));
   let at = 0;
