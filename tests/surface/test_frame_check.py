@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from rumu.capture.folder import read_capture
 from rumu.errors import CaptureError
-from rumu.surface.frame_check import check_exposure, check_still
+from rumu.surface.frame_check import check_exposure, check_still, exposure_notes
 from rumu.surface.photometric import photometric
 from rumu.values import Capture
 from rumu_lab.simulation.lamps import Sensor, photographs
@@ -151,3 +151,15 @@ def test_frames_that_all_moved(kind: str, pixels: int) -> None:
     )
     error = refused(replace(capture, images=images))
     assert "moved against the other photographs" in str(error) and "錯開了約" in str(error.zh)
+
+
+def test_frames_of_different_exposure_are_noted_and_give_the_same_surface() -> None:
+    capture = capture_of()
+    exposed = replace(capture, images=capture.images * np.float32([1, 1, 0.5, 1, 0.7, 1])[:, None, None])
+    even, uneven = photometric(capture), photometric(exposed)
+    assert exposure_notes(capture, even) == ()
+    (note,) = exposure_notes(exposed, uneven)
+    assert "differ in brightness by up to 2 times" in note.en and "相差到 2 倍" in note.zh
+    turned = (even.normals * uneven.normals).sum(axis=2).clip(-1, 1)
+    assert np.degrees(np.arccos(turned)).mean() < 1.0
+    assert exposure_notes(replace(exposed, strengths=np.ones(6)), uneven) == ()

@@ -65,7 +65,7 @@ export const t = translator({
   file_stl: { zh: "立體列印 STL", en: "3-D print, STL" },
   printWidth: { zh: "寬（mm）", en: "Width (mm)" },
   printBase: { zh: "底座厚（mm）", en: "Base (mm)" },
-  printAuto: { zh: "依原件", en: "as the sheet" },
+  printAuto: { zh: "依原件", en: "auto" },
   file_ply: { zh: "點與面 PLY", en: "Mesh, PLY" },
   file_height: { zh: "高度圖（16 位元 PNG）", en: "Height map (16-bit PNG)" },
   file_normals16: { zh: "法線圖（16 位元 PNG）", en: "Normal map (16-bit PNG)" },

@@ -58,6 +58,7 @@ def reconstruct(
     from rumu.capture.folder import read_capture
     from rumu.outputs import whole_folder
     from rumu.surface.folder import MARKER
+    from rumu.surface.frame_check import exposure_notes
 
     check_writable(whole_folder(out, marker=MARKER))
     with working("Reconstructing"):
@@ -67,7 +68,8 @@ def reconstruct(
         if lamps_as_given:
             capture = replace(capture, lamps_as_given=True)
         surface = pipeline.reconstruct(capture, solver=solver, integrator=integrator, rectify=rectify)
-        return _write_surface(surface, out, title=capture_dir.resolve().name, notes=capture.notes)
+        notes = (*capture.notes, *exposure_notes(capture, surface))
+        return _write_surface(surface, out, title=capture_dir.resolve().name, notes=notes)
 
 
 @print_outcome

@@ -109,6 +109,7 @@ def add_capture(
     """
     from rumu.capture.folder import read_capture
     from rumu.pipeline import reconstruct
+    from rumu.surface.frame_check import exposure_notes
 
     path = Path(path)
     capture = read_capture(path, within=within)
@@ -142,7 +143,7 @@ def add_capture(
     )
     metadata = replace(metadata, origin=metadata.origin or folder.name)
     added = add_stored_work(gallery, metadata, stored, collection=collection)
-    return replace(added, notes=capture.notes)
+    return replace(added, notes=(*capture.notes, *exposure_notes(capture, surface)))
 
 
 def add_glyphs(

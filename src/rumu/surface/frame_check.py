@@ -9,7 +9,7 @@ import numpy as np
 
 from rumu.errors import CaptureError
 from rumu.surface.stereo import SATURATION, SHADOW_FLOOR, enough_lit
-from rumu.values import Bilingual, BoolArray, Capture, FloatArray
+from rumu.values import Bilingual, BoolArray, Capture, FloatArray, Surface
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +20,7 @@ class FrameCheckSettings:
         below the floor of shadow. white: share of the pixels that are saturated in an overexposed frame.
         usable: least share of the pixels that three frames show neither dark nor saturated. bright: quantile
         of the pixels that tells how bright a frame gets. pixels: about how many are looked at.
+    spread: times by which the brightest frame exceeds the darkest, when it is noted.
     side: pixels, of the reduced frames that are laid on each other. detail: pixels, of the largest detail
         that is compared. still: correlation above which a frame did not move. least_shift: pixels by which a
         frame must be off. agreement: correlation that it must reach when it is laid right. miss: to which
@@ -30,6 +31,7 @@ class FrameCheckSettings:
     white: float = 0.9
     usable: float = 0.01
     bright: float = 0.995
+    spread: float = 1.6
     side: int = 384
     detail: int = 31
     still: float = 0.97
@@ -70,6 +72,26 @@ def check_exposure(capture: Capture, *, settings: FrameCheckSettings | None = No
             "longer exposure or stronger lamps",
             zh="照片太暗：幾乎沒有一處在三張照片裡都照亮；請延長曝光，或用更亮的燈重拍。",
         )
+
+
+def exposure_notes(
+    capture: Capture, surface: Surface, *, settings: FrameCheckSettings | None = None
+) -> tuple[Bilingual, ...]:
+    """What a person should know of photographs that are not equally bright; empty when they are.
+
+    surface: of the capture. Lamps of known strengths are left out.
+    """
+    spread = surface.quality.get("strength_spread", 1.0)
+    if capture.strengths is not None or spread < (settings or FrameCheckSettings()).spread:
+        return ()
+    return (
+        Bilingual(
+            f"照片的亮度相差到 {spread:.2g} 倍，不是燈的強弱不同，就是曝光不同；已經扣除。"
+            "請用手動曝光，並固定光圈、快門與感光度。",
+            f"the photographs differ in brightness by up to {spread:.2g} times, by their lamps or their "
+            "exposure; this was taken out. Fix aperture, shutter and ISO, and use no automatic exposure",
+        ),
+    )
 
 
 def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None) -> None:
