@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import csv
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
+from rumu import pipeline
+from rumu.assessment.part_measures import AXES
 from rumu.assessment.remarks import write_remarks
-from rumu.characters.stroke_data import CanonicalCharacter, Structure
+from rumu.characters.stroke_data import CanonicalCharacter, Structure, find_character
 
 PART_KINDS = {"squeeze", "part_place", "inner"}
 
@@ -102,3 +107,27 @@ def test_what_is_enclosed_is_told_by_its_size(said, size, zh, en):
 def test_a_copy_in_proportion_is_not_blamed(said):
     for structure in ("left-right", "top-bottom", "half-enclosed", None):
         assert said(halves(), halves(), structure) == []
+
+
+def test_of_learners_copies_no_part_is_named_that_the_character_does_not_have(data):
+    template = lru_cache(pipeline.prepare_master)
+    with (data / "e3c" / "scores.csv").open(encoding="utf-8-sig") as stream:
+        rows = list(csv.DictReader(stream))[::40]
+    for row in rows:
+        mark = pipeline.assess(
+            data / "e3c" / row["image"],
+            template(data / "e3c" / row["template"]),
+            character=row["character"],
+            framed=True,
+        )
+        structure = find_character(row["character"]).structure
+        told = "".join(remark.zh for remark in (*mark.remarks, *mark.untold))
+        words = {"across": ("左旁", "右旁"), "down": ("上部太", "下部太", "上部與", "上部對")}
+        for axis, parts in words.items():
+            if AXES.get(structure) != axis:
+                assert not any(part in told for part in parts), (row["image"], told)
+        if structure not in ("enclosed", "half-enclosed"):
+            assert "框內" not in told, row["image"]
+        assert len(mark.remarks) <= 3
+        ends = [remark.zh.rstrip("。").rpartition("。")[2] for remark in mark.remarks]
+        assert len(set(ends)) == len(ends), ends
