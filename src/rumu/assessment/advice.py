@@ -227,6 +227,18 @@ STROKES: Mapping[str, Mapping[str, Advice]] = {
         "": (Bilingual("送到位再收筆。", "Carry it to its end."),),
     },
     "sticks_out": {
+        "橫": (
+            Bilingual(
+                "寫到與範本同長處就頓筆，不再往外送。", "Pause where the master's ends and go no farther."
+            ),
+        ),
+        "豎": (Bilingual("末端與鄰筆比齊再收。", "End it level with its neighbours, as the master does."),),
+        "撇": (Bilingual("撇尖到了範本的位置就提筆。", "Lift where the master's tip leaves the paper."),),
+        "捺": (
+            Bilingual(
+                "捺腳到位就平出，不要再拖。", "Leave level where the master's foot is; do not drag it on."
+            ),
+        ),
         "": (
             Bilingual(
                 "與範本的邊對齊就收，回鋒不出頭。", "Stop where the master's edge is and turn the tip back."

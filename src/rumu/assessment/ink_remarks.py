@@ -163,7 +163,9 @@ def _sticking_out(
         "sticks_out", size, "of the cell", named.severity("sticks_out", size, limits.sticks_out),
         f"{named.name.zh}{predicate.zh}。", f"{named.en} {predicate.en}.",
     )  # fmt: skip
-    return Finding(remark, size / limits.sticks_out, for_stroke("sticks_out", ""), named.cause, predicate)
+    return Finding(
+        remark, size / limits.sticks_out, for_stroke("sticks_out", named.kind.zh), named.cause, predicate
+    )
 
 
 def _find_paleness(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[Finding]:

@@ -27,6 +27,8 @@ _EXTENT = {
 
 _AGREED = 0.05
 """Logarithm of a width up to which two measures of it may have different signs and still agree."""
+_ONLY_TO_EXPLAIN = 0.99
+"""Excess of a fault that is told only where a low part of the mark has no other."""
 _OFF = 0.06
 """Relative width from which a part itself is called wide or narrow, and not only one beside the other."""
 
@@ -79,10 +81,9 @@ def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
     strokes = pose.match
     least = limits.weight + strokes.width_error(strokes.master.points)
     measured = float(np.log(max(strokes.width, 1e-6)))
-    if measured * pose.heaviness < -(_AGREED**2):
-        return  # some strokes are heavy, others thin
+    agreed = measured * pose.heaviness >= -(_AGREED**2)  # else some strokes are heavy, others thin
     # the widths of most strokes, or else of all ink: where only some are heavy the whole looks it, too
-    weight = measured if abs(measured) >= least else pose.heaviness
+    weight = measured if agreed and abs(measured) >= least else pose.heaviness
     if abs(weight) < limits.weak * least:
         return
     much = np.exp(weight) - 1.0
@@ -92,7 +93,8 @@ def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
         f"筆畫比範本{zh}約 {abs(much):.0%}。",
         f"Strokes are about {abs(much):.0%} {en} than the master's.",
     )  # fmt: skip
-    yield Finding(remark, abs(weight) / least, WHOLE[kind], "weight")
+    excess = abs(weight) / least
+    yield Finding(remark, excess if agreed else min(excess, _ONLY_TO_EXPLAIN), WHOLE[kind], "weight")
 
 
 def _find_pose_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Finding]:
