@@ -161,6 +161,13 @@ def test_numbers_are_whole_and_apart(places):
     assert first == (500, 490)
 
 
+def test_what_is_good_comes_first(assessment, copy_surface, master_surface, html):
+    praised = replace(assessment, praise=Bilingual("橫寫得好。", "The horizontal is well written."))
+    shown = page(praised, copy_surface, master_surface)
+    assert shown.index("The horizontal is well written.") < shown.index("What to change first")
+    assert "What is good" not in html
+
+
 def test_a_mark_without_remarks(assessment, copy_surface, master_surface):
     assert "What to change first" not in page(replace(assessment, remarks=()), copy_surface, master_surface)
 

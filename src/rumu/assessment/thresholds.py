@@ -75,7 +75,7 @@ class RemarkThresholds:
     sticks_out: float = 0.05
     stroke: float = 0.2
     believed: float = 0.8
-    entry: float = 0.16
+    entry: float = 0.13
     faint: float = 0.22
     exit: float = 0.19
     tips: float = 0.16
