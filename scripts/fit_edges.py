@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 import rumu
-from rumu.assessment.features import COMPONENTS, KINDS, edge_patches
+from rumu.assessment.edges import COMPONENTS, edge_patches
 from rumu.registration.points import canvas_of, ink_mask
 
 ROOT = Path(__file__).parents[1]
-CHARACTERS, KIND_NUMBERS = 250, 40
+CHARACTERS, PATCHES = 250, 40
 
 
 def basis(patches: np.ndarray) -> dict[str, np.ndarray]:
@@ -30,25 +30,19 @@ def basis(patches: np.ndarray) -> dict[str, np.ndarray]:
     return {"mean": mean, "components": components, "spread": np.sqrt(values[::-1][:COMPONENTS])}
 
 
-def bases(data: Path) -> dict[str, np.ndarray]:
-    """The bases of all kinds, as they are stored."""
+def fitted(data: Path) -> dict[str, np.ndarray]:
+    """The basis as it is stored."""
     folder = data / "masters" / "regular"
     with (folder / "labels.csv").open(encoding="utf-8", newline="") as stream:
         names = sorted(row["file"] for row in csv.DictReader(stream))
     rng = np.random.default_rng(0)
-    taken: list[list[np.ndarray]] = [[] for _ in KINDS]
+    taken = []
     for name in rng.choice(names, CHARACTERS, replace=False):
-        for pile, found in zip(
-            taken, edge_patches(canvas_of(ink_mask(rumu.relief(folder / name))).ink), strict=True
-        ):
-            pile.append(found[rng.choice(len(found), KIND_NUMBERS)])
-    return {
-        f"{kind.frame}_{name}": array.astype(np.float32)
-        for kind, pile in zip(KINDS, taken, strict=True)
-        for name, array in basis(np.concatenate(pile)).items()
-    }
+        found = edge_patches(canvas_of(ink_mask(rumu.relief(folder / name))).ink)
+        taken.append(found[rng.choice(len(found), PATCHES)])
+    return {name: array.astype(np.float32) for name, array in basis(np.concatenate(taken)).items()}
 
 
 if __name__ == "__main__":
     data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("RUMU_DATA", ROOT / "../shared/data"))
-    np.savez(ROOT / "src/rumu/assessment/edges.npz", **bases(data))
+    np.savez(ROOT / "src/rumu/assessment/edges.npz", **fitted(data))

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from rumu.assessment.calibration import Calibration, check_terms, mark_fields
-from rumu.assessment.features import Features, describe_edge, measure_features, sim_paper, similarity
+from rumu.assessment.edges import describe_edge
+from rumu.assessment.features import Features, measure_features, sim_paper, similarity
 from rumu.assessment.refusal import RefusalFigures, RefusalLimits, RefusalReference, check_copy
 from rumu.assessment.refusal_reasons import Refusal, refusal_of
 from rumu.assessment.remarks import Review, write_remarks
@@ -198,7 +199,7 @@ def measure(copy: Surface, master: PreparedMaster, *, limits: RefusalLimits | No
     except SurfaceError as error:
         raise RefusedImage(f"{error}; mark the ink of one image instead", reason="flat") from error
     registration = register_points(probe, reference)
-    edges = describe_edge(canvas.ink, lean=registration.angle) - edges
+    edges = describe_edge(canvas.ink) - edges
     features = measure_features(registration, edges=edges, ink=master.ink)
     figures = RefusalFigures(copy, master.outline, registration)
     refusal, highest = check_copy(figures, limits=limits)

@@ -359,9 +359,9 @@ class Assessment:
 
     Attributes
     ----------
-    score, interval, level
-        0-100 on the scale of the human panel that calibrated it; the 80 % interval of the panel's mark;
-        'excellent', 'good', 'medium' or 'bad'. All None when refused.
+    score, interval, level, percentile
+        0-100 on the scale of a human panel; the 80 % interval of its mark; 'excellent', 'good', 'medium' or
+        'bad'; the share of learners' copies that get less, in per cent, where known. All None when refused.
     sim_paper, similarity
         The paper's similarity in per cent, as printed, which saturates near 100 and is never the mark; the
         two-sided similarity: 1 is identical, below about 0.7 unrelated.
@@ -374,9 +374,8 @@ class Assessment:
         The reason when the copy cannot be marked, 'code: sentence', else None; the sentence in Chinese; the
         degrees clockwise (90, 180, 270) that turn the picture upright, where that is what it needs.
     weights, calibration, script, interval_note, interval_note_zh
-        Weights of the parts that a teacher chose, None for those fitted to people's marks; what another
-        calibration was fitted on, in words; one of SCRIPTS, where it is known; what must be said of the
-        interval, None where people's marks cover it.
+        A teacher's weights of the parts, else None; what another calibration was fitted on, in words; one of
+        SCRIPTS, where it is known; what must be said of the interval, None where people's marks cover it.
     """
 
     score: float | None
@@ -398,3 +397,4 @@ class Assessment:
     interval_note_zh: str | None = None
     untold: tuple[Remark, ...] = ()
     praise: Bilingual | None = None
+    percentile: float | None = None

@@ -27,13 +27,14 @@ from rumu.assessment.calibration import (
     read_calibration,
     write_calibration,
 )
-from rumu.assessment.features import EDGE_NUMBERS, RESIDUALS, SIGNED_FEATURES, Features, Residuals
+from rumu.assessment.edges import EDGE_NUMBERS
+from rumu.assessment.features import RESIDUALS, SIGNED_FEATURES, Features, Residuals
 from rumu.errors import CalibrationError, OutputError, RumuError
 from rumu.strokes.omissions import Region
 from rumu.values import SCRIPTS
 
 PERFECT = Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0)
-COMMON = Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3)
+COMMON = Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3, 0.17, 0.12, 0.1, 0.3)
 residual = st.floats(0, 3)
 all_residuals = st.builds(Residuals, *[residual] * len(RESIDUALS))
 
@@ -126,14 +127,15 @@ def test_strange_edges_count_only_so_far():
         ({"lean": 12.0}, 4),
         ({"lean": -12.0}, 4),
         ({"lean": 170.0}, 40),
-        ({"offset": 0.12}, 0),
-        ({"offset": 0.22}, 10),
+        ({"offset": 0.15}, 0),
+        ({"offset": 0.25}, 10),
         ({"offset": 0.9}, 40),
-        ({"size": 0.3}, 0),
-        ({"size": 0.5}, 8),
+        ({"size": 0.5}, 0),
+        ({"size": -0.3}, 0),
+        ({"size": 0.7}, 8),
         ({"size": -0.5}, 8),
         ({"size": np.log(0.2)}, 40),
-        ({"lean": 12.0, "offset": 0.22, "size": -0.5}, 22),
+        ({"lean": 12.0, "offset": 0.25, "size": -0.5}, 22),
     ],
 )
 def test_pose_is_charged_apart_beyond_a_tolerance_up_to_a_cap(pose, points):
@@ -160,7 +162,7 @@ def test_a_stroke_too_many_costs_half_as_much_as_one_too_few():
 
 
 def test_a_bad_copy_pays_for_a_stroke_though_no_ceiling_is_near():
-    bad = replace(PERFECT, residuals=replace(COMMON, position=1.0, plane_mean=1.0, missing=1.0))
+    bad = replace(PERFECT, residuals=replace(COMMON, bent=0.2, warped=0.16, directions=0.5))
     lacking = replace(bad, regions=(Region("missing", np.zeros((3, 2)), 0.01, 0.1),))
     assert panel().score(bad) < 60
     assert panel().score(lacking) == pytest.approx(panel().score(bad) - 1.5)
@@ -231,6 +233,18 @@ def test_an_interval_is_widened_about_the_score():
     assert panel().interval_of(98.0, widened=1.5)[1] == 100.0
 
 
+def test_a_copy_stands_somewhere_among_learners_copies():
+    standing = panel().standing
+    assert panel().percentile_of(standing[0] - 1) == 0 and panel().percentile_of(standing[-1] + 1) == 100
+    assert panel().percentile_of(float(np.median(standing))) == pytest.approx(50, abs=3)
+    shares = [panel().percentile_of(cut) for cut in CUT_OFFS["panel"].values()]
+    assert shares == pytest.approx([88, 59, 25], abs=6)  # an eighth is excellent, a quarter bad
+    for terms in (MarkingTerms(weights=EQUAL), MarkingTerms(calibration=replace(panel(), standing=()))):
+        assert mark_fields(COPY, terms=terms)["percentile"] is None
+    mark = mark_fields(COPY, terms=MarkingTerms())
+    assert mark["percentile"] == panel().percentile_of(mark["score"])
+
+
 def test_levels_by_name():
     for cuts in CUT_OFFS.values():
         assert list(cuts) == ["excellent", "good", "medium"]
@@ -249,8 +263,9 @@ def test_levels_by_name():
 
 def test_all_four_levels_are_in_use_on_human_marks(data):
     from rumu_lab.experiments.marked_copies import read_copies
+    from rumu_lab.experiments.protocol import declared
 
-    levels = [level_of(copy.mark) for copy in read_copies(data)]
+    levels = [level_of(copy.mark, cuts=declared().cut_offs) for copy in read_copies(data)]
     shares = {level: levels.count(level) / len(levels) for level in (*CUT_OFFS["panel"], "bad")}
     assert min(shares.values()) > 0.08, shares
     assert max(shares.values()) < 0.5, shares
@@ -350,6 +365,14 @@ def test_a_calibration_is_loaded_by_name_or_refused_by_name(tmp_path):
         load_calibration(tmp_path / "mine.json")
 
 
+def test_a_calibration_without_standing_is_read_and_one_that_falls_is_not():
+    older = plain()
+    del older["standing"]
+    assert read_calibration(older).percentile_of(50.0) is None
+    with pytest.raises(CalibrationError, match="scores that do not fall"):
+        read_calibration(plain() | {"standing": [40.0, 30.0]})
+
+
 def test_a_calibration_needs_a_place(tmp_path):
     (tmp_path / "taken").write_text("a file", "utf-8")
     with pytest.raises(OutputError, match="taken"):
@@ -359,9 +382,7 @@ def test_a_calibration_needs_a_place(tmp_path):
 # on a teacher's terms
 
 
-COPY = Features(
-    Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3), lean=0, offset=0, size=0, weight=0.1
-)
+COPY = Features(COMMON, lean=0, offset=0, size=0, weight=0.1)
 
 
 def test_without_terms_it_is_the_panel_s_mark():

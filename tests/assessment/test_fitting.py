@@ -13,7 +13,7 @@ from rumu.assessment.fitting import HUMAN_RANGE, anchor_scale, fit_scale
 from rumu.errors import CalibrationError
 
 PERFECT = Features(Residuals(), lean=0.0, offset=0.0, size=0.0, weight=0.0)
-COMMON = Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3)
+COMMON = Residuals(0.2, 0.14, 0.18, 0.2, 0.12, 0.18, 0.26, 0.22, 0.28, 0.3, 0.17, 0.12, 0.1, 0.3)
 
 
 def marked(n: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray, list[str]]:

@@ -8,7 +8,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
-KEYS = {"copy", "reference", "score", "level", "interval", "sim_paper", "similarity", "parts", "remarks"} | {
+KEYS = {
+    "copy",
+    "reference",
+    "score",
+    "level",
+    "percentile",
+    "interval",
+    "sim_paper",
+    "similarity",
+    "parts",
+    "remarks",
+} | {
     "pose",
     "praise",
     "source",
@@ -270,3 +281,19 @@ def test_wrong_usage(rumu, desk, monkeypatch, arguments):
     ended = rumu("assess", *arguments)
     assert ended.code == 2 and ended.out == "" and ended.err
     assert {path.name: path.read_bytes() for path in desk.iterdir()} == before
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_the_level_is_the_same_here_and_on_the_page(rumu, number):
+    """Two doors, one mark: what the command line says of a copy is what the service says of it."""
+    from rumu import pipeline
+    from rumu.gallery.starter import find_work, starter_samples
+    from rumu.studio.marking import mark_copy
+
+    work, sample = find_work("regular-tian"), starter_samples(work="regular-tian")[number]
+    here = rumu("assess", sample.path, "--reference", work.path, "--script", "regular", "--json").facts
+    master = pipeline.prepare_master(work.path)
+    page = mark_copy(sample.path.read_bytes(), master, script="regular", calibration=None).facts
+    assert page["level"] == here["level"]
+    assert page["score"] == pytest.approx(here["score"], abs=0.3)
+    assert page["percentile"] == pytest.approx(here["percentile"], abs=1.0)

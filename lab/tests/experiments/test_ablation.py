@@ -38,11 +38,11 @@ def test_gains(quick):
 
 def test_the_sentence_follows_the_intervals():
     third = {"what": "height x 1", "gain": 0.05, "low": -0.01, "high": 0.1, "clear": "not shown"}
-    groups = [{"what": "group plane", "clear": "helps"}, {"what": "group whole", "clear": "not shown"}]
+    groups = [{"what": "group plane", "clear": "helps"}, {"what": "group form", "clear": "not shown"}]
     facts = {"third_dimension": third, "gains": [third, *groups]}
     alone, left_out = ablation._sentences(facts)
     assert "NOT shown" in alone.en and "+0.050 [-0.010, +0.100]" in alone.zh
-    assert "shown to help plane; not shown whole" in left_out.en
+    assert "shown to help plane; not shown form" in left_out.en
     helps = {**facts, "third_dimension": {**third, "low": 0.01, "clear": "helps"}, "gains": [third]}
     (only,) = ablation._sentences(helps)
     assert only.en.startswith("The third dimension helps")
@@ -60,11 +60,11 @@ class KnownFeatures:
 
 @pytest.fixture(scope="module")
 def held_out() -> HeldOutMarks:
-    """Marks that follow the group 'whole' alone; everything else is noise."""
+    """Marks that follow the group 'form' alone; everything else is noise."""
     rng = np.random.default_rng(2)
     quality = rng.normal(size=100)
     evidence = 0.3 * rng.normal(size=(100, len(FEATURE_NAMES)))
-    for name in FEATURE_GROUPS["whole"]:
+    for name in FEATURE_GROUPS["form"]:
         evidence[:, FEATURE_NAMES.index(name)] = -quality + 0.1 * rng.normal(size=100)
     panel = np.clip(55 + 12 * quality, 0, 100)
     copies = [Copy(Path(f"{k}.png"), Path("t.png"), f"c{k % 5}", float(panel[k]), ()) for k in range(100)]
@@ -85,9 +85,9 @@ def test_the_groups_are_those_of_the_code():
 def test_the_group_that_carries_the_marks_is_missed(held_out, quick):
     rows, gains = ablation.group_rows(held_out, quick)
     by_group = {row["what"]: row for row in gains}
-    assert by_group["group whole"]["clear"] == "helps" and by_group["group whole"]["gain"] > 0.3
+    assert by_group["group form"]["clear"] == "helps" and by_group["group form"]["gain"] > 0.3
     assert abs(by_group["group fullness"]["gain"]) < 0.1
-    assert {row["method"]: row for row in rows}["whole alone"]["within"] > 0.9
+    assert {row["method"]: row for row in rows}["form alone"]["within"] > 0.9
 
 
 def test_a_character_s_own_marks_do_not_count(held_out):

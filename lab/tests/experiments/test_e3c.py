@@ -11,13 +11,15 @@ import numpy as np
 import pytest
 from scipy.stats import rankdata
 
-from rumu.assessment.calibration import panel
+from rumu.assessment.calibration import CUT_OFFS, panel
 from rumu.assessment.features import RESIDUALS, Features, Residuals
 from rumu.errors import CalibrationError
 from rumu_lab.experiments import e3c
 from rumu_lab.experiments.marked_copies import Copy, read_copies
 from rumu_lab.experiments.measuring import measure_each
+from rumu_lab.experiments.protocol import declared
 from rumu_lab.experiments.run_settings import RunSettings
+from rumu_lab.experiments.statistics import choose_cuts, level_numbers, quick_kappa
 
 
 @pytest.fixture(scope="session")
@@ -116,7 +118,15 @@ def test_all_levels_are_in_use(result):
     for name in ("level_shares_of_human_marks", "level_shares_of_scores"):
         shares = result.figures[name]
         assert sum(shares.values()) == pytest.approx(1.0)
-    assert min(result.figures["level_shares_of_human_marks"].values()) > 0.08
+        assert min(shares.values()) > 0.08, shares
+
+
+def test_levels_are_cut_where_they_agree_best_with_peoples(result):
+    truth = level_numbers(result.panel, sorted(declared().cut_offs.values()))
+    best = choose_cuts(result.scores, truth)
+    shipped = sorted(CUT_OFFS["panel"].values())
+    agreed = [quick_kappa(truth, level_numbers(result.scores, cuts)) for cuts in (best, shipped)]
+    assert agreed[1] > agreed[0] - 0.01, (best, agreed)
 
 
 def test_the_shipped_calibration_is_a_refit_of_the_data(result):

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from rumu.assessment.calibration import CUT_OFFS
 from rumu_lab.experiments import human_marks, levels
 from rumu_lab.experiments.levels import DEGREES
 from rumu_lab.experiments.marked_copies import chosen_copies
 
-MIDDLES = dict(zip(DEGREES, (0.2, 0.48, 0.62, 0.85), strict=True))
+MIDDLES = dict(zip(DEGREES, (0.2, 0.5, 0.58, 0.85), strict=True))
 
 
 @pytest.fixture
@@ -44,7 +46,11 @@ def test_without_people_it_says_so(measured, quick):
 
 
 def test_with_people(measured, quick, e3c_data, graded, monkeypatch):
-    copies = {f"human/{c.image.name}": c.mark / 100 for c in chosen_copies(quick)}
+    people, ours = (sorted(cuts.values()) for cuts in (quick.protocol.cut_offs, CUT_OFFS["panel"]))
+    copies = {
+        f"human/{c.image.name}": np.interp(c.mark, [0, *people, 100], [0, *ours, 100]) / 100
+        for c in chosen_copies(quick)
+    }
     monkeypatch.setattr(
         human_marks,
         "measure_each",

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rumu.assessment.features import FEATURE_NAMES, Features, Residuals
+from rumu.assessment.features import FEATURE_NAMES, RESIDUALS, Features, Residuals
 from rumu_lab.experiments import nested
 from rumu_lab.experiments.nested import Candidate, MarkedFeatures
 
@@ -25,7 +25,7 @@ def known() -> MarkedFeatures:
     vectors = -1.5 + 0.3 * rng.normal(size=(n, len(FEATURE_NAMES)))
     vectors[:, :4] = -1.5 - 0.3 * quality[:, None] + 0.03 * rng.normal(size=(n, 4))
     vectors[:, 6:10] = -1.5 - 0.3 * quality[:, None] + 0.3 * rng.normal(size=(n, 4))
-    wrong = Features(Residuals(*[0.9] * 10), lean=0.0, offset=0.0, size=0.0, weight=0.0)
+    wrong = Features(Residuals(*[0.9] * len(RESIDUALS)), lean=0.0, offset=0.0, size=0.0, weight=0.0)
     return MarkedFeatures(
         vectors,
         np.clip(52 + 14 * quality + rng.normal(size=n), 5, 95),
@@ -52,7 +52,7 @@ def test_the_better_candidate_is_chosen_without_the_character(known):
 
 def test_a_character_s_own_marks_touch_neither_its_marks_nor_its_choice(known):
     own = known.characters == 2
-    spoilt = replace(known, marks=np.where(own, known.marks[::-1], known.marks))
+    spoilt = replace(known, marks=np.where(own, known.marks + 4 * (-1.0) ** np.arange(150), known.marks))
     before, after = (nested.mark_nested(k, apart(k), CUTS) for k in (known, spoilt))
     for name in ("marks", "low", "high", "levels"):
         np.testing.assert_array_equal(getattr(after, name)[own], getattr(before, name)[own])

@@ -15,11 +15,11 @@ from rumu.values import BoolArray, FloatArray
 Evidence = Mapping[str, float]
 """Groups of features that a scale rests on, each with its shrinkage, in units of one standardised copy."""
 
-WHOLE: Evidence = dict.fromkeys(("plane", "whole", "edge_amount", "edge_sense", "fullness"), 500.0)
-"""What the mark rests on; height and direction are in the distances of the whole."""
+WHOLE: Evidence = {"form": 200.0, "edge": 500.0, "outline": 200.0, "fullness": 200.0}
+"""What the mark rests on; how it was chosen is in `rumu experiments run nested`."""
 PARTS: Mapping[str, Evidence] = {
-    "structure": {"plane": 500.0},
-    "brushwork": dict.fromkeys(("height", "direction", "edge_amount", "edge_sense"), 500.0),
+    "structure": {"plane": 500.0, "form": 200.0},
+    "brushwork": {"height": 500.0, "direction": 500.0, "edge": 500.0, "outline": 200.0},
 }
 """What each part of the mark rests on."""
 FEWEST = 8

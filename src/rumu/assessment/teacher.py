@@ -227,7 +227,7 @@ def fit_line(
 def move_scale(base: Calibration, a: float, b: float, *, gap: float = TeacherSettings().gap) -> Calibration:
     """The calibration whose anchors read a + b times their marks; nothing and perfection stay 0 and 100."""
     parts = {name: _move_anchors(scale, a, b, gap) for name, scale in base.parts.items()}
-    return replace(base, scale=_move_anchors(base.scale, a, b, gap), parts=parts)
+    return replace(base, scale=_move_anchors(base.scale, a, b, gap), parts=parts, standing=())
 
 
 def held_out_interval(errors: FloatArray) -> tuple[float, float]:

@@ -198,7 +198,17 @@ def mark_facts(mark: Assessment) -> dict[str, Any]:
     """The mark without its point sets, for JSON."""
     pose = mark.registration
     terms = ("interval_note", "interval_note_zh", "script", "weights", "calibration")
-    names = ("score", "level", "interval", *terms, "sim_paper", "similarity", "parts", "remarks")
+    names = (
+        "score",
+        "level",
+        "percentile",
+        "interval",
+        *terms,
+        "sim_paper",
+        "similarity",
+        "parts",
+        "remarks",
+    )
     of_pose = ("angle", "shift", "scale", "overlap", "d_ms", "converged", "iterations")
     return (
         {name: getattr(mark, name) for name in names}

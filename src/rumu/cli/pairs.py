@@ -43,6 +43,7 @@ COLUMNS = (
     "character",
     "praise_zh",
     "praise_en",
+    "percentile",
 )
 NAMES = {
     "copy": ("臨作", "临作", "臨本", "临本", "習作", "习作", "作業", "作业", "副本"),
@@ -162,6 +163,7 @@ def _cells(mark: Assessment) -> dict[str, Any]:
     cells: dict[str, Any] = {
         "score": _number(mark.score, 2),
         "level": mark.level or "",
+        "percentile": _number(mark.percentile, 1),
         "script": mark.script or "",
         "low": _number(low, 2),
         "high": _number(high, 2),

@@ -79,6 +79,7 @@ def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
         "level": mark.level,
         "level_text": None if mark.level is None else LEVELS[mark.level]._asdict(),
         "cuts": dict(CUT_OFFS["panel"]),
+        "percentile": _round(mark.percentile, 1),
         "interval": None if mark.interval is None else [_round(bound, 2) for bound in mark.interval],
         "interval_note": _interval_note(mark),
         "parts": [_part_facts(name, score) for name, score in mark.parts.items()],

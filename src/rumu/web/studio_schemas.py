@@ -91,6 +91,9 @@ class MarkRead(Schema):
     level: Literal["excellent", "good", "medium", "bad"] | None
     level_text: BilingualText | None
     cuts: dict[str, float] = Field(default={}, description="The lowest score of each level.")
+    percentile: float | None = Field(
+        default=None, description="The share of learners' copies that get a lower score, in per cent."
+    )
     interval: list[float] | None = Field(examples=[[60.1, 83.0]])
     interval_note: BilingualText | None
     parts: list[PartRead]

@@ -24,10 +24,13 @@ from rumu.values import FloatArray
 from rumu_lab.experiments.findings import Findings
 from rumu_lab.experiments.marked_copies import Copy, read_copies
 from rumu_lab.experiments.measuring import master_at, measure_each
+from rumu_lab.experiments.protocol import declared
 from rumu_lab.experiments.run_settings import RunSettings
 
 FEWEST = 5
 """A rank correlation within a character is taken where it has at least this many copies."""
+STANDING = 41
+"""Scores of the held-out copies that are kept, at equal steps, to say where a copy stands among them."""
 TAILS = (9, 91)
 """Percentiles of held-out errors at which the 80 % interval ends: a little wide, since characters are few."""
 
@@ -183,7 +186,9 @@ def hold_out_characters(measured: Sequence[MeasuredCopy], others: list[Features]
         ends = np.percentile((marks - scores)[~own], TAILS)
         low[own], high[own] = (np.clip(scores[own] + end, 0, 100) for end in ends)
     ends = np.percentile(marks - scores, TAILS)
-    final = replace(fit_panel(kept, others), interval=(float(ends[0]), float(ends[1])))
+    standing = tuple(map(float, np.quantile(scores, np.linspace(0.0, 1.0, STANDING))))
+    final = fit_panel(kept, others)
+    final = replace(final, interval=(float(ends[0]), float(ends[1])), standing=standing)
     result = HeldOutMarks(tuple(kept), tuple(refused), marks, characters, scores, low, high, final)
     return replace(result, figures=_figures(result))
 
@@ -224,8 +229,8 @@ def _figures(result: HeldOutMarks) -> dict[str, Any]:
         "constant_mae": float(np.mean(np.abs(marks - np.median(marks)))),
         "interval_coverage": float(inside.mean()),
         "interval_width": float(np.mean(result.high - result.low)),
-        "level_shares_of_human_marks": _shares(marks),
-        "level_shares_of_scores": _shares(result.scores),
+        "level_shares_of_human_marks": _shares(marks, declared().cut_offs),
+        "level_shares_of_scores": _shares(result.scores, CUT_OFFS["panel"]),
     }
 
 
@@ -250,8 +255,9 @@ def _one_rater(measured: tuple[MeasuredCopy, ...], characters: np.ndarray) -> di
     return {name: float(np.mean([f[name] for f in figures])) for name in figures[0]}
 
 
-def _shares(scores: FloatArray) -> dict[str, float]:
-    levels = [level_of(float(score)) for score in scores]
+def _shares(scores: FloatArray, cuts: Mapping[Any, float]) -> dict[str, float]:
+    """The share of each level; cuts: of the panel's marks, or of the scores that estimate them."""
+    levels = [level_of(float(score), cuts=cuts) for score in scores]
     return {name: levels.count(name) / len(levels) for name in (*CUT_OFFS["panel"], "bad")}  # type: ignore[arg-type]
 
 

@@ -1,7 +1,8 @@
 """Table 1: how often the level is right, script by script, and on copies that people marked.
 
 The true level of a simulated copy is the degree it was made at, a convention; that of a person's copy is the
-level of the panel's mark.
+level of the panel's mark. People's marks have cut-offs of their own, since a score keeps to the middle
+where it is unsure.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from rumu.assessment.calibration import CUT_OFFS
 from rumu.errors import CalibrationError
 from rumu.values import Bilingual, FloatArray
 from rumu_lab.experiments import human_marks
@@ -42,7 +44,7 @@ def run(settings: RunSettings) -> Findings:
     made = grade_degrees(settings)
     cuts = settings.protocol.cut_offs
     truth = [DEGREES.index(m.degree) for m in made]
-    given = [level_number(m.grades.mark, cuts) for m in made]
+    given = [level_number(m.grades.mark, CUT_OFFS["panel"]) for m in made]
     scripts = [m.script for m in made]
     rows = [
         level_row(
@@ -83,7 +85,7 @@ def grade_degrees(settings: RunSettings) -> list[DegreeCopy]:
     return [DegreeCopy(w.script, degree, m) for (w, degree, _), m in zip(plan, measured, strict=True)]
 
 
-def level_number(mark: float, cuts: Mapping[str, float]) -> int:
+def level_number(mark: float, cuts: Mapping[Any, float]) -> int:
     """0 bad to 3 excellent. A refused copy (NaN) counts as bad: it got no better level."""
     return sum(mark >= low for low in cuts.values())
 
@@ -118,7 +120,7 @@ def human_rows(settings: RunSettings) -> tuple[list[dict[str, Cell]], str | None
     others = [level_number(10.0 * float(np.mean(c.ratings[1:])), cuts) for c, _ in pairs]
     first = [level_number(10.0 * c.ratings[0], cuts) for c, _ in pairs]
     return [
-        level_row("regular script, human marks", truth, [level_number(s, cuts) for s in own]),
+        level_row("regular script, human marks", truth, [level_number(s, CUT_OFFS["panel"]) for s in own]),
         level_row("one rater, human marks", others, first),
         level_row("always the commonest level", truth, [max(set(truth), key=truth.count)] * len(truth)),
     ], None

@@ -27,7 +27,8 @@ from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.experiments.statistics import choose_cuts, level_numbers, quick_kappa
 
-DISTANCES: Evidence = {"plane": 500.0, "whole": 500.0}
+STRETCHES = (1.0, 1.1, 1.2, 1.3, 1.5)
+"""Factors by which marks are stretched to see what it costs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,20 +40,21 @@ class Candidate:
     charged: bool = True
 
 
+_DISTANCES: Evidence = {"plane": 500.0, "whole": 500.0}
+_FORM: Evidence = {"form": 200.0}
+_EDGE: Evidence = {"edge": 500.0, "fullness": 200.0}
+_OUTLINE: Evidence = {"outline": 200.0, "fullness": 200.0}
 _BARE: Mapping[str, Evidence] = {
     "plane": {"plane": 500.0},
-    "distances": DISTANCES,
-    "distances, fullness": {**DISTANCES, "fullness": 500.0},
-    "distances, which way edges differ": {**DISTANCES, "edge_sense": 1000.0, "fullness": 500.0},
-    "the same, how much edges differ, drawn to nought": {
-        **DISTANCES,
-        "edge_amount": 5000.0,
-        "edge_sense": 1000.0,
-        "fullness": 500.0,
-    },
-    "as before: all at one shrinkage": dict.fromkeys(
-        ("plane", "whole", "edge_amount", "edge_sense", "fullness"), 500.0
-    ),
+    "distances": _DISTANCES,
+    "distances, edge": {**_DISTANCES, **_EDGE},
+    "distances, edge, outline": {**_DISTANCES, **_EDGE, **_OUTLINE},
+    "form": _FORM,
+    "form, edge": {**_FORM, **_EDGE},
+    "form, outline": {**_FORM, **_OUTLINE},
+    "form, edge, outline": {**_FORM, **_EDGE, **_OUTLINE},
+    "form, edge drawn to nought, outline": {**_FORM, **_EDGE, **_OUTLINE, "edge": 2000.0},
+    "distances, form, edge, outline": {**_DISTANCES, **_FORM, **_EDGE, **_OUTLINE},
 }
 CANDIDATES: tuple[Candidate, ...] = tuple(
     Candidate(name + (", charged" if charged else ""), evidence, charged)
@@ -200,6 +202,7 @@ def findings_of(known: MarkedFeatures, apart: Mapping[str, FloatArray]) -> Findi
         "kappa": quick_kappa(truth, nested.levels),
         "confusion": np.histogram2d(truth, nested.levels, bins=4, range=[[0, 4]] * 2)[0].astype(int).tolist(),
         "candidates": _candidate_rows(known, apart, nested),
+        "stretched": _stretched_rows(known, nested),
         "fifths": [*_fifths("the mark", nested.marks, inside), *_fifths("the panel", known.marks, inside)],
     }
     return Findings("nested", facts, _tables(facts), (_sentence(facts),))
@@ -226,6 +229,25 @@ def _candidate_rows(
     for name, marks in apart.items():
         row = agreement(marks[own], known.marks, known.characters)
         rows.append({"method": name, "times": nested.chosen.count(name), **row})
+    return rows
+
+
+def _stretched_rows(known: MarkedFeatures, nested: NestedMarks) -> list[dict[str, Cell]]:
+    """What it costs to stretch the marks about their mean, and what it gives the ends."""
+    rows: list[dict[str, Cell]] = []
+    low, high = np.percentile(known.marks, (20, 80))
+    for factor in STRETCHES:
+        marks = np.clip(nested.marks.mean() + factor * (nested.marks - nested.marks.mean()), 0, 100)
+        error = marks - known.marks
+        rows.append(
+            {
+                "factor": factor,
+                "mae": float(np.abs(error).mean()),
+                "worst": float(error[known.marks <= low].mean()),
+                "best": float(error[known.marks >= high].mean()),
+                "highest": float(marks.max()),
+            }
+        )
     return rows
 
 
@@ -279,7 +301,19 @@ def _tables(facts: Mapping[str, Any]) -> tuple[Table, ...]:
         ),
         tuple(facts["fifths"]),
     )
-    return candidates, fifths
+    stretched = Table(
+        "nested-stretched",
+        Bilingual("把分數拉開", "The marks stretched about their mean"),
+        (
+            Column("factor", Bilingual("倍數", "factor"), 1),
+            Column("mae", Bilingual("絕對誤差均值", "mean abs. error")),
+            Column("worst", Bilingual("最差五分之一偏高", "too high, worst fifth"), 1),
+            Column("best", Bilingual("最好五分之一偏高", "too high, best fifth"), 1),
+            Column("highest", Bilingual("最高分", "highest mark"), 0),
+        ),
+        tuple(facts["stretched"]),
+    )
+    return candidates, fifths, stretched
 
 
 def _sentence(facts: Mapping[str, Any]) -> Bilingual:
