@@ -124,6 +124,22 @@ export type Mark = {
   seconds: number;
 };
 
+export type NumberChange = { before: number; after: number; change: "better" | "same" | "worse" };
+export type FaultChange = Bilingual & {
+  status: "gone" | "smaller" | "same" | "larger" | "turned" | "new";
+  kind: string;
+  stroke: number | null;
+  /** Index among the remarks of the later attempt. */
+  remark: number | null;
+};
+/** What an attempt changed against the one before, of the same writer and master. */
+export type Progress = {
+  previous: { id: string; created: string };
+  mark: NumberChange & Bilingual;
+  parts: (NumberChange & Bilingual & { name: string })[];
+  faults: FaultChange[];
+};
+
 export type TeacherMark = { teacher: string; mark: number; note: string };
 export type Attempt = {
   id: string | null;
@@ -136,6 +152,8 @@ export type Attempt = {
   picture: string | null;
   mark: Mark;
   teacher_marks: TeacherMark[];
+  /** Null for a first attempt and a visitor's, and in lists. */
+  progress?: Progress | null;
 };
 export type Grid = "mi" | "jiu" | "tian" | "";
 

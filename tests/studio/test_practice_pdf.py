@@ -12,7 +12,7 @@ import pytest
 from rumu.database.tables import Attempt, Work, now
 from rumu.studio import pdf_text
 from rumu.studio.practice import Curve
-from rumu.studio.practice_pdf import PracticeSheet, practice_pdf, printed_attempts
+from rumu.studio.practice_pdf import PracticeSheet, practice_pdf, printed_attempts, progress_sentences
 
 
 @pytest.fixture
@@ -30,6 +30,7 @@ def sheet(packed, cross):
                 score=None if k == 1 else 40.0 + 5 * k,
                 level=None if k == 1 else "medium",
                 mark={
+                    "score": None if k == 1 else 40.0 + 5 * k,
                     "interval": None if k == 1 else [30.0, 70.0],
                     "remarks": [remark] * remarks,
                     "refused": None,
@@ -63,6 +64,15 @@ def test_an_unknown_hand_leaves_no_gap_between_dots(sheet):
     texts = [" ".join(text_of(practice_pdf(one)).split()) for one in (known, unknown)]
     assert "Lin · somebody · 3 copies" in texts[0]
     assert "Lin · 3 copies" in texts[1]
+
+
+def test_what_changed_since_the_attempt_before_is_printed(sheet):
+    whole = sheet(language="en", name="Lin", count=4)
+    assert progress_sentences(whole)[0].startswith("About as before")
+    assert "Against the one before" in text_of(practice_pdf(whole))
+    for count in (1, 2, 3):  # a single one; the last, then the one before it, was refused
+        assert progress_sentences(sheet(count=count)) == []
+    assert "Against the one before" not in text_of(practice_pdf(sheet(language="en", count=3)))
 
 
 def test_many_attempts_and_remarks_stay_on_one_page(sheet):

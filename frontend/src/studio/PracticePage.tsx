@@ -9,6 +9,7 @@ import type { Attempt, Page, WorkCard } from "../types";
 import { ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
 import { AttemptCard } from "./cards";
 import { MarksChart, type ScorePoint } from "./MarksChart";
+import { Progress } from "./mark/Progress";
 import { RequireLogin } from "../account/RequireLogin";
 
 type Practised = { work: WorkCard; count: number; best: number | null; last: number | null; first: number | null; curve: ScorePoint[] };
@@ -105,6 +106,7 @@ function BestAndLast({ curve }: { curve: ScorePoint[] }) {
   const best = marked.reduce<ScorePoint | null>((top, point) => (top && top.score! >= point.score! ? top : point), null);
   const ids = [best?.id, curve.at(-1)?.id].filter((id): id is string => id !== undefined);
   const loaded = useLoaded((signal) => Promise.all(ids.map((id) => get<Attempt>(`api/attempts/${id}`, signal))), ids.join(" "));
+  const last = loaded.value?.at(-1);
   return (
     <section class="panel" aria-label={t("bestAndLast")}>
       <h2>{t("bestAndLast")}</h2>
@@ -114,6 +116,7 @@ function BestAndLast({ curve }: { curve: ScorePoint[] }) {
           <AttemptCard key={k} attempt={attempt} title={t(best && k === 0 ? "best" : "last")} />
         ))}
       </div>
+      {last?.progress && <Progress progress={last.progress} />}
     </section>
   );
 }

@@ -73,7 +73,10 @@ def load_calibration_of(storage: Storage) -> Calibration | None:
 
 
 def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
-    """Return everything of a mark that a page shows, as values of JSON, except the residual points."""
+    """Return everything of a mark that a page shows, as values of JSON, except the residual points.
+
+    untold: faults that no page shows, which the next attempt is compared with (see `studio.progress`).
+    """
     return {
         "score": _round(mark.score, 2),
         "level": mark.level,
@@ -85,6 +88,7 @@ def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
         "parts": [_part_facts(name, score) for name, score in mark.parts.items()],
         "praise": mark.praise and mark.praise._asdict(),
         "remarks": [_remark_facts(remark) for remark in mark.remarks],
+        "untold": [_untold_facts(remark) for remark in mark.untold],
         "similarity": _round(mark.similarity, 4),
         "sim_paper": _round(mark.sim_paper, 4),
         "pose": None if mark.registration is None else _pose_facts(mark.registration),
@@ -179,6 +183,20 @@ def _remark_facts(remark: Remark) -> dict[str, Any]:
         "master_outline": _line_facts(remark.master_outline),
         "stroke": remark.stroke,
     }
+
+
+def _untold_facts(remark: Remark) -> dict[str, Any]:
+    """Return what a comparison needs of a fault; of its lines few points, since there can be many faults."""
+    facts = _remark_facts(remark)
+    lines = {name: [_few(line) for line in facts[name]] for name in ("outline", "master_outline")}
+    return {name: facts[name] for name in ("kind", "severity", "size", "unit", "stroke")} | lines
+
+
+def _few(line: list[Any], *, most: int = 12) -> list[Any]:
+    """Return at most so many points of a line, both ends among them."""
+    if len(line) <= most:
+        return line
+    return [line[round(k * (len(line) - 1) / (most - 1))] for k in range(most)]
 
 
 def _line_facts(lines: tuple[tuple[tuple[float, float], ...], ...]) -> list[list[list[float | None]]]:

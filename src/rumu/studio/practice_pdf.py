@@ -12,12 +12,13 @@ from rumu.database.tables import Attempt
 from rumu.report.wording import LEVELS, MEANS
 from rumu.studio.pdf_text import draw_text, text_width, wrap_text
 from rumu.studio.practice import Curve
+from rumu.studio.progress import progress_facts
 
 Language = Literal["zh", "en"]
 
 _WIDTH, _HEIGHT, _MARGIN = 595.3, 841.9, 48.0
 _INK, _GREY, _SEAL, _PALE = (0.15, 0.14, 0.13), (0.45, 0.43, 0.40), (0.69, 0.13, 0.10), (0.90, 0.87, 0.82)
-_CELL, _GAP, _MAX_PRINTED, _MAX_ROWS = 92.0, 9.75, 4, 10
+_CELL, _GAP, _MAX_PRINTED, _MAX_ROWS, _MAX_CHANGES = 92.0, 9.75, 4, 10, 4
 
 _WORDS: dict[str, tuple[str, str]] = {
     "title": ("臨帖練習", "Practice"),
@@ -33,6 +34,7 @@ _WORDS: dict[str, tuple[str, str]] = {
     "photo": ("照片", "photo"),
     "simulated": ("模擬", "simulated"),
     "remarks": ("最近一次的評語", "What the last copy was told"),
+    "progress": ("和上一張比", "Against the one before"),
     "no_remarks": ("沒有要改的地方。", "Nothing to change."),
     "refused": ("未評分", "not marked"),
     "earlier": ("另有較早的 {} 次。", "And {} earlier ones."),
@@ -69,7 +71,8 @@ def practice_pdf(sheet: PracticeSheet) -> bytes:
     y = _draw_cells(canvas, sheet, y)
     y = _draw_curve(canvas, sheet, y)
     y = _draw_table(canvas, sheet, y)
-    _draw_remarks(canvas, sheet, y)
+    y = _draw_sentences(canvas, _word("progress", sheet), progress_sentences(sheet), y)
+    _draw_sentences(canvas, _word("remarks", sheet), _remark_sentences(sheet), y)
     _draw_footer(canvas, sheet)
     canvas.save()
     return stream.getvalue()
@@ -183,22 +186,41 @@ def _row(attempt: Attempt, sheet: PracticeSheet) -> Sequence[str]:
     return when, _score(attempt, sheet), between, level, _word(attempt.kind, sheet)
 
 
-def _draw_remarks(canvas: Any, sheet: PracticeSheet, y: float) -> None:
-    _draw_caption(canvas, _word("remarks", sheet), y)
+def progress_sentences(sheet: PracticeSheet) -> list[str]:
+    """Return what the last attempt changed against the one before; nothing where one of them has no mark."""
+    *_, before, last = (None, None, *sheet.curve.attempts)
+    if before is None or last is None:
+        return []
+    changed = progress_facts(before, last, character=sheet.curve.work.character or "")
+    if changed is None:
+        return []
+    return [one[sheet.language] for one in (changed["mark"], *changed["faults"][:_MAX_CHANGES])]
+
+
+def _remark_sentences(sheet: PracticeSheet) -> list[str]:
     mark = sheet.curve.attempts[-1].mark
     refused = mark.get("refused")
     praise = mark.get("praise")
     told = [*([praise] if praise else []), *mark.get("remarks", ())]
     sentences = [refused[sheet.language]] if refused else [said[sheet.language] for said in told]
-    for text in sentences or [_word("no_remarks", sheet)]:
+    return sentences or [_word("no_remarks", sheet)]
+
+
+def _draw_sentences(canvas: Any, caption: str, sentences: Sequence[str], y: float) -> float:
+    """Draw a caption and what stands below it, as far as the page reaches; without sentences nothing."""
+    if not sentences:
+        return y
+    _draw_caption(canvas, caption, y)
+    for text in sentences:
         for k, line in enumerate(wrap_text(text, 9.5, width=_WIDTH - 2 * _MARGIN - 12)):
             y -= 14
             if y < _MARGIN + 52:
-                return
+                return y
             canvas.setFillColorRGB(*_INK)
             draw_text(canvas, _MARGIN, y, "•" if k == 0 else "", 9.5)
             draw_text(canvas, _MARGIN + 12, y, line, 9.5)
         y -= 3
+    return y - 18
 
 
 def _draw_footer(canvas: Any, sheet: PracticeSheet) -> None:

@@ -110,6 +110,60 @@ class MarkRead(Schema):
     seconds: float
 
 
+class NumberChangeRead(Schema):
+    """A number of two attempts, 0-100. change: 'same' where it is not larger than the error of measuring."""
+
+    before: float
+    after: float
+    change: Literal["better", "same", "worse"]
+
+
+class MarkChangeRead(NumberChangeRead):
+    """The whole mark, and the change in words."""
+
+    zh: str
+    en: str
+
+
+class PartChangeRead(NumberChangeRead):
+    """One part of the mark, with its title."""
+
+    name: str = Field(examples=["structure"])
+    zh: str = Field(examples=["結體"])
+    en: str = Field(examples=["Structure"])
+
+
+class FaultChangeRead(Schema):
+    """What became of one fault, in words.
+
+    status: 'turned' where it is now to the other side. stroke: see RemarkRead. remark: index of the fault
+    among this attempt's remarks; null where it is not told there.
+    """
+
+    status: Literal["gone", "smaller", "same", "larger", "turned", "new"]
+    kind: str = Field(examples=["stroke_short"])
+    stroke: int | None
+    remark: int | None
+    zh: str = Field(examples=["第三筆「橫」：仍太短，但好些了：18 % → 9 %。"])
+    en: str = Field(examples=["Stroke 3, horizontal: still too short, but less so: 18 % → 9 %."])
+
+
+class EarlierAttempt(Schema):
+    """The attempt that another is compared with."""
+
+    id: str
+    created: datetime
+
+
+class ProgressRead(Schema):
+    """What changed against the attempt before, of the same writer and master."""
+
+    previous: EarlierAttempt
+    mark: MarkChangeRead
+    parts: list[PartChangeRead]
+    faults: list[FaultChangeRead]
+
+
 class TeacherMarkRead(Schema):
     """A teacher's own mark, 0-100."""
 
@@ -122,6 +176,7 @@ class AttemptRead(Schema):
     """One copy with its mark.
 
     id, picture: null if the copy was not kept. person: null if nobody wrote it, as with simulated copies.
+    progress: null for the first attempt at a work, for a visitor's, and in lists.
     """
 
     id: str | None
@@ -136,12 +191,14 @@ class AttemptRead(Schema):
     mark: MarkRead
     teacher_marks: list[TeacherMarkRead]
     simulated: bool = False
+    progress: ProgressRead | None = None
 
     @model_validator(mode="before")
     @classmethod
     def _flatten(cls, shown: Any) -> Any:
-        """From AttemptDetails; one that is Extended may have `residual`, which lists leave out."""
+        """From AttemptDetails, Extended where `residual` and `progress` are known; lists leave them out."""
         attempt = shown.attempt
+        mark = {name: value for name, value in attempt.mark.items() if name != "untold"}
         url = service_url(f"/api/attempts/{attempt.id}")
         return Extended(
             attempt,
@@ -149,7 +206,8 @@ class AttemptRead(Schema):
             person=shown.person,
             picture=attempt.id and f"{url}/picture",
             strokes=attempt.strokes and f"{url}/strokes",
-            mark=attempt.mark | {"residual": getattr(shown, "residual", None)},
+            mark=mark | {"residual": getattr(shown, "residual", None)},
+            progress=getattr(shown, "progress", None),
             teacher_marks=[
                 {"teacher": person.name, "mark": mark.mark, "note": mark.note}
                 for person, mark in shown.teacher_marks

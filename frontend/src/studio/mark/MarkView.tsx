@@ -1,4 +1,4 @@
-// A whole mark: the verdict, and beside it remarks, overlay and surfaces in tabs.
+// A whole mark: the verdict and what changed, and beside it remarks, overlay and surfaces in tabs.
 
 import { useEffect, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
@@ -6,6 +6,7 @@ import { t } from "../../i18n/studio";
 import type { Attempt } from "../../types";
 import { Tabs } from "../Tabs";
 import { DistanceOverlay } from "./DistanceOverlay";
+import { Progress } from "./Progress";
 import { Remarks } from "./Remarks";
 import { Surfaces } from "./Surfaces";
 import { Verdict } from "./Verdict";
@@ -19,7 +20,10 @@ export function MarkView({ attempt, picture, remedy }: { attempt: Attempt; pictu
   const pictureUrl = objectUrl ?? attempt.picture;
   return (
     <div class="mark-view">
-      <Verdict attempt={attempt} remedy={remedy} />
+      <div class="mark-side">
+        <Verdict attempt={attempt} remedy={remedy} />
+        {attempt.progress && <Progress progress={attempt.progress} />}
+      </div>
       {attempt.mark.refused ? null : (
         <section class="panel" aria-label={t("views")}>
           <Tabs names={VIEWS} chosen={view} onChoose={setView} label={t("views")} title={(name) => t(name)}>

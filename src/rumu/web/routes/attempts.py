@@ -16,6 +16,7 @@ from rumu.studio.access import find_visible_attempt
 from rumu.studio.errors import Missing
 from rumu.studio.people import Identity
 from rumu.studio.pictures import MEDIA_TYPES
+from rumu.studio.progress import progress_of
 from rumu.web.addresses import service_url
 from rumu.web.dependencies import CurrentUser, Limit, Offset, PathId, QueryId, ServiceDep, TeacherUser
 from rumu.web.files import FileContent
@@ -49,11 +50,12 @@ def list_attempts(
 
 @router.get("/api/attempts/{attempt_id}", response_model=AttemptRead, response_model_by_alias=True)
 def get_attempt(service: ServiceDep, user: CurrentUser, attempt_id: PathId) -> Extended:
-    """One attempt, with its residual points."""
+    """One attempt, with its residual points and what changed against the attempt before."""
     with service.gallery.database.reading() as session:
         row = find_visible_attempt(session, attempt_id, user=user)
         (shown,) = attempts.attempt_details(session, [row])
-    return Extended(shown, residual=attempts.read_residual(service.gallery.store, row))
+        changed = progress_of(session, row, person_id=row.person_id, work=shown.work)
+    return Extended(shown, residual=attempts.read_residual(service.gallery.store, row), progress=changed)
 
 
 @router.delete("/api/attempts/{attempt_id}", status_code=204)

@@ -13,6 +13,7 @@ from rumu.studio import attempts, worker_tasks
 from rumu.studio.classes import check_master
 from rumu.studio.people import Identity
 from rumu.studio.pictures import MAX_BYTES, check_picture
+from rumu.studio.progress import progress_of
 from rumu.web.addresses import client_address
 from rumu.web.dependencies import Id, OptionalUser, ServiceDep
 from rumu.web.routes.works import find_work
@@ -99,7 +100,10 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
     if not kept or user is None:  # shown only: this attempt has no id and is never stored
         attempt = Attempt(kind=copy.kind, grid=copy.grid, created=now(), mark=marked.facts)
         person = None if user is None else Person(id=user.id, name=user.name)
-        return Extended(attempts.AttemptDetails(attempt, master, person, ()), residual=marked.residual)
+        details = attempts.AttemptDetails(attempt, master, person, ())
+        with service.gallery.database.reading() as session:
+            changed = progress_of(session, attempt, person_id=user.id if user else None, work=master)
+        return Extended(details, residual=marked.residual, progress=changed)
     attempt = attempts.add_attempt(
         service.gallery,
         marked,
@@ -112,4 +116,5 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
     )
     with service.gallery.database.reading() as session:
         (shown,) = attempts.attempt_details(session, [attempt])
-    return Extended(shown, residual=marked.residual)
+        changed = progress_of(session, attempt, person_id=user.id, work=master)
+    return Extended(shown, residual=marked.residual, progress=changed)

@@ -1,0 +1,254 @@
+"""Two attempts at one master: what got better and what did not, as a whole, by part, and by stroke.
+
+A difference counts only where it is larger than the error of measuring. A fault is called gone only when it
+was looked for again and was clearly larger than the smallest that is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
+
+import numpy as np
+
+from rumu.values import FloatArray, Remark
+
+Change = Literal["better", "same", "worse"]
+Status = Literal["gone", "smaller", "same", "larger", "turned", "new"]
+STATUSES: tuple[Status, ...] = ("gone", "smaller", "same", "larger", "turned", "new")
+
+_ASPECTS: Mapping[str, tuple[str, int]] = {
+    "stroke_short": ("length", -1), "stroke_long": ("length", 1),
+    "stroke_thin": ("width", -1), "stroke_heavy": ("width", 1),
+    "entry_light": ("entry", -1), "entry_heavy": ("entry", 1),
+    "thin": ("weight", -1), "heavy": ("weight", 1),
+}  # fmt: skip
+_SIGNED = frozenset({"lean", "size", "stroke_angle", "spacing"})
+"""Kinds whose size itself says to which side the fault lies."""
+_STEP = 0.02
+"""Of the cell: between points of lines that are compared."""
+
+
+class Marked(Protocol):
+    """What is compared: an Assessment, or a mark that was stored."""
+
+    @property
+    def score(self) -> float | None: ...
+
+    @property
+    def parts(self) -> Mapping[str, float]: ...
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]: ...
+
+    @property
+    def untold(self) -> tuple[Remark, ...] | None:
+        """Faults that were found but not told; None where that was not kept."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """error: of measuring its size, between two photographs of one copy. least: the smallest that is told."""
+
+    error: float
+    least: float
+
+
+@dataclass(frozen=True, slots=True)
+class ProgressSettings:
+    """What is larger than chance; `python benchmarks/repeats.py` prints what it is taken from.
+
+    mark: points from which people see the same order of two copies of one character in five pairs of six; two
+    photographs of one copy differ by less than two. part: the same for a part. faults: by aspect, in the unit
+    of its remarks; error: below it nine of ten differences between two photographs of one copy stay.
+    relative: the error of any other aspect, as a share of the larger size.
+    near: share of the master's cell within which lines are of one stroke; near_copy: the same in the copies'
+    own cells, which are not laid on each other.
+    """
+
+    mark: float = 8.0
+    part: float = 8.0
+    faults: Mapping[str, Fault] = field(
+        default_factory=lambda: {
+            "length": Fault(0.1, 0.08),
+            "width": Fault(0.14, 0.2),
+            "entry": Fault(0.12, 0.1),
+            "exit_blunt": Fault(0.1, 0.16),
+            "displaced": Fault(0.02, 0.01),
+            "stroke_angle": Fault(2.5, 3.0),
+            "missing": Fault(0.01, 0.02),
+            "extra": Fault(0.005, 0.012),
+            "blot": Fault(0.005, 0.009),
+            "lean": Fault(1.8, 3.0),
+            "size": Fault(0.05, 0.08),
+            "offset": Fault(0.01, 0.04),
+            "weight": Fault(0.14, 0.14),
+            "squeeze": Fault(0.05, 0.15),
+            "spacing": Fault(0.13, 0.25),
+        }
+    )
+    relative: float = 0.34
+    near: float = 0.05
+    near_copy: float = 0.12
+
+
+@dataclass(frozen=True, slots=True)
+class NumberChange:
+    """A number of both attempts, 0-100, and whether it changed by more than the error of measuring."""
+
+    before: float
+    after: float
+    change: Change
+
+
+@dataclass(frozen=True, slots=True)
+class FaultChange:
+    """One fault. before, after: what was found; None where it was not."""
+
+    status: Status
+    before: Remark | None
+    after: Remark | None
+
+    @property
+    def remark(self) -> Remark:
+        """The later of the two."""
+        remark = self.after or self.before
+        assert remark is not None
+        return remark
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """What a later attempt changed. faults: in the order of STATUSES, in each the gravest first."""
+
+    mark: NumberChange
+    parts: Mapping[str, NumberChange]
+    faults: tuple[FaultChange, ...]
+
+
+def compare_attempts(
+    before: Marked, after: Marked, *, settings: ProgressSettings | None = None
+) -> Progress | None:
+    """Compare two marks of copies of one master; None where one of them has no mark."""
+    settings = settings or ProgressSettings()
+    if before.score is None or after.score is None:
+        return None
+    names = [name for name in after.parts if name in before.parts]
+    faults = sorted(
+        _fault_changes(before, after, settings), key=lambda f: (STATUSES.index(f.status), -f.remark.severity)
+    )
+    return Progress(
+        _number_change(before.score, after.score, settings.mark),
+        {name: _number_change(before.parts[name], after.parts[name], settings.part) for name in names},
+        tuple(faults),
+    )
+
+
+def aspect_of(remark: Remark) -> str:
+    """What a remark measures: too short and too long are one aspect, the length."""
+    return _ASPECTS.get(remark.kind, (remark.kind, 1))[0]
+
+
+def signed_size(remark: Remark) -> float:
+    """The size of a fault, with the side to which it lies where it has one."""
+    if remark.kind in _SIGNED:
+        return remark.size
+    return _ASPECTS.get(remark.kind, ("", 1))[1] * abs(remark.size)
+
+
+def speak_of_one_stroke(one: Remark, other: Remark, *, settings: ProgressSettings | None = None) -> bool:
+    """Whether two remarks, on two copies of one master, are of the same stroke, or both of the whole."""
+    settings = settings or ProgressSettings()
+    if one.stroke is not None and other.stroke is not None:
+        return one.stroke == other.stroke
+    for lines, others, near in (
+        (one.master_outline, other.master_outline, settings.near),
+        (one.outline, other.outline, settings.near_copy),
+    ):
+        if lines and others:
+            return _apart(_points(lines), _points(others)) <= near
+    return not (one.outline or other.outline)
+
+
+def _number_change(before: float, after: float, error: float) -> NumberChange:
+    risen = after - before
+    return NumberChange(before, after, "same" if abs(risen) < error else "better" if risen > 0 else "worse")
+
+
+def _fault_changes(before: Marked, after: Marked, settings: ProgressSettings) -> Iterator[FaultChange]:
+    first = (*before.remarks, *(before.untold or ()))
+    second = (*after.remarks, *(after.untold or ()))
+    met: list[Remark] = []
+    for remark in before.remarks:
+        again = _find_again(remark, second, settings)
+        if again is not None:
+            met.append(again)
+            yield FaultChange(_status(remark, again, settings), remark, again)
+        elif (
+            after.untold is not None and _is_clear(remark, settings) and not _lacks(second, remark, settings)
+        ):
+            yield FaultChange("gone", remark, None)
+    for remark in after.remarks:
+        if remark in met or _lacks(first, remark, settings):
+            continue
+        earlier = _find_again(remark, first, settings)
+        if earlier is None:
+            if before.untold is not None and _is_clear(remark, settings):
+                yield FaultChange("new", None, remark)
+        elif _status(earlier, remark, settings) == "larger":  # it was there, but too small to be told
+            yield FaultChange("larger", earlier, remark)
+
+
+def _find_again(remark: Remark, others: Sequence[Remark], settings: ProgressSettings) -> Remark | None:
+    """The fault of the same aspect and stroke, the one of the nearest size where there are several."""
+    same = [o for o in others if aspect_of(o) == aspect_of(remark)]
+    same = [o for o in same if speak_of_one_stroke(remark, o, settings=settings)]
+    return min(same, key=lambda o: abs(signed_size(o) - signed_size(remark)), default=None)
+
+
+def _lacks(found: Sequence[Remark], remark: Remark, settings: ProgressSettings) -> bool:
+    """Whether a copy lacks the stroke of a remark on something else: then nothing is known of it there."""
+    return any(
+        o.kind == "missing" != remark.kind
+        and bool(o.outline)
+        and speak_of_one_stroke(o, remark, settings=settings)
+        for o in found
+    )
+
+
+def _status(before: Remark, after: Remark, settings: ProgressSettings) -> Status:
+    was, now = signed_size(before), signed_size(after)
+    if was * now < 0:
+        return "turned"
+    grown, error = abs(now) - abs(was), _error(before, after, settings)
+    return "same" if abs(grown) < error else "larger" if grown > 0 else "smaller"
+
+
+def _error(before: Remark, after: Remark, settings: ProgressSettings) -> float:
+    fault = settings.faults.get(aspect_of(before))
+    return fault.error if fault else settings.relative * max(abs(before.size), abs(after.size))
+
+
+def _is_clear(remark: Remark, settings: ProgressSettings) -> bool:
+    """Whether a fault is so large that it would not fall below the smallest that is told by chance."""
+    fault = settings.faults.get(aspect_of(remark))
+    return fault is None or abs(remark.size) >= fault.least + fault.error
+
+
+def _points(lines: Sequence[Sequence[tuple[float, float]]]) -> FloatArray:
+    """(n, 2): points along the lines, evenly spaced, however finely they were drawn."""
+    return np.concatenate([_resampled(np.array(line, dtype=float).reshape(-1, 2)) for line in lines])
+
+
+def _resampled(line: FloatArray) -> FloatArray:
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    places = np.linspace(0.0, along[-1], 2 + int(along[-1] / _STEP))
+    return np.column_stack([np.interp(places, along, line[:, k]) for k in (0, 1)])
+
+
+def _apart(one: FloatArray, other: FloatArray) -> float:
+    """Mean distance from the points of each to the nearest of the other."""
+    distances = np.hypot(*(one[:, None] - other[None]).transpose(2, 0, 1))
+    return float((distances.min(axis=1).mean() + distances.min(axis=0).mean()) / 2)
