@@ -87,7 +87,7 @@ def mark_twice(copy: Copy) -> tuple[Assessment, Assessment] | None:
     """The marks of two photographs of one copy; None where one of them was refused."""
     ink = 1.0 - np.asarray(Image.open(copy.path).convert("L"), dtype=np.float32) / 255.0
     number = int("".join(c for c in copy.path.stem if c.isdigit()) or 0)
-    marks = []
+    marks: list[Assessment] = []
     for k in range(2):
         rng = np.random.default_rng([number, k])
         picture = photograph(
@@ -100,7 +100,7 @@ def mark_twice(copy: Copy) -> tuple[Assessment, Assessment] | None:
             quality=int(rng.integers(80, 95)),
             seed=2 * number + k,
         )
-        marks.append(pipeline.assess(picture, master_of(copy.master)))
+        marks.append(pipeline.assess(picture, master_of(copy.master), character=copy.character))
     if any(mark.refused for mark in marks):
         return None
     return marks[0], marks[1]
@@ -133,7 +133,7 @@ def print_false_changes(pairs: list[tuple[Assessment, Assessment]]) -> None:
     numbers: Counter[str] = Counter()
     faults: Counter[str] = Counter()
     for a, b in pairs:
-        progress = compare_attempts(a, b)
+        progress = compare_attempts(a, b, framed=False)
         if progress is not None:
             numbers["mark"] += progress.mark.change != "same"
             numbers["a part"] += any(part.change != "same" for part in progress.parts.values())

@@ -9,7 +9,7 @@ import pytest
 from rumu.assessment.progress import Fault, ProgressSettings, compare_attempts
 from rumu.values import Remark
 
-SETTINGS = ProgressSettings(mark=6.0, part=8.0, faults={"length": Fault(error=0.05, least=0.08)})
+SETTINGS = ProgressSettings(mark=6.0, parts={"ink": 8.0}, faults={"length": Fault(error=0.05, least=0.08)})
 ACROSS = (((0.2, 0.3), (0.8, 0.3)),)
 DOWN = (((0.5, 0.1), (0.5, 0.9)),)
 
@@ -33,7 +33,7 @@ def short(size=0.2, **more) -> Remark:
 
 def told(before: Mark, after: Mark):
     """Status of each fault."""
-    progress = compare_attempts(before, after, settings=SETTINGS)
+    progress = compare_attempts(before, after, framed=True, settings=SETTINGS)
     return [(fault.status, fault.remark.kind) for fault in progress.faults]
 
 
@@ -41,16 +41,16 @@ def told(before: Mark, after: Mark):
     ("after", "change"), [(50.0, "same"), (55.9, "same"), (44.1, "same"), (56.1, "better"), (43.9, "worse")]
 )
 def test_a_mark_changes_only_by_more_than_its_error(after, change):
-    progress = compare_attempts(Mark(), Mark(score=after), settings=SETTINGS)
+    progress = compare_attempts(Mark(), Mark(score=after), framed=True, settings=SETTINGS)
     assert progress.mark.change == change
-    parts = Mark(parts={"structure": 58.5, "ink": 47.0})
-    found = compare_attempts(Mark(), parts, settings=SETTINGS).parts
+    parts = Mark(parts={"structure": 57.0, "ink": 47.0})
+    found = compare_attempts(Mark(), parts, framed=True, settings=SETTINGS).parts
     assert {name: part.change for name, part in found.items()} == {"structure": "better", "ink": "same"}
 
 
 def test_nothing_is_compared_with_a_copy_that_was_refused():
-    assert compare_attempts(Mark(score=None), Mark()) is None
-    assert compare_attempts(Mark(), Mark(score=None)) is None
+    assert compare_attempts(Mark(score=None), Mark(), framed=True) is None
+    assert compare_attempts(Mark(), Mark(score=None), framed=True) is None
 
 
 @pytest.mark.parametrize(
@@ -101,6 +101,14 @@ def test_of_a_stroke_that_one_copy_lacks_nothing_else_is_told():
     assert told(Mark((missing,)), Mark((short(),))) == [("gone", "missing")]
 
 
+def test_place_and_size_are_compared_only_where_the_cell_is_known():
+    lean = replace(short(), kind="lean", size=9.0, outline=(), master_outline=())
+    assert told(Mark((lean,)), Mark()) == [("gone", "lean")]
+    assert not compare_attempts(Mark((lean,)), Mark(), framed=False).faults
+    assert not compare_attempts(Mark(), Mark((lean,)), framed=False).faults
+    assert compare_attempts(Mark((short(0.3),)), Mark(), framed=False).faults
+
+
 def test_what_got_better_comes_first():
     lean = replace(short(), kind="lean", size=4.0, outline=(), master_outline=())
     before = Mark((short(0.2), lean))
@@ -122,7 +130,7 @@ def test_two_photographs_of_one_copy_differ_in_nothing():
         ink = 1.0 - np.asarray(Image.open(sample.path).convert("L"), dtype=np.float32) / 255
         one = pipeline.assess(photograph(ink, side=620, fill=0.9, seed=1), master)
         two = pipeline.assess(photograph(ink, side=700, fill=0.9, shade=Shade(0.2, 40), seed=2), master)
-        progress = compare_attempts(one, two)
+        progress = compare_attempts(one, two, framed=False)
         assert progress.mark.change == "same"
         assert {part.change for part in progress.parts.values()} == {"same"}
         assert {fault.status for fault in progress.faults} <= {"same"}

@@ -62,6 +62,7 @@ def choose_remarks(
 ) -> tuple[tuple[Remark, ...], tuple[Remark, ...]]:
     """The remarks to be made, and the faults besides that are worth one; the worst first.
 
+    A fault that a remark only mentions is among those besides, too, with its size.
     parts: of the mark, 0-100; one that is low is explained, by a small fault if there is no greater one.
     """
     ordered = sorted(_merge_causes(found), key=lambda f: -f.remark.severity)
@@ -75,19 +76,12 @@ def choose_remarks(
         chosen.append(finding)
     chosen = _explain_parts(chosen, ordered, parts, limits)
     chosen = _pose_not_first(sorted(chosen, key=lambda f: -f.remark.severity))
+    told = {(f.cause or f.remark.kind, f.remark.kind) for f in chosen}
     left = sorted(
-        (f for f in found if f.excess >= 1.0 and not any(_is_told(f, by) for by in chosen)),
+        (f for f in found if f.excess >= 1.0 and (f.cause or f.remark.kind, f.remark.kind) not in told),
         key=lambda f: -f.remark.severity,
     )
     return tuple(_with_advice(chosen)), tuple(_advised(f.remark, f.advice[:1]) for f in left)
-
-
-def _is_told(finding: Finding, by: Finding) -> bool:
-    """Whether a chosen finding is this one, or tells of it, too."""
-    if finding.cause != by.cause:
-        return False
-    told_too = finding.predicate is not None and finding.predicate.zh in by.remark.zh
-    return finding.remark.kind == by.remark.kind or told_too
 
 
 def _merge_causes(found: Iterable[Finding]) -> list[Finding]:

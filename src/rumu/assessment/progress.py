@@ -26,6 +26,8 @@ _ASPECTS: Mapping[str, tuple[str, int]] = {
 }  # fmt: skip
 _SIGNED = frozenset({"lean", "size", "stroke_angle", "spacing"})
 """Kinds whose size itself says to which side the fault lies."""
+_OF_THE_POSE = frozenset({"lean", "size", "offset"})
+"""Kinds that are looked for only where the picture is the cell that was written in."""
 _STEP = 0.02
 """Of the cell: between points of lines that are compared."""
 
@@ -61,32 +63,38 @@ class ProgressSettings:
     """What is larger than chance; `python benchmarks/repeats.py` prints what it is taken from.
 
     mark: points from which people see the same order of two copies of one character in five pairs of six; two
-    photographs of one copy differ by less than two. part: the same for a part. faults: by aspect, in the unit
-    of its remarks; error: below it nine of ten differences between two photographs of one copy stay.
-    relative: the error of any other aspect, as a share of the larger size.
+    photographs of one copy differ by less than two. parts: the same of each part.
+    faults: by aspect, in the unit of its remarks; error: clearly more than nine of ten differences of two
+    photographs of one copy. relative: the error of any other aspect, as a share of the larger size.
     near: share of the master's cell within which lines are of one stroke; near_copy: the same in the copies'
     own cells, which are not laid on each other.
     """
 
     mark: float = 8.0
-    part: float = 8.0
+    parts: Mapping[str, float] = field(
+        default_factory=lambda: {"brushwork": 8.0, "structure": 8.0, "ink": 12.0}
+    )
     faults: Mapping[str, Fault] = field(
         default_factory=lambda: {
-            "length": Fault(0.1, 0.08),
-            "width": Fault(0.14, 0.2),
-            "entry": Fault(0.12, 0.1),
-            "exit_blunt": Fault(0.1, 0.16),
-            "displaced": Fault(0.02, 0.01),
-            "stroke_angle": Fault(2.5, 3.0),
+            "length": Fault(0.15, 0.08),
+            "width": Fault(0.2, 0.2),
+            "entry": Fault(0.16, 0.1),
+            "exit_blunt": Fault(0.13, 0.16),
+            "displaced": Fault(0.025, 0.013),
+            "stroke_angle": Fault(4.0, 3.0),
+            "sticks_out": Fault(0.03, 0.05),
             "missing": Fault(0.01, 0.02),
-            "extra": Fault(0.005, 0.012),
-            "blot": Fault(0.005, 0.009),
-            "lean": Fault(1.8, 3.0),
-            "size": Fault(0.05, 0.08),
-            "offset": Fault(0.01, 0.04),
-            "weight": Fault(0.14, 0.14),
-            "squeeze": Fault(0.05, 0.15),
-            "spacing": Fault(0.13, 0.25),
+            "extra": Fault(0.006, 0.012),
+            "blot": Fault(0.006, 0.009),
+            "filled": Fault(0.2, 0.6),
+            "lean": Fault(2.5, 3.0),
+            "size": Fault(0.06, 0.08),
+            "offset": Fault(0.015, 0.04),
+            "weight": Fault(0.2, 0.14),
+            "squeeze": Fault(0.07, 0.15),
+            "part_place": Fault(0.02, 0.035),
+            "inner": Fault(0.1, 0.15),
+            "spacing": Fault(0.2, 0.25),
         }
     )
     relative: float = 0.34
@@ -129,19 +137,29 @@ class Progress:
 
 
 def compare_attempts(
-    before: Marked, after: Marked, *, settings: ProgressSettings | None = None
+    before: Marked, after: Marked, *, framed: bool, settings: ProgressSettings | None = None
 ) -> Progress | None:
-    """Compare two marks of copies of one master; None where one of them has no mark."""
+    """Compare two marks of copies of one master; None where one of them has no mark.
+
+    framed: whether both pictures are the cells that were written in; only then can place, size and lean of
+    the whole be compared.
+    """
     settings = settings or ProgressSettings()
     if before.score is None or after.score is None:
         return None
     names = [name for name in after.parts if name in before.parts]
     faults = sorted(
-        _fault_changes(before, after, settings), key=lambda f: (STATUSES.index(f.status), -f.remark.severity)
+        (f for f in _fault_changes(before, after, settings) if framed or f.remark.kind not in _OF_THE_POSE),
+        key=lambda f: (STATUSES.index(f.status), -f.remark.severity),
     )
     return Progress(
         _number_change(before.score, after.score, settings.mark),
-        {name: _number_change(before.parts[name], after.parts[name], settings.part) for name in names},
+        {
+            name: _number_change(
+                before.parts[name], after.parts[name], settings.parts.get(name, settings.mark)
+            )
+            for name in names
+        },
         tuple(faults),
     )
 

@@ -63,7 +63,8 @@ def mark_copy(
     )
     registration = assessment.registration
     residual = None if registration is None else residual_facts(registration)
-    return MarkedCopy(picture, mark_facts(assessment, seconds=time.perf_counter() - started), residual)
+    facts = mark_facts(assessment, seconds=time.perf_counter() - started) | {"framed": framed}
+    return MarkedCopy(picture, facts, residual)
 
 
 @lru_cache(maxsize=2)

@@ -18,12 +18,17 @@ from rumu.values import Remark
 
 @dataclass(frozen=True, slots=True)
 class StoredMark:
-    """A mark as it is stored with an attempt. untold: None in marks of versions that did not keep them."""
+    """A mark as it is stored with an attempt.
+
+    untold: None in marks of versions that did not keep them. framed: whether the picture is the cell that was
+    written in.
+    """
 
     score: float | None
     parts: Mapping[str, float]
     remarks: tuple[Remark, ...]
     untold: tuple[Remark, ...] | None
+    framed: bool
 
     @classmethod
     def of(cls, facts: Mapping[str, Any]) -> StoredMark:
@@ -34,6 +39,7 @@ class StoredMark:
             {part["name"]: part["score"] for part in facts.get("parts", ())},
             _remarks(facts.get("remarks", ())),
             None if untold is None else _remarks(untold),
+            bool(facts.get("framed")),
         )
 
 
@@ -69,7 +75,7 @@ def progress_facts(before: Attempt, after: Attempt, *, character: str) -> dict[s
     remark: index of the fault among the later attempt's remarks, None where it is not told there.
     """
     first, second = StoredMark.of(before.mark), StoredMark.of(after.mark)
-    progress = compare_attempts(first, second)
+    progress = compare_attempts(first, second, framed=first.framed and second.framed)
     if progress is None:
         return None
     return {

@@ -198,7 +198,7 @@ class AttemptRead(Schema):
     def _flatten(cls, shown: Any) -> Any:
         """From AttemptDetails, Extended where `residual` and `progress` are known; lists leave them out."""
         attempt = shown.attempt
-        mark = {name: value for name, value in attempt.mark.items() if name != "untold"}
+        mark = {name: value for name, value in attempt.mark.items() if name not in ("untold", "framed")}
         url = service_url(f"/api/attempts/{attempt.id}")
         return Extended(
             attempt,
