@@ -102,6 +102,8 @@ export type Mark = {
   level_text: Bilingual | null;
   /** The lowest score of each level; anything lower is bad. */
   cuts?: { excellent: number; good: number; medium: number } | null;
+  /** The share of learners' copies that get a lower score, in per cent; absent where it is not known. */
+  percentile?: number | null;
   interval: [number, number] | null;
   interval_note: Bilingual | null;
   parts: Part[];

@@ -95,8 +95,11 @@ def test_the_order_of_strokes_stands_beside_the_sheet(arrive: Arrive) -> None:
     narrow = phone.go("/studio/regular-ren").locator(".desk-master")
     expect(narrow.locator(".stroke-order")).to_have_count(0)
     narrow.get_by_text("Master and stroke order").tap()
-    narrow.get_by_role("img", name="Stroke order: 人").tap()  # plays
-    expect(narrow.locator("polyline.brush")).to_be_visible()
+    narrow.get_by_role("button", name="One stroke back").tap()
+    expect(narrow.locator("path.to-come")).to_have_count(1)
+    narrow.get_by_role("img", name="Stroke order: 人").tap()  # plays, all of it
+    expect(narrow.get_by_role("button", name="Play")).to_be_visible()
+    expect(narrow.locator("path.to-come")).to_have_count(0)
     narrow.get_by_label("Number the strokes").check()
     expect(narrow.locator(".stroke-number text")).to_have_text(["1", "2"])
     assert phone.page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -13,7 +13,6 @@ export function Verdict({ attempt, remedy }: { attempt: Attempt; remedy?: Compon
   return (
     <section class="verdict panel" aria-labelledby="verdict-title">
       <div class="verdict-head">
-        <Seal mark={mark} />
         <div>
           <h2 id="verdict-title" class="visually-hidden">
             {t("mark")}
@@ -25,6 +24,7 @@ export function Verdict({ attempt, remedy }: { attempt: Attempt; remedy?: Compon
             <p class="note">{t("interval", { low: mark.interval[0].toFixed(0), high: mark.interval[1].toFixed(0) })}</p>
           )}
         </div>
+        <Standing mark={mark} />
       </div>
       <ScoreBand mark={mark} teacher={teacher} />
       {attempt.kind === "simulated" && <p class="simulated">{t("simulated")}</p>}
@@ -34,15 +34,21 @@ export function Verdict({ attempt, remedy }: { attempt: Attempt; remedy?: Compon
   );
 }
 
-/** The level as a red seal with one character. */
-export function Seal({ mark }: { mark: Pick<Mark, "level" | "level_text"> }) {
+/** Where the copy stands among learners' copies, and its level; the level alone in marks that do not know the former. */
+export function Standing({ mark }: { mark: Pick<Mark, "level" | "level_text" | "percentile"> }) {
   if (!mark.level) return null;
+  const tenths = mark.percentile == null ? null : Math.round(mark.percentile / 10);
   return (
-    <div class="seal">
-      <span class="seal-character" lang="zh-Hant" aria-hidden={language.value === "en"}>
-        {mark.level_text?.zh}
-      </span>
-      <span class={language.value === "en" ? "seal-word" : "visually-hidden"}>{localize(mark.level_text)}</span>
+    <div class="standing">
+      {tenths !== null && (
+        <>
+          <span class="standing-row" aria-hidden="true">
+            {Array.from({ length: 10 }, (_, k) => <i key={k} class={k < tenths ? "passed" : ""} />)}
+          </span>
+          <p>{t(tenths <= 0 ? "standsLowest" : tenths >= 10 ? "standsHighest" : "stands", { n: tenths })}</p>
+        </>
+      )}
+      <p class="note">{t("levelIs", { level: localize(mark.level_text) })}</p>
     </div>
   );
 }
