@@ -101,9 +101,9 @@ def _first(rows: list[Row], count: int, counts: Counter[str]) -> list[Row]:
 
 
 @lru_cache(maxsize=32)
-def prepared(path: Path) -> pipeline.PreparedMaster:
+def prepared(path: Path, character: str) -> pipeline.PreparedMaster:
     """The master, made ready once."""
-    return pipeline.prepare_master(path)
+    return pipeline.prepare_master(path, character=character)
 
 
 def assessed(row: Row) -> Assessment:

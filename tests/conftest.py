@@ -84,8 +84,8 @@ def laid(surface) -> Callable[..., Registration]:
 
 @pytest.fixture(scope="session")
 def measured(surface):
-    """The measurement of one ink mask against another, as a mark is made of it."""
-    return lambda copy, master: measure(surface(copy), PreparedMaster(surface(master)))
+    """The measurement of one ink mask against another, as a mark is made of it; written: the character."""
+    return lambda copy, master, written=None: measure(surface(copy), PreparedMaster(surface(master), written))
 
 
 @pytest.fixture(scope="session")

@@ -17,7 +17,7 @@ from rumu.assessment.refusal import RefusalFigures, RefusalLimits, RefusalRefere
 from rumu.assessment.refusal_reasons import Refusal, refusal_of
 from rumu.assessment.remarks import Review, write_remarks
 from rumu.capture.folder import read_capture
-from rumu.characters.stroke_data import find_character
+from rumu.characters.stroke_data import CanonicalCharacter, find_character
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.registration.icp import IcpSettings, register_points
 from rumu.registration.points import Canvas, canvas_of, ink_mask, sample_points
@@ -29,6 +29,8 @@ from rumu.surface.relief import relief
 from rumu.values import Assessment, Capture, FloatArray, PointSet, Registration, Surface
 
 SurfaceLike = Surface | str | Path | np.ndarray
+_NAMED_SCRIPTS = (None, "regular", "running")
+"""Scripts whose strokes are those of copybooks, or nearly; None where it is not known."""
 
 
 def reconstruct(
@@ -128,10 +130,11 @@ class PreparedMaster:
     Each part is computed when it is first needed. A master that cannot be compared with raises
     RegistrationError or SurfaceError then.
 
-    surface: the master itself.
+    surface: the master itself. character: what is written, None where it is not known.
     """
 
     surface: Surface
+    character: str | None = None
 
     @cached_property
     def canvas(self) -> Canvas:
@@ -164,7 +167,12 @@ class PreparedMaster:
     @cached_property
     def stroke_model(self) -> MasterStrokes:
         """Its strokes at full resolution, for remarks."""
-        return MasterStrokes(self.surface, self.points)
+        return MasterStrokes(self.surface, self.points, self.canonical)
+
+    @cached_property
+    def canonical(self) -> CanonicalCharacter | None:
+        """The canonical strokes of its character; None where they are not known."""
+        return find_character(self.character) if self.character else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -206,9 +214,21 @@ def measure(copy: Surface, master: PreparedMaster, *, limits: RefusalLimits | No
     return Measurement(copy, master, registration, features, figures, refusal, highest)
 
 
-def prepare_master(reference: SurfaceLike | PreparedMaster) -> PreparedMaster:
-    """A master made ready once for many copies; `assess` takes it in place of the master itself."""
-    return reference if isinstance(reference, PreparedMaster) else PreparedMaster(surface_of(reference))
+def prepare_master(
+    reference: SurfaceLike | PreparedMaster, *, character: str | None = None, script: str | None = None
+) -> PreparedMaster:
+    """A master made ready once for many copies; `assess` takes it in place of the master itself.
+
+    character: what is written, where it is known and the master does not know it yet. script: in which; the
+    strokes of seal, clerical and cursive script are not those of copybooks, so they are not named.
+    """
+    if script not in _NAMED_SCRIPTS:
+        character = None
+    if not isinstance(reference, PreparedMaster):
+        return PreparedMaster(surface_of(reference), character)
+    if character and reference.character is None:
+        return PreparedMaster(reference.surface, character)
+    return reference
 
 
 def assess(
@@ -241,7 +261,8 @@ def assess(
         Of the master: 'seal', 'clerical', 'regular', 'running' or 'cursive'. People's marks cover 'regular'
         alone; for the others the interval is wider.
     character
-        What is written, where it is known: the remarks then speak of the parts that it has.
+        What is written, where it is known and the master was not prepared with it: the remarks then name its
+        strokes and speak of the parts that it has.
     framed
         Whether the picture of the copy is the cell that it was written in, as with a pen on the page or cut
         out along a printed grid. Only then are size, place and lean the writer's doing and worth a remark;
@@ -269,7 +290,7 @@ def assess(
     docs/what-a-mark-means.md says what the mark rests on and how well it agrees with people.
     """
     terms = check_terms(calibration=calibration, weights=weights, levels=levels, script=script)
-    master = prepare_master(reference)
+    master = prepare_master(reference, character=character, script=script)
     try:
         measurement = measure(surface_of(probe), master)
     except RefusedImage as error:
@@ -285,7 +306,7 @@ def assess(
             measurement.copy,
             registration,
             master.stroke_model,
-            character=find_character(character) if character else None,
+            character=master.canonical,
             framed=framed,
             parts=fields["parts"],
         )

@@ -9,7 +9,8 @@ import pytest
 
 from rumu.assessment.ink_measures import FilledWhite, InkMeasures, InkPatch, StickingOut
 from rumu.assessment.ink_remarks import find_ink_faults
-from rumu.assessment.stroke_remarks import find_stroke_faults, name_all
+from rumu.assessment.named_strokes import name_all
+from rumu.assessment.stroke_remarks import find_stroke_faults
 from rumu.assessment.thresholds import RemarkThresholds
 from rumu.assessment.whole_remarks import PoseSeen, find_whole_faults
 from rumu.strokes.correspondence import BluntTips, match_strokes
@@ -50,11 +51,11 @@ def words(findings, kind):
         ({"filled": (FilledWhite(0.9, SQUARE), FilledWhite(0.8, SQUARE + 0.5))}, "filled",
          "有 2 處留白糊住了，左上部最甚。",
          "The white has run shut in 2 places, most of all at the top left."),
-        ({"patches": (InkPatch(0.05, 1.2, True, SQUARE),)}, "blot", "左上部有一團墨漬。",
+        ({"patches": (InkPatch(0.05, 1.2, True, False, SQUARE),)}, "blot", "左上部有一團墨漬。",
          "There is a blot at the top left."),
-        ({"patches": (InkPatch(0.05, 1.2, False, SQUARE),)}, "blot", "左上部濺了一滴墨。",
+        ({"patches": (InkPatch(0.05, 1.2, False, False, SQUARE),)}, "blot", "左上部濺了一滴墨。",
          "A drop of ink fell on the paper at the top left."),
-        ({"patches": (InkPatch(0.05, 5.0, False, SQUARE),)}, "extra",
+        ({"patches": (InkPatch(0.05, 5.0, False, False, SQUARE),)}, "extra",
          "左上部多出一筆，約佔全字墨跡的 5%。",
          "There is a stroke too many at the top left, about 5% of the ink."),
     ],

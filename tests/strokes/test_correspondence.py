@@ -176,7 +176,7 @@ def test_ink_that_belongs_to_no_stroke_is_a_patch(measured, mask):
     copy[60:100, 60:90] = True
     m = measured(copy, mask(WORK))
     strokes = match_strokes(m.copy, m.registration, m.master.stroke_model)
-    ink = measure_ink(strokes, m.copy, m.master.stroke_model)
+    ink = measure_ink(strokes, m.copy, m.master.stroke_model, m.registration)
     assert len(ink.patches) == 1
     assert ink.patches[0].share == pytest.approx(1200 / copy.sum(), rel=0.25)
     assert not ink.patches[0].attached

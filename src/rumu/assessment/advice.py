@@ -123,6 +123,13 @@ WHOLE: Mapping[str, Advice] = {
         ),
     ),
     "extra": (Bilingual("範本此處留白，不要添筆。", "The master is blank there."),),
+    "missing": (Bilingual("對照範本，補上這一筆。", "Compare with the master and write this stroke too."),),
+    "no_hook": (
+        Bilingual(
+            "到鉤處先頓筆蓄勢，再提鋒快速鉤出。",
+            "Pause and press where the hook begins, then flick it out on the tip.",
+        ),
+    ),
 }
 """For the whole character and its ink."""
 

@@ -15,7 +15,7 @@ PARTS_OF_KINDS: Mapping[str, tuple[str, ...]] = {
     "ink": ("heavy", "thin"),
     "brushwork": (
         "rough", "dry", "blot", "filled", "heavy", "thin", "stroke_heavy", "stroke_thin", "entry_heavy",
-        "entry_light", "exit_blunt", "stroke_angle",
+        "entry_light", "exit_blunt", "no_hook", "stroke_angle",
     ),
     "structure": (
         "squeeze", "part_place", "inner", "spacing", "displaced", "stroke_angle", "stroke_long",

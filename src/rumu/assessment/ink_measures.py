@@ -55,13 +55,15 @@ class InkPatch:
     """Ink of the copy that belongs to none of the master's strokes.
 
     share: of the copy's ink. slender: its area over that of its largest disc; a disc is 1.
-    attached: whether it touches a stroke. outline: (n, 2) its edge on the copy's picture, closed, in
-    fractions of it, origin top left.
+    attached: whether it touches a stroke. link: whether it leads from one stroke to another, as a brush does
+        that is not lifted. outline: (n, 2) its edge on the copy's picture, closed, in fractions of it, origin
+        top left.
     """
 
     share: float
     slender: float
     attached: bool
+    link: bool
     outline: FloatArray
 
 
@@ -228,8 +230,21 @@ def _find_patches(framed: FramedInk, tube: BoolArray, width: float) -> tuple[Ink
         slender = area / (np.pi * float(inside[own].max()) ** 2)
         around = cv2.dilate(own.view(np.uint8), np.ones((5, 5), np.uint8)) > 0
         attached = bool((around & framed.ink & tube).any())
-        found.append(InkPatch(area / total, slender, attached, _outline_of(own, framed)))
+        link = attached and _is_link(own, away, tube, reach=0.6 * width)
+        found.append(InkPatch(area / total, slender, attached, link, _outline_of(own, framed)))
     return tuple(sorted(found, key=lambda p: -p.share))
+
+
+def _is_link(patch: BoolArray, away: FloatArray, tube: BoolArray, *, reach: float) -> bool:
+    """Whether a patch touches strokes on both sides of where it is farthest from them; reach in pixels."""
+    import cv2
+
+    row, column = np.unravel_index(int(np.argmax(np.where(patch, away, -1.0))), patch.shape)
+    rest = patch.astype(np.uint8)
+    cv2.circle(rest, (int(column), int(row)), round(reach), 0, -1)
+    count, labels = cv2.connectedComponents(rest, connectivity=8)
+    beside = cv2.dilate(tube.view(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    return sum(bool((beside & (labels == k)).any()) for k in range(1, count)) > 1
 
 
 def _unexplained_in_master(master: MasterStrokes, beside: float) -> BoolArray:

@@ -9,7 +9,7 @@ import numpy as np
 from rumu.assessment.advice import WHOLE, for_stroke
 from rumu.assessment.findings import Finding
 from rumu.assessment.ink_measures import InkMeasures, InkPatch, StickingOut
-from rumu.assessment.stroke_remarks import NamedStroke
+from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, ink_severity, severity
 from rumu.strokes.correspondence import CharacterMatch
 from rumu.strokes.naming import place_of
@@ -100,7 +100,7 @@ def _find_patch_fault(
         severe = ink_severity("blot", patch.share)
         remark = Remark("blot", patch.share, "of the ink", severe, region, *text, outline)
         yield Finding(remark, patch.share / limits.blot, WHOLE["blot"], "blot")
-    elif not round_one and patch.share >= limits.extra:
+    elif not round_one and not patch.link and patch.share >= limits.extra:
         remark = Remark(
             "extra", patch.share, "of the ink", ink_severity("extra", patch.share), region,
             f"{zh}多出一筆，約佔全字墨跡的 {patch.share:.0%}。",

@@ -10,8 +10,8 @@ import numpy as np
 
 from rumu.assessment.findings import Finding
 from rumu.assessment.ink_measures import InkMeasures
+from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.part_measures import PartMeasures
-from rumu.assessment.stroke_remarks import NamedStroke
 from rumu.assessment.whole_remarks import PoseSeen
 from rumu.characters.stroke_data import Structure
 from rumu.strokes.correspondence import CharacterMatch

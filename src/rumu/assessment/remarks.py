@@ -14,9 +14,10 @@ from typing import NamedTuple
 from rumu.assessment.findings import choose_remarks
 from rumu.assessment.ink_measures import measure_ink
 from rumu.assessment.ink_remarks import find_ink_faults
+from rumu.assessment.named_strokes import name_all
 from rumu.assessment.part_measures import measure_inner, measure_parts
 from rumu.assessment.praise import Praised, write_praise
-from rumu.assessment.stroke_remarks import find_stroke_faults, name_all
+from rumu.assessment.stroke_remarks import find_stroke_faults
 from rumu.assessment.thresholds import RemarkThresholds
 from rumu.assessment.whole_remarks import PoseSeen, find_part_faults, find_whole_faults
 from rumu.characters.stroke_data import CanonicalCharacter

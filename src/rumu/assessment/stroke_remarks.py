@@ -3,192 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rumu.assessment.advice import WHOLE, for_stroke
+from rumu.assessment.advice import WHOLE
 from rumu.assessment.findings import Fault, Finding
+from rumu.assessment.missing_remarks import (
+    find_missing_hook,
+    find_missing_leg,
+    find_missing_strokes,
+    is_measured,
+)
+from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import (
-    Box,
     RemarkThresholds,
     as_lines,
     box,
-    ink_severity,
     severity,
 )
 from rumu.strokes.correspondence import BluntTips, CharacterMatch
-from rumu.strokes.measures import MatchedStroke
-from rumu.strokes.naming import HORIZONTAL, RING, VERTICAL, direction_of, kind_of, name_strokes, way_of
+from rumu.strokes.naming import (
+    HORIZONTAL,
+    RING,
+    VERTICAL,
+    direction_of,
+    way_of,
+)
 from rumu.strokes.spacing import StrokeGap, find_gaps
-from rumu.values import Bilingual, BoolArray, FloatArray, IntArray, Registration, Remark
-
-_ENDS = {
-    HORIZONTAL: (Bilingual("左端", "left end"), Bilingual("右端", "right end")),
-    VERTICAL: (Bilingual("上端", "top"), Bilingual("下端", "foot")),
-}
-_OTHER_ENDS = (Bilingual("起筆處", "beginning"), Bilingual("收筆處", "end"))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class NamedStroke:
-    """A stroke with what is needed to speak of it.
-
-    position: among the master's. shift: (x right, y DOWN), rms radii, without what the parts of the character
-    explain. cell: one rms radius of the master in cells. common: share of all strokes, by length, that one of
-    them has on average. number: in the order of writing, from 1; None where it is not known.
-    """
-
-    stroke: MatchedStroke
-    match: CharacterMatch
-    name: Bilingual
-    kind: Bilingual
-    limits: RemarkThresholds
-    position: int
-    shift: FloatArray
-    cell: float
-    common: float
-    number: int | None = None
-
-    def remark(self, kind: str, size: float, unit: str, severity: float, *text: str) -> Remark:
-        """A remark on the whole stroke; text: in Chinese and in English."""
-        zh, en = text
-        outline, master = as_lines(self.stroke.outline), as_lines(self.master_outline)
-        region = self.box(self.stroke.outline)
-        return Remark(kind, size, unit, severity, region, zh, en, outline, master, self.number)
-
-    def finding(self, fault: Fault, said: Bilingual, advice: str) -> Finding:
-        """A finding on the stroke. said: its predicate. advice: kind of stroke that what to do depends on."""
-        kind, size, unit, severe, excess = fault
-        remark = self.remark(kind, size, unit, severe, f"{self.name.zh}{said.zh}。", f"{self.en} {said.en}.")
-        return Finding(remark, excess, for_stroke(kind, advice), self.cause, said)
-
-    def finding_at_end(self, fault: Fault, said: Bilingual) -> Finding:
-        """The same of its exit, or else of its entry, where it is marked."""
-        outline = self.end_outline(last=fault.kind == "exit_blunt")
-        whole = self.finding(fault, said, self.kind.zh)
-        at_end = replace(whole.remark, region=self.box(outline), outline=as_lines(outline))
-        return replace(whole, remark=at_end)
-
-    @property
-    def cause(self) -> str:
-        """All that is said of one stroke is told together."""
-        return f"stroke {self.position}"
-
-    @property
-    def master_outline(self) -> FloatArray:
-        """(n, 2): the stroke on the master's picture, in fractions of it."""
-        return self.match.framed_master.on_picture(self.stroke.line.points)
-
-    def severity(self, fault: str, size: float, least: float) -> float:
-        """A fault in a long stroke is graver than the same one in a dot."""
-        return severity(fault, size, least, weight=self.stroke.weight / self.common)
-
-    def box(self, outline: FloatArray) -> Box:
-        """The box of some of its outline, with the margin of a remark."""
-        return box(outline, margin=self.limits.margin * self.match.master.width * self.cell)
-
-    def end_outline(self, *, last: bool) -> FloatArray:
-        """The outline of the first or the last third of the stroke."""
-        line = self.stroke.outline
-        return line[len(line) * 2 // 3 :] if last else line[: len(line) - len(line) * 2 // 3]
-
-    def end_word(self, point: int) -> Bilingual:
-        """What the end of it is called that is nearer to one of the master's points."""
-        own = np.flatnonzero(self.match.master.points.owner == self.position)
-        last = bool(np.searchsorted(own, point) * 2 >= len(own))
-        return _ENDS.get(self.kind, _OTHER_ENDS)[int(last)]
-
-    @property
-    def en(self) -> str:
-        """The name at the beginning of a sentence."""
-        return self.name.en[0].upper() + self.name.en[1:]
-
-    @property
-    def slenderness(self) -> float:
-        """Length in stroke widths."""
-        return self.stroke.line.length / max(self.match.master.width, 1e-9)
-
-
-def name_all(
-    match: CharacterMatch, registration: Registration, limits: RemarkThresholds, *, explained: FloatArray
-) -> tuple[NamedStroke, ...]:
-    """The strokes of a match with their names; explained: (n, 2) how far parts move the master's points."""
-    width, cell = match.master.width, registration.reference.radius
-    names = name_strokes(match.master.lines, width=width)
-    squeezed = 0.0 if match.squeeze is None else match.squeeze.apply(match.places) - match.places
-    left = squeezed - explained  # the strokes were measured against a squeezed master
-    owner = match.master.points.owner
-    return tuple(
-        NamedStroke(
-            stroke, match, name, kind_of(stroke.line, width=width), limits, k,
-            stroke.shift + left[owner == k].mean(axis=0), cell, 1.0 / len(names),
-        )
-        for k, (stroke, name) in enumerate(zip(match.strokes, names, strict=True))
-    )  # fmt: skip
+from rumu.values import Bilingual, FloatArray, Remark
 
 
 def find_stroke_faults(
     every: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
 ) -> Iterator[Finding]:
     """Faults of single strokes, in no order, each where it is worth a remark or half of that."""
-    for k, stroke in enumerate(every):
-        if not stroke.stroke.present:
-            joined = not all(stroke.stroke.line.free)
-            is_short = stroke.slenderness < limits.corner
-            if not (joined and is_short and stroke.stroke.inked >= limits.inked):
-                yield Finding(_missing_remark(stroke, k), 1.0, cause=stroke.cause)
-            continue  # else a corner of which thinning drew no line
-        yield from (Finding(r, 1.0, cause=stroke.cause) for r in _partly_missing_remark(stroke, k))
-        yield from _find_place_faults(stroke)
-        yield from _find_length_fault(stroke)
-        yield from _find_width_fault(stroke)
-        yield from _find_end_faults(stroke)
+    yield from find_missing_strokes(every, match)
+    for stroke in every:
+        if not is_measured(stroke, match):
+            continue
+        if stroke.is_hook:
+            yield from find_missing_hook(stroke)
+            continue
+        if stroke.stroke.present:
+            yield from _find_place_faults(stroke)
+            yield from _find_length_fault(stroke)
+            yield from _find_width_fault(stroke)
+            yield from _find_end_faults(stroke)
+        elif len(stroke.legs) > 1:
+            yield from find_missing_leg(stroke)
     yield from _find_spacing_fault(find_gaps(match), every, limits)
     yield from _find_blunt_tips(every, match.tips, limits)
-
-
-def _ink_share(match: CharacterMatch, own: BoolArray | IntArray) -> float:
-    """Share of the master's ink in some of its points."""
-    radius = match.master.points.radius
-    return float(radius[own].sum() / radius.sum())
-
-
-def _missing_remark(named: NamedStroke, k: int) -> Remark:
-    share = _ink_share(named.match, named.match.master.points.owner == k)
-    return named.remark(
-        "missing", share, "of the ink", ink_severity("missing", share),
-        f"漏寫了{named.name.zh}，約佔全字墨跡的 {share:.0%}。對照範本，補上這一筆。",
-        f"{named.en} is missing, about {share:.0%} of the ink. Write this stroke too.",
-    )  # fmt: skip
-
-
-def _partly_missing_remark(named: NamedStroke, k: int) -> Iterator[Remark]:
-    match, limits = named.match, named.limits
-    own = np.flatnonzero(match.master.points.owner == k)
-    gone = _longest_run(~match.covered[own])
-    if len(gone) < limits.missing * len(own):
-        return
-    if len(gone) * match.master.points.spacing < limits.missing_run * match.master.width:
-        return
-    share = _ink_share(match, own[gone])
-    outline = named.stroke.outline[gone]
-    yield Remark(
-        "missing", share, "of the ink", ink_severity("part missing", share), named.box(outline),
-        f"{named.name.zh}缺了一段，約佔全字墨跡的 {share:.0%}。這一筆要寫足。",
-        f"A part of {named.name.en} is missing, about {share:.0%} of the ink. Write this stroke out in full.",
-        as_lines(outline),
-    )  # fmt: skip
-
-
-def _longest_run(flags: BoolArray) -> IntArray:
-    """Indices of the longest run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
-    if len(edges) == 0:
-        return np.zeros(0, int)
-    starts, stops = edges[::2], edges[1::2]
-    k = int((stops - starts).argmax())
-    return np.arange(starts[k], stops[k])
 
 
 def _find_place_faults(named: NamedStroke) -> Iterator[Finding]:

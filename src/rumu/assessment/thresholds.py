@@ -22,9 +22,10 @@ class RemarkThresholds:
         where the character's structure is not known. part_place: fraction of the cell by which one part
         stands off the other. inner: relative size of what is enclosed; inner_place: fraction of the
         cell by which it is off its place.
-    missing: share of a stroke, in one run, that must be wanting; missing_run: stroke widths that the run must
-        be long. inked, corner: a stroke that was not found and joins another is taken for a corner, of which
-        thinning drew no line, where such a share of it is on ink and it is shorter than so many widths.
+    confident: share of a canonical stroke that must have been found in the master for it to be spoken of.
+    hook_bare: share of a hook that must be bare paper, and hook_covered: that may have found ink, for it not
+        to have been flicked out. leg_found: share of a part of a bent stroke that may have found ink, or lie
+        on any, for it to be missing; leg_share: of the ink that it must hold.
     extra, blot: share of the copy's ink; round: how slender a blot may be; off: what is at a stroke
         that is so many times out of its place, or too long, is that stroke and no blot.
     displaced: fraction of the cell, of what the measurement is sure of, which is less than what
@@ -56,10 +57,11 @@ class RemarkThresholds:
     part_place: float = 0.035
     inner: float = 0.12
     inner_place: float = 0.03
-    missing: float = 0.35
-    missing_run: float = 2.0
-    inked: float = 0.5
-    corner: float = 2.0
+    confident: float = 0.5
+    hook_bare: float = 0.6
+    hook_covered: float = 0.3
+    leg_found: float = 0.25
+    leg_share: float = 0.04
     extra: float = 0.012
     blot: float = 0.009
     round: float = 2.6
@@ -97,7 +99,7 @@ class RemarkThresholds:
 
 SEVERITIES: Mapping[str, float] = {
     "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 5.0, "squeeze": 7.0, "part_place": 6.0, "inner": 7.0,
-    "missing": 8.0, "part missing": 4.0, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 6.0, "torn": 7.0,
+    "missing": 8.0, "hook": 2.4, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 6.0, "torn": 7.0,
     "pale": 4.5, "filled": 6.0, "displaced": 3.6, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
     "width": 3.0, "end": 2.2, "tips": 3.2, "spacing": 4.5,
 }  # fmt: skip

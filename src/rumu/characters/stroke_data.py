@@ -73,7 +73,48 @@ STROKE_NAMES = {
     "y": Bilingual("斜鉤", "slanted hook"),
     "z": Bilingual("豎折折鉤", "vertical with two bends and a hook"),
 }
-"""Names of strokes by the letters of cnchar; a letter may stand for two that differ in the end."""
+"""Names of strokes by the letters of cnchar; a letter may stand for two, see `stroke_name`."""
+
+_SECOND_NAMES = {
+    "b": Bilingual("豎折", "vertical with a sharp bend"),
+    "e": Bilingual("橫鉤", "horizontal with a hook"),
+    "o": Bilingual("橫折彎鉤", "horizontal with two bends and a hook"),
+    "w": Bilingual("橫撇彎鉤", "horizontal, falling left, with a curved hook"),
+    "x": Bilingual("豎折撇", "vertical with a bend, falling left"),
+    "y": Bilingual("臥鉤", "lying hook"),
+}
+"""The other stroke that a letter may stand for."""
+
+
+def stroke_name(letter: str, centre_line: FloatArray) -> Bilingual:
+    """The name of a stroke: of the two that a letter of cnchar may stand for, the one that its line shows.
+
+    centre_line: (n, 2), x right, y down.
+    """
+    if letter not in _SECOND_NAMES:
+        return STROKE_NAMES[letter]
+    line = _evenly(centre_line)
+    x, y = line.T
+    right, down = np.ptp(x), np.ptp(y)
+    after_turn, after_foot = int(np.argmax((x - y)[:40])), int(np.argmax(y - x))  # the farthest corners
+    body = line[after_turn : max(int(np.argmax(x + y)), after_turn) + 1]  # down to the lower right
+    flat = body[body[:, 1] > body[-1, 1] - 0.2 * down]
+    is_second = {
+        "b": np.ptp(x[after_foot:]) > 0.8 * down,
+        "e": np.hypot(*(line[-1] - line[after_turn])) < 0.45 * right,
+        "o": np.ptp(flat[:, 0]) > 0.385 * right,
+        "w": right < 0.55 * down,
+        "x": x[-1] < x.max() - 0.5 * right and y[-1] > y.min() + 0.6 * down,
+        "y": right > down,
+    }
+    return (_SECOND_NAMES if is_second[letter] else STROKE_NAMES)[letter]
+
+
+def _evenly(line: FloatArray) -> FloatArray:
+    """(64, 2): the line with its points evenly spaced."""
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    at = np.linspace(0.0, arc[-1], 64)
+    return np.column_stack([np.interp(at, arc, line[:, k]) for k in (0, 1)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -195,7 +236,7 @@ class _Block:
             centre = np.cumsum(self.lines[line : line + 2 * points].reshape(-1, 2), axis=0)
             own = [names[c] for c in self.commands[command : command + commands]]
             outline, begin = _draw(own, steps, begin)
-            name = STROKE_NAMES[chr(ord("a") + letter)]
+            name = stroke_name(chr(ord("a") + letter), centre.astype(float))
             strokes.append(CanonicalStroke(name, centre * (_LINE_GRID / _SQUARE), outline))
             line, command = line + 2 * points, command + commands
         return CanonicalCharacter(character, tuple(strokes), (None, *get_args(Structure))[structure])

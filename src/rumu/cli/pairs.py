@@ -134,7 +134,7 @@ def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str
         script = (pair.script and script_key(pair.script)) or terms.get("script") or known_script
         mark = pipeline.assess(
             find_copy(pair.copy, root=root),
-            prepared_master(path),
+            prepared_master(path, character, script),
             **{**terms, "script": script, "character": character},
         )
         return row | {"character": character or ""} | _cells(mark)
@@ -143,11 +143,11 @@ def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str
 
 
 @functools.lru_cache(maxsize=4)  # rows come by master; each surface may hold many pixels
-def prepared_master(path: Path) -> PreparedMaster:
+def prepared_master(path: Path, character: str | None, script: str | None) -> PreparedMaster:
     """The master in a file or folder; the last ones stay in memory."""
     from rumu import pipeline
 
-    return pipeline.prepare_master(path)
+    return pipeline.prepare_master(path, character=character, script=script)
 
 
 def reason_in_one_line(error: Exception) -> str:

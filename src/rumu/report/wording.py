@@ -54,6 +54,7 @@ KINDS: dict[str, Bilingual] = {
     "size": Bilingual("大小", "Size"),
     "offset": Bilingual("偏位", "Off centre"),
     "missing": Bilingual("缺筆", "Missing"),
+    "no_hook": Bilingual("鉤未出", "No hook"),
     "extra": Bilingual("多餘", "Extra"),
     "displaced": Bilingual("移位", "Out of place"),
     "heavy": Bilingual("偏粗", "Too heavy"),

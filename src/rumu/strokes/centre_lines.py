@@ -76,11 +76,13 @@ class CentreLine(Polyline):
     points run as a stroke is written: from left to right, or downward.
     free: whether its beginning and its end join no other line. clear: (n,) away from forks, where the
     half-width is the stroke's own. arc: (n,) length of the line up to each point, rms radii.
+    number: of the canonical stroke that it is, or is a part of, from 1; 0 when that is not known.
     """
 
     free: tuple[bool, bool]
     clear: BoolArray
     arc: FloatArray
+    number: int = 0
 
     @property
     def length(self) -> float:

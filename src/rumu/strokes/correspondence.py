@@ -13,7 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from rumu.characters.stroke_data import CanonicalCharacter
 from rumu.registration.points import ink_mask
+from rumu.strokes.canonical import LaidCharacter, lay_character
 from rumu.strokes.centre_lines import (
     SCALE,
     SIDE,
@@ -27,10 +29,20 @@ from rumu.strokes.centre_lines import (
     frame_ink,
 )
 from rumu.strokes.edges import EdgeLook, InnerWhite, find_whites, look_at_edge
-from rumu.strokes.matching import find_covered, match_lines
-from rumu.strokes.measures import MEASURES, MatchedStroke, StrokeMeasurer, edge_tremor
+from rumu.strokes.matching import LineMatch
+from rumu.strokes.measures import MatchedStroke, StrokeMeasurer, edge_tremor
+from rumu.strokes.placement import (
+    Placement,
+    lay_subset,
+    lay_without,
+    move_ink,
+    place_lines,
+    predict_places,
+    stroke_numbers,
+)
 from rumu.strokes.pose import NO_POSE, CharacterPose, Squeeze, find_pose, find_squeeze, share_in_place
-from rumu.values import BoolArray, FloatArray, PointSet, Registration, Surface
+from rumu.strokes.presence import Compared, find_missing
+from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration, Surface
 
 _RATIOS = ("length", "width")
 """What is measured of a stroke as a ratio to the master's."""
@@ -85,6 +97,9 @@ class CharacterMatch:
     moved: (n, 2) the master's points in the copy; covered: (n,) which of them the copy has; radius:
         (n,) the copy's half-width there, or what it should be; places: (n, 2) where the same measurement has
         them in the master itself; in_cell: (n, 2) where the copy has them in a cell like the master's.
+    owner: (m,) number of the line that each of the copy's points belongs to, or -1.
+    missing: numbers of the strokes that the copy lacks: canonical ones from 1, or else lines, from -1 down.
+    laid: the canonical strokes that the master's lines are; None where they are not known.
     tips: None where fewer than two of the master's taper.
     """
 
@@ -98,9 +113,12 @@ class CharacterMatch:
     framed_master: FramedInk
     moved: FloatArray
     covered: BoolArray
+    owner: IntArray
     radius: FloatArray
     places: FloatArray
     in_cell: FloatArray
+    missing: tuple[int, ...] = ()
+    laid: LaidCharacter | None = None
     tips: BluntTips | None = None
 
     @property
@@ -117,11 +135,12 @@ class CharacterMatch:
 class MasterStrokes:
     """A master's strokes with what copies are compared with, to be made once for all copies.
 
-    surface, reference: the master and its ink points.
+    surface, reference: the master and its ink points. character: None when it is not known.
     """
 
     surface: Surface
     reference: PointSet
+    character: CanonicalCharacter | None = None
 
     @cached_property
     def framed(self) -> FramedInk:
@@ -129,9 +148,15 @@ class MasterStrokes:
         return frame_ink(ink_mask(self.surface), self.reference)
 
     @cached_property
+    def laid(self) -> LaidCharacter | None:
+        """The canonical strokes of its character on it; None where they are not known or do not fit."""
+        laid = None if self.character is None else lay_character(self.character, self.framed)
+        return laid if laid is not None and laid.is_confident else None
+
+    @cached_property
     def lines(self) -> CentreLines:
-        """Its strokes' centre lines."""
-        return find_strokes(self.framed)
+        """Its strokes' centre lines: the canonical ones where they are known."""
+        return find_strokes(self.framed) if self.laid is None else self.laid.lines
 
     @cached_property
     def itself(self) -> CharacterMatch:
@@ -275,9 +300,14 @@ def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArra
     places: (n, 2) where the same measurement has the master's own points; None when this is the master.
     """
     copy, model = find_segments(framed), master.lines
-    found = match_lines(model.points, copy.points)
-    near = MEASURES.own_ink_reach * max(model.width, copy.width)
-    covered, owner = find_covered(found, copy.points, model.points, near=near)
+    total = float(model.points.radius.sum())
+    laid = place_lines(model.points, copy.points, width=max(model.width, copy.width), total=total)
+    missing: tuple[int, ...] = ()
+    if places is not None:
+        missing, laid = find_missing(Compared(model, copy, framed, places), laid)
+        if missing:
+            framed, copy, laid = _lay_rest(Compared(model, copy, framed, places), missing)
+    found, covered = laid.found, laid.covered
     in_cell = upright = _to_master_cell(found.moved, framed, master.framed)
     pose, squeeze = NO_POSE, None
     if places is None:
@@ -286,7 +316,7 @@ def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArra
         pose, squeeze = _find_stance(places[covered], upright[covered], model.points, covered)
         upright = pose.undo(upright)
     expected = places if squeeze is None else squeeze.apply(places)
-    measurer = StrokeMeasurer(framed, copy, model, found, covered, owner, expected, upright, squeeze)
+    measurer = StrokeMeasurer(framed, copy, model, found, covered, laid.owner, expected, upright, squeeze)
     return CharacterMatch(
         strokes=tuple(measurer.stroke(k) for k in range(len(model.lines))),
         pose=pose,
@@ -298,10 +328,40 @@ def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArra
         framed_master=master.framed,
         moved=found.moved,
         covered=covered,
+        owner=laid.owner,
         radius=measurer.radii(),
         places=places,
         in_cell=in_cell,
+        missing=missing,
+        laid=master.laid,
     )
+
+
+def _lay_rest(compared: Compared, missing: tuple[int, ...]) -> tuple[FramedInk, CentreLines, Placement]:
+    """The copy's ink framed as the master's is without what is missing, and the lines on it.
+
+    The points of what is missing stand where their neighbours predict them.
+    """
+    master, copy, framed, places = compared.master, compared.copy, compared.framed, compared.places
+    numbers = stroke_numbers(master)
+    rest, move = lay_without(master, copy, numbers, missing)
+    if (move != np.eye(2, 3)).any():
+        framed = move_ink(framed, move)
+        copy = find_segments(framed)
+        rest = lay_subset(master, copy, kept=~np.isin(numbers, missing))
+    kept = np.flatnonzero(~np.isin(numbers, missing))
+    moved, covered = places.copy(), np.zeros(len(places), bool)
+    responsibility = np.zeros((len(places), len(copy.points.xy)), np.float32)
+    moved[kept], covered[kept], responsibility[kept] = (
+        rest.found.moved,
+        rest.covered,
+        rest.found.responsibility,
+    )
+    gone = np.isin(numbers, missing)
+    moved[gone] = predict_places(places, moved, covered, gone)
+    lines = np.unique(master.points.owner[kept])  # the rest's lines were numbered anew
+    owner = np.where(rest.owner >= 0, lines[rest.owner], -1)
+    return framed, copy, replace(rest, found=LineMatch(moved, responsibility), covered=covered, owner=owner)
 
 
 def _find_stance(

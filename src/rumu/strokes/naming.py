@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rumu.characters.stroke_data import CanonicalCharacter
 from rumu.strokes.centre_lines import CentreLine
 from rumu.values import Bilingual, FloatArray
 
@@ -16,9 +17,14 @@ VERTICAL = Bilingual("豎", "vertical")
 LEFT_FALLING = Bilingual("撇", "left-falling stroke")
 RIGHT_FALLING = Bilingual("捺", "right-falling stroke")
 RISING = Bilingual("提", "rising stroke")
-HOOK = Bilingual("鉤", "hook")
-CURVE = Bilingual("曲筆", "curved stroke")
 RING = Bilingual("圈", "ring")
+_LEGS = {
+    HORIZONTAL: Bilingual("橫段", "horizontal"),
+    VERTICAL: Bilingual("豎段", "vertical"),
+    LEFT_FALLING: Bilingual("撇段", "left-falling"),
+    RIGHT_FALLING: Bilingual("斜段", "slanting"),
+    RISING: Bilingual("提段", "rising"),
+}
 
 _NUMBERS = "一二三四五六七八九十"
 _ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
@@ -37,24 +43,19 @@ class NamingSettings:
 
     ring: distance of the ends over the length, below which a stroke of more than ring_length is a ring.
     dot: length below which a stroke that joins no other at one end is a dot; corner: below which any is.
-    curve: distance of the ends over the length, below which a stroke is curved.
-    hook: length below which a stroke that joins another is a hook, if it rises by more than hook_slope.
     rising, level, upright: degrees, y downward, up to which a stroke rises; up to which it is level; and
         between which it is upright.
-    order: weights of x and y by which strokes of one kind are counted.
+    hook_share: of its stroke's longest leg, up to which a last leg is a hook.
     """
 
     ring: float = 0.35
     ring_length: float = 4.0
     dot: float = 2.6
     corner: float = 1.5
-    curve: float = 0.75
-    hook: float = 4.0
-    hook_slope: float = 0.3
     rising: float = -25.0
     level: float = 18.0
     upright: tuple[float, float] = (72.0, 108.0)
-    order: tuple[float, float] = (0.35, 1.0)
+    hook_share: float = 0.6
 
 
 NAMING = NamingSettings()
@@ -68,10 +69,6 @@ def kind_of(line: CentreLine, *, width: float) -> Bilingual:
         return RING
     if length < s.dot * width:
         return DOT if any(line.free) or length < s.corner * width else _kind_by_direction(right, down)
-    if straight < s.curve * length:
-        return CURVE
-    if length < s.hook * width and line.free != (True, True) and down < -s.hook_slope * abs(right):
-        return HOOK
     return _kind_by_direction(right, down)
 
 
@@ -89,42 +86,57 @@ def _kind_by_direction(right: float, down: float) -> Bilingual:
     return LEFT_FALLING
 
 
-def name_strokes(lines: Sequence[CentreLine], *, width: float) -> tuple[Bilingual, ...]:
-    """A unique name for each stroke of a character.
+def name_strokes(lines: Sequence[CentreLine], character: CanonicalCharacter | None) -> tuple[Bilingual, ...]:
+    """What to call each line: as a canonical stroke, or a part of one; without one, by where it stands.
 
-    Several horizontals are counted from the top, several verticals from the left; others go by their place.
+    character: whose strokes the lines' numbers count.
     """
-    kinds = [kind_of(line, width=width) for line in lines]
-    middles = np.array([line.points.mean(axis=0) for line in lines])
     points = np.concatenate([line.points for line in lines])
     low, high = points.min(axis=0), points.max(axis=0)
-    names: list[Bilingual] = [Bilingual("", "")] * len(lines)
-    for kind in dict.fromkeys(kinds):
-        same = [k for k, own in enumerate(kinds) if own == kind]
-        for k, name in zip(same, _name_of_kind(kind, middles[same], low, high), strict=True):
-            names[k] = name
+    names = []
+    for line in lines:
+        if line.number and character is not None:
+            legs = [other for other in lines if other.number == line.number]
+            names.append(_name_leg(line, legs, character.strokes[line.number - 1].name))
+        else:
+            zh, en = place_of((line.points.mean(axis=0) - low) / np.maximum(high - low, 1e-9))
+            names.append(Bilingual(f"{zh}的一筆", f"the stroke at the {en}"))
     return tuple(names)
 
 
-def _name_of_kind(kind: Bilingual, middles: FloatArray, low: FloatArray, high: FloatArray) -> list[Bilingual]:
-    """Names for all strokes of one kind, by their middles, (n, 2); low, high: of the whole character."""
-    if len(middles) > 1 and kind in (HORIZONTAL, VERTICAL):
-        rank = np.argsort(np.argsort(middles[:, 1 if kind == HORIZONTAL else 0])) + 1
-        numbers = [_number_words(int(n)) for n in rank]
-        if kind == HORIZONTAL:
-            return [Bilingual(f"第{zh}橫", f"the {en} horizontal from the top") for zh, en in numbers]
-        return [Bilingual(f"左起第{zh}豎", f"the {en} vertical from the left") for zh, en in numbers]
-    places = [place_of((middle - low) / np.maximum(high - low, 1e-9)) for middle in middles]
-    if len(set(places)) == len(places):
-        return [Bilingual(f"{zh}的{kind.zh}", f"the {kind.en} at the {en}") for zh, en in places]
-    rank = np.argsort(np.argsort(middles @ np.array(NAMING.order))) + 1
-    return [
-        Bilingual(f"第{number.zh}{kind.zh}（{zh}）", f"the {number.en} {kind.en} ({en})")
-        for number, (zh, en) in zip((_number_words(int(n)) for n in rank), places, strict=True)
-    ]
+def canonical_kind(line: CentreLine, character: CanonicalCharacter) -> Bilingual | None:
+    """The kind of a canonical stroke that is one of the plain ones; None for another, and for a part."""
+    if not line.number:
+        return None
+    name = character.strokes[line.number - 1].name
+    kinds = (DOT, HORIZONTAL, VERTICAL, LEFT_FALLING, RIGHT_FALLING, RISING)
+    return next((kind for kind in kinds if kind.zh == name.zh), None)
 
 
-def _number_words(n: int) -> Bilingual:
+def stroke_title(number: int, name: Bilingual) -> Bilingual:
+    """A canonical stroke by its number in the order of writing, from 1, and its name."""
+    zh, en = number_words(number)
+    return Bilingual(f"第{zh}筆「{name.zh}」", f"the {en} stroke ({name.en})")
+
+
+def _name_leg(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> Bilingual:
+    """The name of a line of a stroke that is made of `legs`, which may be this one alone."""
+    title = stroke_title(line.number, name)
+    hook = legs[-1] if "鉤" in name.zh and is_hook(legs) else None
+    if line is hook:
+        return Bilingual(f"{title.zh}的鉤", f"the hook of {title.en}")
+    if len([leg for leg in legs if leg is not hook]) == 1:
+        return title
+    part = _LEGS[_kind_by_direction(*line.chord.tolist())]
+    return Bilingual(f"{title.zh}的{part.zh}", f"the {part.en} part of {title.en}")
+
+
+def is_hook(legs: Sequence[CentreLine]) -> bool:
+    """Whether the last of a stroke's legs is short enough for a hook."""
+    return len(legs) > 1 and legs[-1].length < NAMING.hook_share * max(leg.length for leg in legs)
+
+
+def number_words(n: int) -> Bilingual:
     """The number n in Chinese and the ordinal in English."""
     if n <= 10:
         return Bilingual(_NUMBERS[n - 1], _ORDINALS[n - 1])

@@ -128,7 +128,8 @@ def add_samples(gallery: Gallery, *, storage: Storage) -> int:
     missing = missing_samples(gallery)
     calibration = load_calibration_of(storage)
     for sample, work in missing:
-        master = pipeline.prepare_master(assets_of(gallery.store, work).surface())
+        surface = assets_of(gallery.store, work).surface()
+        master = pipeline.prepare_master(surface, character=work.character, script=work.script)
         copy = mark_copy(
             sample.path.read_bytes(),
             master,

@@ -111,4 +111,6 @@ def _prepare_master(storage: Storage, work_id: str, digest: str) -> PreparedMast
     from rumu.gallery.catalog import work
 
     gallery = _open_gallery(storage)
-    return pipeline.prepare_master(assets_of(gallery.store, work(gallery, work_id)).surface())
+    row = work(gallery, work_id)
+    surface = assets_of(gallery.store, row).surface()
+    return pipeline.prepare_master(surface, character=row.character, script=row.script)

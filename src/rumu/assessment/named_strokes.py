@@ -1,0 +1,141 @@
+"""The strokes of a match with what is needed to speak of them: name, kind, number, places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rumu.assessment.advice import for_stroke
+from rumu.assessment.findings import Fault, Finding
+from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, severity
+from rumu.strokes.centre_lines import CentreLine
+from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.measures import MatchedStroke
+from rumu.strokes.naming import (
+    HORIZONTAL,
+    VERTICAL,
+    canonical_kind,
+    is_hook,
+    kind_of,
+    name_strokes,
+)
+from rumu.values import Bilingual, FloatArray, Registration, Remark
+
+_ENDS = {
+    HORIZONTAL: (Bilingual("左端", "left end"), Bilingual("右端", "right end")),
+    VERTICAL: (Bilingual("上端", "top"), Bilingual("下端", "foot")),
+}
+_OTHER_ENDS = (Bilingual("起筆處", "beginning"), Bilingual("收筆處", "end"))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NamedStroke:
+    """A stroke with what is needed to speak of it.
+
+    position: among the master's. shift: (x right, y DOWN), rms radii, without what the parts of the character
+    explain. cell: one rms radius of the master in cells. common: share of all strokes, by length, that one of
+    them has on average. number: in the order of writing, from 1; None where it is not known.
+    """
+
+    stroke: MatchedStroke
+    match: CharacterMatch
+    name: Bilingual
+    kind: Bilingual
+    limits: RemarkThresholds
+    position: int
+    shift: FloatArray
+    cell: float
+    common: float
+    number: int | None = None
+
+    def remark(self, kind: str, size: float, unit: str, severity: float, *text: str) -> Remark:
+        """A remark on the whole stroke; text: in Chinese and in English."""
+        zh, en = text
+        outline, master = as_lines(self.stroke.outline), as_lines(self.master_outline)
+        region = self.box(self.stroke.outline)
+        return Remark(kind, size, unit, severity, region, zh, en, outline, master, self.number)
+
+    def finding(self, fault: Fault, said: Bilingual, advice: str) -> Finding:
+        """A finding on the stroke. said: its predicate. advice: kind of stroke that what to do depends on."""
+        kind, size, unit, severe, excess = fault
+        remark = self.remark(kind, size, unit, severe, f"{self.name.zh}{said.zh}。", f"{self.en} {said.en}.")
+        return Finding(remark, excess, for_stroke(kind, advice), self.cause, said)
+
+    def finding_at_end(self, fault: Fault, said: Bilingual) -> Finding:
+        """The same of its exit, or else of its entry, where it is marked."""
+        outline = self.end_outline(last=fault.kind == "exit_blunt")
+        whole = self.finding(fault, said, self.kind.zh)
+        at_end = replace(whole.remark, region=self.box(outline), outline=as_lines(outline))
+        return replace(whole, remark=at_end)
+
+    @property
+    def cause(self) -> str:
+        """All that is said of one stroke is told together."""
+        return f"stroke {self.position}"
+
+    @property
+    def master_outline(self) -> FloatArray:
+        """(n, 2): the stroke on the master's picture, in fractions of it."""
+        return self.match.framed_master.on_picture(self.stroke.line.points)
+
+    def severity(self, fault: str, size: float, least: float) -> float:
+        """A fault in a long stroke is graver than the same one in a dot."""
+        return severity(fault, size, least, weight=self.stroke.weight / self.common)
+
+    def box(self, outline: FloatArray) -> Box:
+        """The box of some of its outline, with the margin of a remark."""
+        return box(outline, margin=self.limits.margin * self.match.master.width * self.cell)
+
+    def end_outline(self, *, last: bool) -> FloatArray:
+        """The outline of the first or the last third of the stroke."""
+        line = self.stroke.outline
+        return line[len(line) * 2 // 3 :] if last else line[: len(line) - len(line) * 2 // 3]
+
+    def end_word(self, point: int) -> Bilingual:
+        """What the end of it is called that is nearer to one of the master's points."""
+        own = np.flatnonzero(self.match.master.points.owner == self.position)
+        last = bool(np.searchsorted(own, point) * 2 >= len(own))
+        return _ENDS.get(self.kind, _OTHER_ENDS)[int(last)]
+
+    @property
+    def en(self) -> str:
+        """The name at the beginning of a sentence."""
+        return self.name.en[0].upper() + self.name.en[1:]
+
+    @property
+    def legs(self) -> list[CentreLine]:
+        """All lines of its canonical stroke; none where that is not known."""
+        number = self.stroke.line.number
+        return [line for line in self.match.master.lines if number and line.number == number]
+
+    @property
+    def is_hook(self) -> bool:
+        """Whether it is the hook of a stroke of several legs."""
+        return bool(self.legs) and self.stroke.line is self.legs[-1] and is_hook(self.legs)
+
+    @property
+    def slenderness(self) -> float:
+        """Length in stroke widths."""
+        return self.stroke.line.length / max(self.match.master.width, 1e-9)
+
+
+def name_all(
+    match: CharacterMatch, registration: Registration, limits: RemarkThresholds, *, explained: FloatArray
+) -> tuple[NamedStroke, ...]:
+    """The strokes of a match with their names; explained: (n, 2) how far parts move the master's points."""
+    width, cell = match.master.width, registration.reference.radius
+    lines = match.master.lines
+    character = None if match.laid is None else match.laid.character
+    names = name_strokes(lines, character)
+    kinds = [(character and canonical_kind(line, character)) or kind_of(line, width=width) for line in lines]
+    squeezed = 0.0 if match.squeeze is None else match.squeeze.apply(match.places) - match.places
+    left = squeezed - explained  # the strokes were measured against a squeezed master
+    owner = match.master.points.owner
+    return tuple(
+        NamedStroke(
+            stroke, match, name, kinds[k], limits, k,
+            stroke.shift + left[owner == k].mean(axis=0), cell, 1.0 / len(names), stroke.line.number or None,
+        )
+        for k, (stroke, name) in enumerate(zip(match.strokes, names, strict=True))
+    )  # fmt: skip
