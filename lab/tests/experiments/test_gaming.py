@@ -30,8 +30,8 @@ def test_there_is_every_kind_of_every_master(tmp_path):
 
 def test_the_templates_are_masters_too(data):
     every = list(gaming.trials(data))
-    assert len({t.name for t in every}) == 47
-    assert sum(t.kind == OTHER and t.name.startswith("template") for t in every) == 17 * 4
+    assert len({t.name for t in every}) == 30 + 25
+    assert sum(t.kind == OTHER and t.name.startswith("template") for t in every) == 25 * 4
 
 
 def test_a_mark_is_a_score_or_a_reason():
