@@ -27,6 +27,11 @@ DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parent / ".." / "shared" 
 _numbers = itertools.count()
 
 
+def pytest_make_parametrize_id(val: object) -> str | None:
+    """Name long bytes by their length: a zip holds the time, so that its own text would differ by process."""
+    return f"{len(val)} bytes" if isinstance(val, bytes) and len(val) > 24 else None
+
+
 def absent(what: str) -> None:
     """Skip where something outside of the project is missing; in CI nothing may be."""
     if os.environ.get("CI"):
