@@ -25,6 +25,7 @@ from rumu.strokes.centre_lines import (
     sample_lines,
 )
 from rumu.strokes.matching import LineMatch, MatchSettings, find_covered, match_lines
+from rumu.strokes.naming import PLAIN_KINDS
 from rumu.strokes.placement import unevenness
 from rumu.values import BoolArray, FloatArray, IntArray
 
@@ -151,9 +152,11 @@ def _canonical_lines(character: CanonicalCharacter, ink: LinePoints) -> tuple[Ce
     size, ratio = np.sqrt(spread.prod()), np.clip(spread[0] / spread[1], 1 / LAYING.clip, LAYING.clip)
     factor = size * np.array([np.sqrt(ratio), 1 / np.sqrt(ratio)])
     lines = []
-    for number, stroke in enumerate(strokes, start=1):
+    for number, (stroke, known) in enumerate(zip(strokes, character.strokes, strict=True), start=1):
         moved = (stroke - every.mean(axis=0)) * factor + ink.xy.mean(axis=0)
-        lines += [_line(moved[a : b + 1], number=number) for a, b in _between_corners(stroke)]
+        is_plain = known.name.zh in {kind.zh for kind in PLAIN_KINDS}
+        pieces = [(0, len(stroke) - 1)] if is_plain else _between_corners(stroke)
+        lines += [_line(moved[a : b + 1], number=number) for a, b in pieces]
     return tuple(lines)
 
 

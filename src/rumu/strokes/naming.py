@@ -18,6 +18,9 @@ LEFT_FALLING = Bilingual("撇", "left-falling stroke")
 RIGHT_FALLING = Bilingual("捺", "right-falling stroke")
 RISING = Bilingual("提", "rising stroke")
 RING = Bilingual("圈", "ring")
+PLAIN_KINDS = (DOT, HORIZONTAL, VERTICAL, LEFT_FALLING, RIGHT_FALLING, RISING)
+"""Strokes that do not bend."""
+_SLANTED_HOOKS = ("臥鉤", "斜鉤", "彎鉤")
 _LEGS = {
     HORIZONTAL: Bilingual("橫段", "horizontal"),
     VERTICAL: Bilingual("豎段", "vertical"),
@@ -105,12 +108,13 @@ def name_strokes(lines: Sequence[CentreLine], character: CanonicalCharacter | No
 
 
 def canonical_kind(line: CentreLine, character: CanonicalCharacter) -> Bilingual | None:
-    """The kind of a canonical stroke that is one of the plain ones; None for another, and for a part."""
+    """The kind of a canonical stroke of one piece, but for its hook; None for a part of one that bends."""
     if not line.number:
         return None
     name = character.strokes[line.number - 1].name
-    kinds = (DOT, HORIZONTAL, VERTICAL, LEFT_FALLING, RIGHT_FALLING, RISING)
-    return next((kind for kind in kinds if kind.zh == name.zh), None)
+    if name.zh in _SLANTED_HOOKS:
+        return name
+    return next((kind for kind in PLAIN_KINDS if kind.zh == name.zh), None)
 
 
 def stroke_title(number: int, name: Bilingual) -> Bilingual:
