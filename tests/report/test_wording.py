@@ -51,3 +51,15 @@ def test_sizes_with_their_unit(size, unit, shown):
 def test_an_unknown_name_is_shown_plainly():
     assert wording.quality_meaning("odd_figure").en == "odd figure"
     assert wording.kind_name("ink_blot").en == "Ink blot"
+
+
+@pytest.mark.parametrize(
+    ("percentile", "zh", "en"),
+    [
+        (3.0, "在學習者的臨作裡，屬最低的一成。", "Among the lowest tenth of learners' copies."),
+        (72.0, "學習者的臨作，每十張裡比 7 張好。", "Better than 7 of 10 learners' copies."),
+        (97.0, "比幾乎所有學習者的臨作都好。", "Better than nearly all learners' copies."),
+    ],
+)
+def test_a_copy_stands_among_learners_copies(percentile: float, zh: str, en: str) -> None:
+    assert wording.standing(percentile) == (zh, en)

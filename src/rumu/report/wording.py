@@ -181,9 +181,21 @@ def with_unit(size: float, unit: str) -> str:
     return f"{number}{sign}" if sign == "°" else f"{number} {sign}".rstrip()
 
 
+def standing(percentile: float) -> Bilingual:
+    """Where a copy stands among learners' copies, in tenths."""
+    tenths = round(percentile / 10)
+    if tenths <= 0:
+        return Bilingual("在學習者的臨作裡，屬最低的一成。", "Among the lowest tenth of learners' copies.")
+    if tenths >= 10:
+        return Bilingual("比幾乎所有學習者的臨作都好。", "Better than nearly all learners' copies.")
+    return Bilingual(
+        f"學習者的臨作，每十張裡比 {tenths} 張好。", f"Better than {tenths} of 10 learners' copies."
+    )
+
+
 def basis(mark: Assessment) -> list[Bilingual]:
-    """What a person must know that a mark rests on: another calibration, own weights, the interval."""
-    lines = []
+    """What a person must know of a mark: where it stands, another calibration, own weights, the interval."""
+    lines = [] if mark.percentile is None else [standing(mark.percentile)]
     if mark.calibration:
         lines.append(Bilingual(f"另用校準：{mark.calibration}", f"Another calibration: {mark.calibration}"))
     if mark.weights:
