@@ -23,7 +23,7 @@ from typing import Any, NoReturn, ParamSpec
 
 import typer
 
-from rumu.cli import INTERRUPTED
+from rumu.cli.interrupt import INTERRUPTED
 from rumu.errors import DiskFull, RumuError
 from rumu.outputs import is_full
 
