@@ -10,11 +10,9 @@ difference of their marks.
 from __future__ import annotations
 
 import argparse
-import csv
 import os
 from collections import Counter, defaultdict
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
 from multiprocessing import get_context
@@ -32,20 +30,11 @@ from rumu.assessment.progress import (
     speak_of_one_stroke,
 )
 from rumu.values import Assessment
+from rumu_lab.experiments.marked_copies import Copy, read_table
 from rumu_lab.simulation.photographs import Shade, photograph
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[2] / "shared" / "data"))
 STEPS = (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0)
-
-
-@dataclass(frozen=True)
-class Copy:
-    """A copy that people marked: its file, its master's, its character, the mean of the marks, 0-100."""
-
-    path: Path
-    master: Path
-    character: str
-    people: float
 
 
 def main() -> None:
@@ -54,7 +43,7 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=1, help="only every so many copies")
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
-    copies = read_copies(options.data)[:: options.every]
+    copies = read_table(options.data / "scores.csv")[:: options.every]
     with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
         twice = list(pool.map(mark_twice, copies, chunksize=4))
     pairs = [pair for pair in twice if pair is not None]
@@ -64,29 +53,15 @@ def main() -> None:
     print_agreement([(copy, score) for copy, score in marks if score is not None])
 
 
-def read_copies(folder: Path) -> list[Copy]:
-    """All copies of a folder of E3C's form."""
-    with (folder / "scores.csv").open(encoding="utf-8") as stream:
-        return [
-            Copy(
-                folder / row["image"],
-                folder / row["template"],
-                row["character"],
-                10.0 * float(row["mean_score"]),
-            )
-            for row in csv.DictReader(stream)
-        ]
-
-
 @lru_cache(maxsize=2)
-def master_of(path: Path) -> pipeline.PreparedMaster:
-    return pipeline.prepare_master(path)
+def master_of(path: Path, character: str) -> pipeline.PreparedMaster:
+    return pipeline.prepare_master(path, character=character)
 
 
 def mark_twice(copy: Copy) -> tuple[Assessment, Assessment] | None:
     """The marks of two photographs of one copy; None where one of them was refused."""
-    ink = 1.0 - np.asarray(Image.open(copy.path).convert("L"), dtype=np.float32) / 255.0
-    number = int("".join(c for c in copy.path.stem if c.isdigit()) or 0)
+    ink = 1.0 - np.asarray(Image.open(copy.image).convert("L"), dtype=np.float32) / 255.0
+    number = int("".join(c for c in copy.image.stem if c.isdigit()) or 0)
     marks: list[Assessment] = []
     for k in range(2):
         rng = np.random.default_rng([number, k])
@@ -100,7 +75,7 @@ def mark_twice(copy: Copy) -> tuple[Assessment, Assessment] | None:
             quality=int(rng.integers(80, 95)),
             seed=2 * number + k,
         )
-        marks.append(pipeline.assess(picture, master_of(copy.master), character=copy.character))
+        marks.append(pipeline.assess(picture, master_of(copy.template, copy.character)))
     if any(mark.refused for mark in marks):
         return None
     return marks[0], marks[1]
@@ -151,9 +126,9 @@ def print_agreement(marked: list[tuple[Copy, float]]) -> None:
         by_character[copy.character].append((copy, mark))
     for own in by_character.values():
         for (a, one), (b, other) in combinations(own, 2):
-            if a.people != b.people:
+            if a.mark != b.mark:
                 gaps.append(abs(one - other))
-                agree.append((one > other) == (a.people > b.people))
+                agree.append((one > other) == (a.mark > b.mark))
     print("\ntwo copies of one character: people see the same order as the mark")
     print(f"{'difference':<14}{'pairs':>7}{'agree':>8}")
     for low, high in zip(STEPS, (*STEPS[1:], np.inf), strict=True):

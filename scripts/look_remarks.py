@@ -12,13 +12,11 @@ holds the same words, in Chinese too.
 from __future__ import annotations
 
 import argparse
-import csv
 import textwrap
 import zlib
 from collections import Counter
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -27,19 +25,11 @@ from PIL import Image, ImageDraw, ImageFont
 from rumu import pipeline
 from rumu.report.overlay import OverlaySettings, overlay_picture
 from rumu.values import Assessment
+from rumu_lab.experiments.marked_copies import Copy, read_copies
 
 SIDE, ROWS, WORDS = 300, 5, 640
 ENDS, MIDDLE, OF_A_CHARACTER = 10, 20, 3
 COLOURS = ((200, 30, 30), (20, 90, 190), (20, 130, 60), (160, 90, 0), (120, 40, 140))
-
-
-class Row(NamedTuple):
-    """One copy. mark: people's, 0-100."""
-
-    image: Path
-    template: Path
-    character: str
-    mark: float
 
 
 def main() -> None:
@@ -50,7 +40,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    chosen = choose(copies_of(options.data), kept=options.set == "kept")
+    chosen = choose(read_copies(options.data), kept=options.set == "kept")
     first, last = (int(number) for number in options.rows.split(":"))
     words = []
     for start in range(first, min(last, len(chosen)), ROWS):
@@ -61,24 +51,7 @@ def main() -> None:
     (options.out / "remarks.txt").write_text("\n\n".join(words) + "\n", encoding="utf-8")
 
 
-def copies_of(data: Path) -> list[Row]:
-    """The copies of both sets."""
-    rows = []
-    for folder in (data / "e3c", data / "e3c-more"):
-        with (folder / "scores.csv").open(encoding="utf-8") as stream:
-            rows += [
-                Row(
-                    folder / r["image"],
-                    folder / r["template"],
-                    r["character"],
-                    10.0 * float(r["mean_score"]),
-                )
-                for r in csv.DictReader(stream)
-            ]
-    return rows
-
-
-def choose(rows: list[Row], *, kept: bool) -> list[Row]:
+def choose(rows: list[Copy], *, kept: bool) -> list[Copy]:
     """The best, the worst and the middle of one half, by people's marks."""
     half = [row for row in rows if (zlib.crc32(row.image.name.encode()) % 2 == 1) == kept]
     by_mark = sorted(half, key=lambda row: (-row.mark, row.image.name))
@@ -90,9 +63,9 @@ def choose(rows: list[Row], *, kept: bool) -> list[Row]:
     return [*best, *worst, *_first(nearest, MIDDLE, Counter())]
 
 
-def _first(rows: list[Row], count: int, counts: Counter[str]) -> list[Row]:
+def _first(rows: list[Copy], count: int, counts: Counter[str]) -> list[Copy]:
     """The first of them, not too many of a character."""
-    chosen: list[Row] = []
+    chosen: list[Copy] = []
     for row in rows:
         if len(chosen) < count and counts[row.character] < OF_A_CHARACTER:
             counts[row.character] += 1
@@ -106,19 +79,21 @@ def prepared(path: Path, character: str) -> pipeline.PreparedMaster:
     return pipeline.prepare_master(path, character=character)
 
 
-def assessed(row: Row) -> Assessment:
+def assessed(row: Copy) -> Assessment:
     """The mark of one copy."""
-    return pipeline.assess(row.image, prepared(row.template), character=row.character, framed=True)
+    return pipeline.assess(row.image, prepared(row.template, row.character), framed=True)
 
 
-def draw(number: int, row: Row) -> tuple[np.ndarray, str]:
+def draw(number: int, row: Copy) -> tuple[np.ndarray, str]:
     """The row of one copy, (SIDE, width, 3) uint8, and its words."""
     mark = assessed(row)
     master, copy = picture(row.template), picture(row.image)
     overlay = np.full((SIDE, SIDE, 3), 255, np.uint8)
     if mark.registration is not None:
         settings = OverlaySettings(side=SIDE)
-        overlay = overlay_picture(mark.registration, master=prepared(row.template).surface, settings=settings)
+        overlay = overlay_picture(
+            mark.registration, master=prepared(row.template, row.character).surface, settings=settings
+        )
     pointed = point_out(copy, mark)
     page = Image.new("RGB", (WORDS, SIDE), "white")
     pen, font = ImageDraw.Draw(page), ImageFont.truetype("DejaVuSans.ttf", 14)

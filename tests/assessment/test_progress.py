@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from rumu.assessment.progress import Fault, ProgressSettings, compare_attempts
+from rumu.assessment.progress import FaultPrecision, ProgressSettings, compare_attempts
 from rumu.values import Remark
 
-SETTINGS = ProgressSettings(mark=6.0, parts={"ink": 8.0}, faults={"length": Fault(error=0.05, least=0.08)})
+SETTINGS = ProgressSettings(
+    mark=6.0, parts={"ink": 8.0}, faults={"length": FaultPrecision(error=0.05, least=0.08)}
+)
 ACROSS = (((0.2, 0.3), (0.8, 0.3)),)
 DOWN = (((0.5, 0.1), (0.5, 0.9)),)
 

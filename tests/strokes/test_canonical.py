@@ -14,7 +14,7 @@ from rumu.gallery.starter import starter_works
 from rumu.pipeline import PreparedMaster, measure, prepare_master
 from rumu.strokes.canonical import lay_character
 from rumu.strokes.correspondence import CharacterMatch, match_strokes
-from rumu.strokes.naming import name_strokes
+from rumu.strokes.naming import HORIZONTAL, name_strokes, stroke_title
 from rumu.values import Surface
 
 SIDE = 360
@@ -178,3 +178,18 @@ def test_whole_copies_lack_nothing(data: Path, image: str) -> None:
 @pytest.mark.parametrize("image", ["004105", "004108", "004309"])
 def test_copies_without_a_horizontal_are_told_so(data: Path, image: str) -> None:
     assert match_of(data, image).missing == (11,)
+
+
+@pytest.mark.parametrize(
+    ("number", "zh", "en"),
+    [
+        (3, "三", "third"),
+        (10, "十", "tenth"),
+        (12, "十二", "12th"),
+        (20, "二十", "20th"),
+        (22, "二十二", "22nd"),
+        (31, "三十一", "31st"),
+    ],
+)
+def test_numbers_of_strokes_in_words(number: int, zh: str, en: str) -> None:
+    assert stroke_title(number, HORIZONTAL) == (f"第{zh}筆「橫」", f"the {en} stroke (horizontal)")

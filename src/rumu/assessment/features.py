@@ -126,16 +126,21 @@ def measure_features(registration: Registration, *, edges: FloatArray, ink: Mast
 
     edges: (EDGE_NUMBERS,) description of the copy's edge less the master's. ink: the master's.
     """
-    heights = registration.probe.xyz[:, 2].mean(), registration.reference.xyz[:, 2].mean()
     return Features(
         residuals=residuals(registration),
         lean=registration.angle,
         offset=float(np.hypot(*registration.shift)),
         size=float(np.log(registration.scale)),
-        weight=float(np.log(max(heights[0], 1e-6) / max(heights[1], 1e-6))),
+        weight=ink_weight(registration),
         regions=find_regions(registration, ink),
         edges=tuple(edges.tolist()),
     )
+
+
+def ink_weight(registration: Registration) -> float:
+    """Natural logarithm of the copy's mean normalised height over the master's: above 0 is heavier."""
+    copy, master = (points.xyz[:, 2].mean() for points in (registration.probe, registration.reference))
+    return float(np.log(max(copy, 1e-6) / max(master, 1e-6)))
 
 
 def residuals(registration: Registration) -> Residuals:

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.registration.points import ink_mask
-from rumu.strokes.centre_lines import SCALE, SIDE, FramedInk, from_pixels, pixels_at, to_pixels
+from rumu.strokes.centre_lines import SCALE, FramedInk, from_pixels, pixels_at
 from rumu.strokes.correspondence import CharacterMatch, MasterStrokes
 from rumu.strokes.edges import InnerWhite, look_at_edge, white_left
 from rumu.strokes.measures import edge_tremor
+from rumu.strokes.placement import draw_discs
 from rumu.values import BoolArray, FloatArray, Registration, Surface
 
 
@@ -125,8 +126,8 @@ def measure_ink(
 ) -> InkMeasures:
     """Measure the ink of a copy whose strokes are matched."""
     framed, itself = strokes.framed, master.itself
-    beside = INK.beside * strokes.master.width * SCALE
-    tube = _draw_strokes(strokes.moved, strokes.radius * SCALE + beside)
+    beside = INK.beside * strokes.master.width
+    tube = draw_discs(strokes.moved, strokes.radius + beside)
     tube |= _unexplained_in_master(master, beside)
     tremor = edge_tremor(framed)
     edge = look_at_edge(ink_mask(copy), registration.probe)
@@ -200,17 +201,6 @@ def _outline_of(own: BoolArray, framed: FramedInk) -> FloatArray:
     return framed.on_picture(from_pixels(np.concatenate([edge, edge[:1]])))
 
 
-def _draw_strokes(points: FloatArray, radius: FloatArray) -> BoolArray:
-    """(SIDE, SIDE) bool: discs about points of the frame, radius in pixels."""
-    import cv2
-
-    page = np.zeros((SIDE, SIDE), np.uint8)
-    at = np.round(to_pixels(points) * 16).astype(np.int64)
-    for (x, y), r in zip(at.tolist(), np.round(radius * 16).astype(int).tolist(), strict=True):
-        cv2.circle(page, (x, y), r, 1, -1, cv2.LINE_8, 4)
-    return page.astype(bool)
-
-
 def _find_patches(framed: FramedInk, tube: BoolArray, width: float) -> tuple[InkPatch, ...]:
     """Patches of ink outside of the tube around the strokes; width: of a stroke, in pixels."""
     import cv2
@@ -252,7 +242,7 @@ def _unexplained_in_master(master: MasterStrokes, beside: float) -> BoolArray:
     import cv2
 
     itself = master.itself
-    spare = master.framed.ink & ~_draw_strokes(itself.moved, itself.radius * SCALE + beside)
+    spare = master.framed.ink & ~draw_discs(itself.moved, itself.radius + beside)
     return np.asarray(cv2.dilate(spare.view(np.uint8), np.ones((5, 5), np.uint8)) > 0)
 
 
@@ -267,7 +257,7 @@ def _bare(strokes: CharacterMatch, ink: BoolArray, seen: BoolArray) -> float:
     around = max(2 * round(strokes.master.width / 2 * SCALE) + 1, 3)
     share = cv2.blur(ink.astype(np.float32), (around, around))[row, column]
     inside = seen & (share >= INK.in_ink)
-    inner = _draw_strokes(strokes.moved[inside], INK.inner * SCALE * strokes.radius[inside])
+    inner = draw_discs(strokes.moved[inside], INK.inner * strokes.radius[inside])
     reach = max(round(INK.streak * strokes.master.width * SCALE), 1)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     closed = cv2.morphologyEx(ink.view(np.uint8), cv2.MORPH_CLOSE, disc) > 0

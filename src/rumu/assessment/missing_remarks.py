@@ -12,7 +12,6 @@ from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import as_lines, ink_severity
 from rumu.strokes.correspondence import CharacterMatch
 from rumu.strokes.naming import stroke_title
-from rumu.strokes.placement import stroke_numbers
 from rumu.values import Remark
 
 
@@ -26,20 +25,18 @@ def is_measured(named: NamedStroke, match: CharacterMatch) -> bool:
 
 def find_missing_strokes(every: Sequence[NamedStroke], match: CharacterMatch) -> Iterator[Finding]:
     """The canonical strokes, or the lines, that the copy lacks, each once."""
-    radius, numbers = match.master.points.radius, stroke_numbers(match.master)
     for number in match.missing:
         legs = [s for s in every if number in (s.stroke.line.number, -1 - s.position)]
-        share = float(radius[numbers == number].sum() / radius.sum())
+        share = sum(leg.ink_share for leg in legs)
         title = legs[0].name
         if match.laid is not None:
             title = stroke_title(number, match.laid.character.strokes[number - 1].name)
-        en = title.en[0].upper() + title.en[1:]
         outlines = [leg.stroke.outline for leg in legs]
         remark = Remark(
             "missing", share, "of the ink", ink_severity("missing", share),
             legs[0].box(np.concatenate(outlines)),
             f"漏寫了{title.zh}，約佔全字墨跡的 {share:.0%}。",
-            f"{en} is missing, about {share:.0%} of the ink.",
+            f"{title.en.capitalize()} is missing, about {share:.0%} of the ink.",
             as_lines(*outlines),
             as_lines(*(leg.master_outline for leg in legs)),
             number if number > 0 else None,
@@ -49,9 +46,7 @@ def find_missing_strokes(every: Sequence[NamedStroke], match: CharacterMatch) ->
 
 def find_missing_leg(named: NamedStroke) -> Iterator[Finding]:
     """A part of a stroke that bends, of which nothing is there: its place is bare paper."""
-    stroke, limits = named.stroke, named.limits
-    radius = named.match.master.points.radius
-    share = float(radius[named.match.master.points.owner == named.position].sum() / radius.sum())
+    stroke, limits, share = named.stroke, named.limits, named.ink_share
     if share < limits.leg_share or max(stroke.coverage, stroke.inked) > limits.leg_found:
         return
     remark = named.remark(

@@ -101,7 +101,13 @@ class NamedStroke:
     @property
     def en(self) -> str:
         """The name at the beginning of a sentence."""
-        return self.name.en[0].upper() + self.name.en[1:]
+        return self.name.en.capitalize()
+
+    @property
+    def ink_share(self) -> float:
+        """Share of the master's ink in it."""
+        points = self.match.master.points
+        return float(points.radius[points.owner == self.position].sum() / points.radius.sum())
 
     @property
     def legs(self) -> list[CentreLine]:

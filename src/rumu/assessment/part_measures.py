@@ -170,9 +170,3 @@ def measure_inner(match: CharacterMatch, structure: Structure | None) -> InnerMe
         sizes.append(size)
         moved.append(shift)
     return InnerMeasures(inner, sizes[0] / sizes[1], moved[0] - moved[1], explained)
-
-
-def stroke_outlines(match: CharacterMatch, points: BoolArray) -> tuple[FloatArray, ...]:
-    """The strokes, on the copy's picture, to which some of the master's points belong."""
-    owners = np.unique(match.master.points.owner[points])
-    return tuple(match.strokes[int(k)].outline for k in owners)

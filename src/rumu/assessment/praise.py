@@ -59,7 +59,7 @@ class Praised(NamedTuple):
     structure: Structure | None
 
 
-class Candidate(NamedTuple):
+class PossiblePraise(NamedTuple):
     """A praise that may be true.
 
     size: of the difference from the master over the largest that is still good. kinds: of the remarks that
@@ -91,17 +91,17 @@ def write_praise(
     return min(good, key=lambda praise: praise.size).words if good else None
 
 
-def _candidates(seen: Praised) -> Iterator[Candidate]:
+def _candidates(seen: Praised) -> Iterator[PossiblePraise]:
     yield from _of_the_whole(seen)
     yield from _of_the_strokes(seen)
     yield from _of_the_brush(seen)
 
 
-def _of_the_whole(seen: Praised) -> Iterator[Candidate]:
+def _of_the_whole(seen: Praised) -> Iterator[PossiblePraise]:
     s, pose, parts = PRAISE, seen.pose, seen.parts
     if pose.framed:
         offset = float(np.hypot(*pose.offset))
-        yield Candidate(
+        yield PossiblePraise(
             max(abs(pose.size) / s.size, offset / s.offset, abs(pose.lean) / s.lean),
             Bilingual(
                 "大小合度，位置居中，重心也正。", "Its size, its place in the cell and its axis are right."
@@ -112,7 +112,7 @@ def _of_the_whole(seen: Praised) -> Iterator[Candidate]:
         proportion = abs(np.log(max(parts.width[0], 1e-6) / max(parts.width[1], 1e-6)))
         away = float(np.hypot(*parts.apart)) * pose.registration.reference.radius
         across = parts.axis == "across"
-        yield Candidate(
+        yield PossiblePraise(
             max(proportion / s.proportion, away / s.part_place),
             Bilingual(
                 f"{'左右' if across else '上下'}兩部的比例和位置安排得好。",
@@ -123,7 +123,7 @@ def _of_the_whole(seen: Praised) -> Iterator[Candidate]:
         )  # fmt: skip
 
 
-def _of_the_strokes(seen: Praised) -> Iterator[Candidate]:
+def _of_the_strokes(seen: Praised) -> Iterator[PossiblePraise]:
     s, strokes = PRAISE, [named for named in seen.strokes if named.stroke.present]
     if not strokes:
         return
@@ -132,19 +132,19 @@ def _of_the_strokes(seen: Praised) -> Iterator[Candidate]:
     turn = np.array([abs(named.stroke.turn) for named in strokes])
     length = np.array([abs(np.log(max(named.stroke.length, 0.05))) for named in strokes])
     if len(strokes) == len(seen.strokes):
-        yield Candidate(
+        yield PossiblePraise(
             float(np.average(shift, weights=weight)) / s.shift,
             Bilingual(
                 "筆畫的位置安排得準，間架穩。", "The strokes stand where the master's do: the frame is firm."
             ),
             ("displaced", "squeeze", "part_place", "inner", "spacing", "missing", "extra"),
         )
-    yield Candidate(
+    yield PossiblePraise(
         float(np.average(turn, weights=weight)) / s.turn,
         Bilingual("筆畫的斜度看得準，筆勢對。", "The slant of the strokes is well observed."),
         ("stroke_angle",),
     )
-    yield Candidate(
+    yield PossiblePraise(
         float(np.average(length, weights=weight)) / s.length,
         Bilingual("筆畫長短有度。", "The strokes have the right length."),
         ("stroke_long", "stroke_short", "sticks_out", "missing"),
@@ -156,17 +156,17 @@ def _of_the_strokes(seen: Praised) -> Iterator[Candidate]:
                 f"{named.name.zh}寫得好：位置、方向、長短都與範本相合。",
                 f"{named.en} is well written: its place, direction and length are the master's.",
             )
-            yield Candidate(size, words, (), named.position)
+            yield PossiblePraise(size, words, (), named.position)
 
 
-def _of_the_brush(seen: Praised) -> Iterator[Candidate]:
+def _of_the_brush(seen: Praised) -> Iterator[PossiblePraise]:
     s, match, ink = PRAISE, seen.match, seen.ink
     ratios = np.array([named.stroke.width for named in seen.strokes if named.stroke.present])
     ratios = ratios[np.isfinite(ratios)]
     if len(ratios):
         uneven = float(np.abs(np.log(ratios / match.width)).mean())
         heavy = max(abs(np.log(match.width)), abs(seen.pose.heaviness))
-        yield Candidate(
+        yield PossiblePraise(
             max(heavy / s.weight, uneven / s.even),
             Bilingual(
                 "粗細得當，提按分明。",
@@ -177,12 +177,12 @@ def _of_the_brush(seen: Praised) -> Iterator[Candidate]:
     ends = np.abs([v for named in seen.strokes for v in (named.stroke.entry, named.stroke.exit)])
     ends = ends[np.isfinite(ends)]
     if len(ends):
-        yield Candidate(
+        yield PossiblePraise(
             float(ends.mean()) / s.ends,
             Bilingual("起筆、收筆看得仔細，寫出了範本的樣子。", "The entries and exits are the master's."),
             ("entry_heavy", "entry_light", "exit_blunt", "rough"),
         )
-    yield Candidate(
+    yield PossiblePraise(
         max(ink.torn / s.torn, 0.3),
         Bilingual("墨邊乾淨，行筆穩。", "The edges are clean: the brush moved steadily."),
         ("rough", "dry", "blot", "filled", "heavy"),

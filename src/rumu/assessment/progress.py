@@ -12,6 +12,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from rumu.characters.stroke_data import evenly_spaced
 from rumu.values import FloatArray, Remark
 
 Change = Literal["better", "same", "worse"]
@@ -28,6 +29,8 @@ _SIGNED = frozenset({"lean", "size", "stroke_angle", "spacing"})
 """Kinds whose size itself says to which side the fault lies."""
 _OF_THE_POSE = frozenset({"lean", "size", "offset"})
 """Kinds that are looked for only where the picture is the cell that was written in."""
+_OF_SEVERAL = frozenset({"exit_blunt"})
+"""Kinds that may be told of several strokes at once, where it is chance which of them were found."""
 _STEP = 0.02
 """Of the cell: between points of lines that are compared."""
 
@@ -51,7 +54,7 @@ class Marked(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class FaultPrecision:
     """error: of measuring its size, between two photographs of one copy. least: the smallest that is told."""
 
     error: float
@@ -74,27 +77,27 @@ class ProgressSettings:
     parts: Mapping[str, float] = field(
         default_factory=lambda: {"brushwork": 8.0, "structure": 8.0, "ink": 12.0}
     )
-    faults: Mapping[str, Fault] = field(
+    faults: Mapping[str, FaultPrecision] = field(
         default_factory=lambda: {
-            "length": Fault(0.15, 0.08),
-            "width": Fault(0.2, 0.2),
-            "entry": Fault(0.16, 0.1),
-            "exit_blunt": Fault(0.13, 0.16),
-            "displaced": Fault(0.025, 0.013),
-            "stroke_angle": Fault(4.0, 3.0),
-            "sticks_out": Fault(0.03, 0.05),
-            "missing": Fault(0.01, 0.02),
-            "extra": Fault(0.006, 0.012),
-            "blot": Fault(0.006, 0.009),
-            "filled": Fault(0.2, 0.6),
-            "lean": Fault(2.5, 3.0),
-            "size": Fault(0.06, 0.08),
-            "offset": Fault(0.015, 0.04),
-            "weight": Fault(0.2, 0.14),
-            "squeeze": Fault(0.07, 0.15),
-            "part_place": Fault(0.02, 0.035),
-            "inner": Fault(0.1, 0.15),
-            "spacing": Fault(0.2, 0.25),
+            "length": FaultPrecision(0.15, 0.08),
+            "width": FaultPrecision(0.2, 0.2),
+            "entry": FaultPrecision(0.16, 0.1),
+            "exit_blunt": FaultPrecision(0.13, 0.16),
+            "displaced": FaultPrecision(0.025, 0.013),
+            "stroke_angle": FaultPrecision(4.0, 3.0),
+            "sticks_out": FaultPrecision(0.03, 0.05),
+            "missing": FaultPrecision(0.01, 0.02),
+            "extra": FaultPrecision(0.006, 0.012),
+            "blot": FaultPrecision(0.006, 0.009),
+            "filled": FaultPrecision(0.2, 0.6),
+            "lean": FaultPrecision(2.5, 3.0),
+            "size": FaultPrecision(0.06, 0.08),
+            "offset": FaultPrecision(0.015, 0.04),
+            "weight": FaultPrecision(0.2, 0.14),
+            "squeeze": FaultPrecision(0.07, 0.15),
+            "part_place": FaultPrecision(0.02, 0.035),
+            "inner": FaultPrecision(0.1, 0.15),
+            "spacing": FaultPrecision(0.2, 0.25),
         }
     )
     relative: float = 0.34
@@ -128,7 +131,7 @@ class FaultChange:
 
 
 @dataclass(frozen=True, slots=True)
-class Progress:
+class AttemptProgress:
     """What a later attempt changed. faults: in the order of STATUSES, in each the gravest first."""
 
     mark: NumberChange
@@ -138,7 +141,7 @@ class Progress:
 
 def compare_attempts(
     before: Marked, after: Marked, *, framed: bool, settings: ProgressSettings | None = None
-) -> Progress | None:
+) -> AttemptProgress | None:
     """Compare two marks of copies of one master; None where one of them has no mark.
 
     framed: whether both pictures are the cells that were written in; only then can place, size and lean of
@@ -152,7 +155,7 @@ def compare_attempts(
         (f for f in _fault_changes(before, after, settings) if framed or f.remark.kind not in _OF_THE_POSE),
         key=lambda f: (STATUSES.index(f.status), -f.remark.severity),
     )
-    return Progress(
+    return AttemptProgress(
         _number_change(before.score, after.score, settings.mark),
         {
             name: _number_change(
@@ -251,19 +254,17 @@ def _error(before: Remark, after: Remark, settings: ProgressSettings) -> float:
 
 def _is_clear(remark: Remark, settings: ProgressSettings) -> bool:
     """Whether a fault is so large that it would not fall below the smallest that is told by chance."""
+    if remark.kind in _OF_SEVERAL and len(remark.outline) > 1:
+        return False
     fault = settings.faults.get(aspect_of(remark))
     return fault is None or abs(remark.size) >= fault.least + fault.error
 
 
 def _points(lines: Sequence[Sequence[tuple[float, float]]]) -> FloatArray:
     """(n, 2): points along the lines, evenly spaced, however finely they were drawn."""
-    return np.concatenate([_resampled(np.array(line, dtype=float).reshape(-1, 2)) for line in lines])
-
-
-def _resampled(line: FloatArray) -> FloatArray:
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-    places = np.linspace(0.0, along[-1], 2 + int(along[-1] / _STEP))
-    return np.column_stack([np.interp(places, along, line[:, k]) for k in (0, 1)])
+    arrays = (np.array(line, dtype=float).reshape(-1, 2) for line in lines)
+    lengths = ((line, float(np.hypot(*np.diff(line, axis=0).T).sum())) for line in arrays)
+    return np.concatenate([evenly_spaced(line, 2 + int(length / _STEP)) for line, length in lengths])
 
 
 def _apart(one: FloatArray, other: FloatArray) -> float:

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.assessment.advice import WHOLE
+from rumu.assessment.features import ink_weight
 from rumu.assessment.findings import Fault, Finding
-from rumu.assessment.part_measures import InnerMeasures, PartMeasures, stroke_outlines
+from rumu.assessment.part_measures import InnerMeasures, PartMeasures
 from rumu.assessment.thresholds import RemarkThresholds, as_lines, box, severity
 from rumu.strokes.correspondence import CharacterMatch
 from rumu.strokes.naming import direction_of, way_of
@@ -70,8 +71,7 @@ class PoseSeen:
     @property
     def heaviness(self) -> float:
         """Natural logarithm of the ink's mean depth over the master's, for its size."""
-        copy, master = (p.xyz[:, 2].mean() for p in (self.registration.probe, self.registration.reference))
-        return float(np.log(max(copy, 1e-6) / max(master, 1e-6)))
+        return ink_weight(self.registration)
 
 
 def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Finding]:
@@ -257,8 +257,8 @@ def _on_strokes(
     match: CharacterMatch, points: BoolArray, fault: Fault, text: Bilingual, *, advice: str
 ) -> Finding:
     """A finding on the strokes that some of the master's points belong to."""
-    outlines = stroke_outlines(match, points)
     owners = np.unique(match.master.points.owner[points])
+    outlines = [match.strokes[int(k)].outline for k in owners]
     masters = [match.framed_master.on_picture(match.master.lines[int(k)].points) for k in owners]
     remark = Remark(*fault[:4], box(np.concatenate(outlines)), *text, as_lines(*outlines), as_lines(*masters))
     return Finding(remark, fault.excess, WHOLE[advice], fault.kind)

@@ -93,7 +93,7 @@ def stroke_name(letter: str, centre_line: FloatArray) -> Bilingual:
     """
     if letter not in _SECOND_NAMES:
         return STROKE_NAMES[letter]
-    line = _evenly(centre_line)
+    line = evenly_spaced(centre_line, 64)
     x, y = line.T
     right, down = np.ptp(x), np.ptp(y)
     after_turn, after_foot = int(np.argmax((x - y)[:40])), int(np.argmax(y - x))  # the farthest corners
@@ -110,10 +110,10 @@ def stroke_name(letter: str, centre_line: FloatArray) -> Bilingual:
     return (_SECOND_NAMES if is_second[letter] else STROKE_NAMES)[letter]
 
 
-def _evenly(line: FloatArray) -> FloatArray:
-    """(64, 2): the line with its points evenly spaced."""
+def evenly_spaced(line: FloatArray, count: int) -> FloatArray:
+    """(count, 2): points at equal distances along the line through (n, 2) points, both ends among them."""
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-    at = np.linspace(0.0, arc[-1], 64)
+    at = np.linspace(0.0, arc[-1], count)
     return np.column_stack([np.interp(at, arc, line[:, k]) for k in (0, 1)])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from rumu.assessment.progress import FaultChange, NumberChange
 from rumu.characters.stroke_data import find_character
 from rumu.report.wording import kind_name, with_unit
-from rumu.strokes.naming import place_of
+from rumu.strokes.naming import place_of, stroke_title
 from rumu.values import Bilingual, Remark
 
 FAULTS: Mapping[str, Bilingual] = {
@@ -20,6 +20,7 @@ FAULTS: Mapping[str, Bilingual] = {
     "entry_heavy": Bilingual("起筆太重", "too heavy where it begins"),
     "entry_light": Bilingual("起筆太輕", "too light where it begins"),
     "exit_blunt": Bilingual("收筆禿鈍", "blunt where it ends"),
+    "no_hook": Bilingual("沒有鉤出", "without its flick"),
     "displaced": Bilingual("移位", "out of place"),
     "stroke_angle": Bilingual("斜了", "at a wrong angle"),
     "missing": Bilingual("缺筆", "missing"),
@@ -116,9 +117,7 @@ def stroke_name(remark: Remark, *, character: str) -> Bilingual:
     known = None if remark.stroke is None else find_character(character)
     if known is not None and remark.stroke is not None and remark.stroke <= len(known.strokes):
         name = known.strokes[remark.stroke - 1].name
-        return Bilingual(
-            f"第{_zh_number(remark.stroke)}筆「{name.zh}」", f"Stroke {remark.stroke}, {name.en}"
-        )
+        return Bilingual(stroke_title(remark.stroke, name).zh, f"Stroke {remark.stroke}, {name.en}")
     lines = remark.master_outline or remark.outline
     if not lines:
         return Bilingual("整字", "The whole")
@@ -127,10 +126,3 @@ def stroke_name(remark: Remark, *, character: str) -> Bilingual:
     xy = np.array(lines[0], dtype=float)
     zh, en = place_of((xy.min(axis=0) + xy.max(axis=0)) / 2)
     return Bilingual(f"{zh}的一筆", f"The stroke at the {en}")
-
-
-def _zh_number(number: int) -> str:
-    """'三', '十二', '二十': up to 99."""
-    digits = " 一二三四五六七八九"
-    tens, ones = divmod(number, 10)
-    return (f"{digits[tens] if tens > 1 else ''}十" if tens else "") + digits[ones].strip()

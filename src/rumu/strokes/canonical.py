@@ -13,13 +13,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from rumu.characters.stroke_data import CanonicalCharacter
+from rumu.characters.stroke_data import CanonicalCharacter, evenly_spaced
 from rumu.strokes.centre_lines import (
     SCALE,
     CentreLine,
     CentreLines,
     FramedInk,
     LinePoints,
+    between_corners,
+    doubled_directions,
     find_segments,
     pixels_at,
     sample_lines,
@@ -53,8 +55,8 @@ class LayingSettings:
     """How canonical strokes are laid on a master. Lengths in stroke widths of the master unless said.
 
     step: distance of points along a canonical line, and arm: of the sides between which turning is measured,
-        both in sides of its square. corner: degrees of turning at which a line is cut. clip: greatest ratio
-        by which the proportions of the square are changed beforehand.
+        both in sides of its square. clip: greatest ratio by which the proportions of the square are changed
+        beforehand.
     starts: matchings tried one after another until one leaves no more than `good`; fine: the last one, from
         where the best has brought the lines.
     own_ink_reach: within which ink is a line's own. bend: points of a line over which it is bent together.
@@ -69,7 +71,6 @@ class LayingSettings:
 
     step: float = 1 / 256
     arm: int = 6
-    corner: float = 50.0
     clip: float = 1.33
     starts: tuple[MatchSettings, ...] = _STARTS
     fine: MatchSettings = _FINE
@@ -114,7 +115,7 @@ def lay_character(character: CanonicalCharacter, framed: FramedInk) -> LaidChara
     ink = find_segments(framed)
     lines = _canonical_lines(character, ink.points)
     points = sample_lines(lines)
-    best: tuple[float, FloatArray, LineMatch, BoolArray, IntArray] | None = None
+    best: tuple[float, FloatArray, BoolArray, IntArray] | None = None
     for settings in LAYING.starts:
         at = _bend_to_ink(points, match_lines(points, ink.points, settings=settings), ink.points)
         found = match_lines(_moved_points(points, at), ink.points, settings=LAYING.fine)
@@ -124,11 +125,11 @@ def lay_character(character: CanonicalCharacter, framed: FramedInk) -> LaidChara
         )
         left_over = 1.0 - float(covered.mean()) + float((owner < 0).mean())
         if best is None or left_over < best[0]:
-            best = left_over, at, found, covered, owner
+            best = left_over, at, covered, owner
         if best[0] <= LAYING.good:
             break
     assert best is not None
-    left_over, at, _, covered, owner = best
+    left_over, at, covered, owner = best
     numbers = np.array([line.number for line in lines])[points.owner]
     named = _lines_on_ink(lines, points, at, framed, ink.width)
     beside = ((ink.points.xy[:, None] - at) ** 2).sum(axis=2).min(axis=1) < (LAYING.near * ink.width) ** 2
@@ -155,35 +156,15 @@ def _canonical_lines(character: CanonicalCharacter, ink: LinePoints) -> tuple[Ce
     for number, (stroke, known) in enumerate(zip(strokes, character.strokes, strict=True), start=1):
         moved = (stroke - every.mean(axis=0)) * factor + ink.xy.mean(axis=0)
         is_plain = known.name.zh in {kind.zh for kind in PLAIN_KINDS}
-        pieces = [(0, len(stroke) - 1)] if is_plain else _between_corners(stroke)
+        pieces = [(0, len(stroke) - 1)] if is_plain else between_corners(stroke, arm=LAYING.arm)
         lines += [_line(moved[a : b + 1], number=number) for a, b in pieces]
     return tuple(lines)
 
 
 def _resample(points: FloatArray, step: float) -> FloatArray:
     """A polyline with its points evenly spaced, about `step` apart."""
-    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    at = np.linspace(0.0, arc[-1], max(round(arc[-1] / step), 2) + 1)
-    return np.column_stack([np.interp(at, arc, points[:, k]) for k in (0, 1)])
-
-
-def _between_corners(points: FloatArray) -> list[tuple[int, int]]:
-    """First and last point of each piece of an evenly spaced line that is cut at its corners."""
-    n, arm = len(points), LAYING.arm
-    if n < 4 * arm:
-        return [(0, n - 1)]
-    before, after = points[arm:-arm] - points[: -2 * arm], points[2 * arm :] - points[arm:-arm]
-    cos = (before * after).sum(axis=1) / np.maximum(np.hypot(*before.T) * np.hypot(*after.T), 1e-9)
-    turning = np.zeros(n)
-    turning[arm:-arm] = np.degrees(np.arccos(np.clip(cos, -1.0, 1.0)))
-    turning[: int(1.3 * arm)] = turning[n - int(1.3 * arm) :] = 0.0
-    cuts: list[int] = []
-    while turning.max() >= LAYING.corner:
-        k = int(turning.argmax())
-        cuts.append(k)
-        turning[max(k - 2 * arm, 0) : k + 2 * arm] = 0.0
-    ends = [0, *sorted(cuts), n - 1]
-    return list(pairwise(ends))
+    length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+    return evenly_spaced(points, max(round(length / step), 2) + 1)
 
 
 def _line(points: FloatArray, *, number: int, radius: FloatArray | None = None) -> CentreLine:
@@ -196,12 +177,8 @@ def _line(points: FloatArray, *, number: int, radius: FloatArray | None = None) 
 
 def _moved_points(points: LinePoints, at: FloatArray) -> LinePoints:
     """The points at other places, with the directions that their lines have there."""
-    ways = np.zeros_like(at)
-    for own in _runs_of_owner(points.owner):
-        if own.stop - own.start > 1:
-            ways[own] = np.gradient(at[own], axis=0)
-    angle, known = 2 * np.arctan2(ways[:, 1], ways[:, 0]), np.hypot(*ways.T) > 1e-9
-    return replace(points, xy=at, double=np.column_stack([np.cos(angle), np.sin(angle)]) * known[:, None])
+    double = np.concatenate([doubled_directions(at[own]) for own in _runs_of_owner(points.owner)])
+    return replace(points, xy=at, double=double)
 
 
 def _runs_of_owner(owner: IntArray) -> list[slice]:

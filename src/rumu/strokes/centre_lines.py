@@ -204,12 +204,19 @@ def _ink_area(stroke: Stroke) -> float:
 
 def _cut_at_corners(stroke: Stroke, skeleton: Skeleton) -> list[Stroke]:
     """A stroke in pieces, from corner to corner."""
-    n, arm = len(stroke.points), max(round(skeleton.width), LINES.shortest_arm)
-    whole, margin = LINES.uncut
+    pieces = between_corners(stroke.points, arm=max(round(skeleton.width), LINES.shortest_arm))
+    return [stroke] if len(pieces) == 1 else [as_written(stroke.part(a, b)) for a, b in pieces]
+
+
+def between_corners(points: FloatArray, *, arm: int) -> list[tuple[int, int]]:
+    """First and last point of each piece of an evenly spaced line, (n, 2), that is cut at its corners.
+
+    arm: points of the two sides between which turning is measured.
+    """
+    n, (whole, margin) = len(points), LINES.uncut
     if n < whole * arm:
-        return [stroke]
-    p = stroke.points
-    before, after = p[arm:-arm] - p[: -2 * arm], p[2 * arm :] - p[arm:-arm]
+        return [(0, n - 1)]
+    before, after = points[arm:-arm] - points[: -2 * arm], points[2 * arm :] - points[arm:-arm]
     cos = (before * after).sum(axis=1) / np.maximum(np.hypot(*before.T) * np.hypot(*after.T), 1e-9)
     turning = np.zeros(n)
     turning[arm:-arm] = np.degrees(np.arccos(np.clip(cos, -1.0, 1.0)))
@@ -219,7 +226,7 @@ def _cut_at_corners(stroke: Stroke, skeleton: Skeleton) -> list[Stroke]:
         k = int(turning.argmax())
         cuts.append(k)
         turning[max(k - 2 * arm, 0) : k + 2 * arm] = 0.0
-    return [as_written(stroke.part(a, b)) for a, b in pairwise([0, *sorted(cuts), n - 1])]
+    return list(pairwise([0, *sorted(cuts), n - 1]))
 
 
 def _free_ends(stroke: Stroke, skeleton: Skeleton) -> tuple[bool, bool]:
@@ -249,6 +256,13 @@ def _centre_line(line: Polyline, free: tuple[bool, bool], skeleton: Skeleton) ->
     return CentreLine(from_pixels(line.points), line.radius / SCALE, free, clear, arc)
 
 
+def doubled_directions(points: FloatArray) -> FloatArray:
+    """(n, 2) (cos 2t, sin 2t) of the direction of a line at its points, (n, 2); 0 where it has none."""
+    ways = np.gradient(points, axis=0) if len(points) > 1 else np.zeros((1, 2))
+    angle, known = 2 * np.arctan2(ways[:, 1], ways[:, 0]), np.hypot(*ways.T) > 1e-9
+    return np.asarray(np.column_stack([np.cos(angle), np.sin(angle)]) * known[:, None])
+
+
 def sample_lines(lines: tuple[CentreLine, ...], *, most: int = LINES.most_points) -> LinePoints:
     """Points on lines at the usual spacing, or about `most` where the lines are long."""
     total = sum(line.length for line in lines)
@@ -259,11 +273,8 @@ def sample_lines(lines: tuple[CentreLine, ...], *, most: int = LINES.most_points
         count = max(round(arc[-1] / spacing) + 1, 2) if arc[-1] > 0 else 1
         at = np.linspace(0.0, arc[-1], count)
         points = np.column_stack([np.interp(at, arc, line.points[:, i]) for i in (0, 1)])
-        ways = np.gradient(points, axis=0) if len(points) > 1 else np.zeros((1, 2))
-        angle = 2 * np.arctan2(ways[:, 1], ways[:, 0])
-        known = (np.hypot(*ways.T) > 1e-9).astype(float)
         xy.append(points)
-        double.append(np.column_stack([np.cos(angle), np.sin(angle)]) * known[:, None])
+        double.append(doubled_directions(points))
         radius.append(np.interp(at, arc, line.radius))
         owner.append(np.full(len(at), k))
         clear.append(np.interp(at, arc, line.clear.astype(float)) > 0.5)

@@ -33,11 +33,11 @@ from rumu.strokes.matching import LineMatch
 from rumu.strokes.measures import MatchedStroke, StrokeMeasurer, edge_tremor
 from rumu.strokes.placement import (
     Placement,
+    fill_in,
     lay_subset,
     lay_without,
     move_ink,
     place_lines,
-    predict_places,
     stroke_numbers,
 )
 from rumu.strokes.pose import NO_POSE, CharacterPose, Squeeze, find_pose, find_squeeze, share_in_place
@@ -344,21 +344,15 @@ def _lay_rest(compared: Compared, missing: tuple[int, ...]) -> tuple[FramedInk, 
     """
     master, copy, framed, places = compared.master, compared.copy, compared.framed, compared.places
     numbers = stroke_numbers(master)
+    kept = ~np.isin(numbers, missing)
     rest, move = lay_without(master, copy, numbers, missing)
     if (move != np.eye(2, 3)).any():
         framed = move_ink(framed, move)
         copy = find_segments(framed)
-        rest = lay_subset(master, copy, kept=~np.isin(numbers, missing))
-    kept = np.flatnonzero(~np.isin(numbers, missing))
-    moved, covered = places.copy(), np.zeros(len(places), bool)
+        rest = lay_subset(master, copy, kept=kept)
+    moved, covered = fill_in(rest, kept, places)
     responsibility = np.zeros((len(places), len(copy.points.xy)), np.float32)
-    moved[kept], covered[kept], responsibility[kept] = (
-        rest.found.moved,
-        rest.covered,
-        rest.found.responsibility,
-    )
-    gone = np.isin(numbers, missing)
-    moved[gone] = predict_places(places, moved, covered, gone)
+    responsibility[kept] = rest.found.responsibility
     lines = np.unique(master.points.owner[kept])  # the rest's lines were numbered anew
     owner = np.where(rest.owner >= 0, lines[rest.owner], -1)
     return framed, copy, replace(rest, found=LineMatch(moved, responsibility), covered=covered, owner=owner)

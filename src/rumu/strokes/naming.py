@@ -141,10 +141,13 @@ def is_hook(legs: Sequence[CentreLine]) -> bool:
 
 
 def number_words(n: int) -> Bilingual:
-    """The number n in Chinese and the ordinal in English."""
+    """The number n, from 1 to 99, in Chinese and the ordinal in English."""
     if n <= 10:
         return Bilingual(_NUMBERS[n - 1], _ORDINALS[n - 1])
-    return Bilingual(f"十{_NUMBERS[n - 11]}" if n < 20 else str(n), f"{n}th")
+    tens, ones = divmod(n, 10)
+    zh = f"{_NUMBERS[tens - 1] if tens > 1 else ''}十{_NUMBERS[ones - 1] if ones else ''}"
+    ending = "th" if tens == 1 else {1: "st", 2: "nd", 3: "rd"}.get(ones, "th")
+    return Bilingual(zh, f"{n}{ending}")
 
 
 def place_of(at: FloatArray) -> Bilingual:

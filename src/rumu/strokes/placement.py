@@ -114,6 +114,18 @@ def predict_places(places: FloatArray, moved: FloatArray, known: BoolArray, want
     return np.asarray(places[wanted] + shift)
 
 
+def fill_in(rest: Placement, kept: BoolArray, places: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """(n, 2) where all of the master's points lie, and (n,) which found ink, when only some were laid.
+
+    kept: (n,) those that were laid. places: (n, 2) where all lie in the master itself. The others stand where
+    their neighbours predict them, and found none.
+    """
+    moved, covered = places.copy(), np.zeros(len(places), bool)
+    moved[kept], covered[kept] = rest.found.moved, rest.covered
+    moved[~kept] = predict_places(places, moved, covered, ~kept)
+    return moved, covered
+
+
 def draw_discs(points: FloatArray, radius: FloatArray) -> BoolArray:
     """(SIDE, SIDE) bool: discs about points of the frame, radii in its unit."""
     import cv2

@@ -17,6 +17,7 @@ from rumu.strokes.matching import MatchSettings
 from rumu.strokes.placement import (
     Placement,
     draw_discs,
+    fill_in,
     lay_without,
     move_ink,
     place_lines,
@@ -186,8 +187,10 @@ def _find_missing(compared: Compared, whole: Placement) -> tuple[int, ...]:
     suspects = _suspects(compared, whole)
     missing: list[int] = []
     left_over, strokes = whole.left_over, len(np.unique(numbers))
+    without: dict[int, tuple[Placement, FloatArray]] = {}  # each suspect, besides what is missing
     while suspects and len(missing) < strokes - 1:
-        without = {s.number: lay_without(master, copy, numbers, (*missing, s.number)) for s in suspects}
+        if not without:
+            without = {s.number: lay_without(master, copy, numbers, (*missing, s.number)) for s in suspects}
         best = max(suspects, key=lambda s: left_over - without[s.number][0].left_over)
         rest, move = without[best.number]
         suspects.remove(best)
@@ -197,6 +200,7 @@ def _find_missing(compared: Compared, whole: Placement) -> tuple[int, ...]:
         if best.is_missing((left_over - rest.left_over) / best.share, spare):
             missing.append(best.number)
             left_over = rest.left_over
+            without = {}
     return tuple(missing)
 
 
@@ -214,11 +218,9 @@ def _spare_ink(compared: Compared, rest: Placement, *, gone: BoolArray, own: Boo
     """
     import cv2
 
-    s, master, places, framed = PRESENCE, compared.master, compared.places, compared.framed
-    points, kept = master.points, np.flatnonzero(~gone)
-    moved, covered = places.copy(), np.zeros(len(places), bool)
-    moved[kept], covered[kept] = rest.found.moved, rest.covered
-    expected = predict_places(places, moved, covered, own)
+    s, master, framed = PRESENCE, compared.master, compared.framed
+    points = master.points
+    moved, _ = fill_in(rest, ~gone, compared.places)
     depth = cv2.distanceTransform(framed.ink.view(np.uint8), cv2.DIST_L2, 5) / SCALE
     strokes = np.flatnonzero(~gone & (stroke_numbers(master) != 0))  # spare ink may be its own
     radius, owner = depth[pixels_at(moved[strokes])], points.owner[strokes]
@@ -227,7 +229,7 @@ def _spare_ink(compared: Compared, rest: Placement, *, gone: BoolArray, own: Boo
     spare = framed.ink & ~tubes
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (3, 3))
     spare = cv2.morphologyEx(spare.view(np.uint8), cv2.MORPH_OPEN, disc) > 0
-    near = draw_discs(expected, np.full(len(expected), s.spare_reach))
+    near = draw_discs(moved[own], np.full(np.count_nonzero(own), s.spare_reach))
     _, patches = cv2.connectedComponents(spare.view(np.uint8), connectivity=8)
     areas = np.bincount(patches.ravel())
     areas[0] = 0

@@ -135,7 +135,6 @@ def add_samples(gallery: Gallery, *, storage: Storage) -> int:
             master,
             script=work.script,
             calibration=calibration,
-            character=work.character,
             framed=True,  # as large as its master's picture
         )
         add_attempt(

@@ -40,12 +40,11 @@ def mark_copy(
     *,
     script: str,
     calibration: Calibration | None,
-    character: str = "",
     framed: bool = False,
 ) -> MarkedCopy:
     """Mark an encoded picture against a master. Raises Unusable when it is no picture.
 
-    script, character: of the master, '' where not known. framed: as `pipeline.assess` takes it.
+    script: of the master, '' where not known. framed: as `pipeline.assess` takes it.
     """
     from PIL import Image
 
@@ -58,7 +57,6 @@ def mark_copy(
         master,
         script=script or None,
         calibration=calibration,
-        character=character or None,
         framed=framed,
     )
     registration = assessment.registration

@@ -37,12 +37,11 @@ def mark(
     work_id: str,
     digest: str,
     script: str,
-    character: str = "",
     framed: bool = False,
 ) -> MarkedCopy:
     """Mark a picture against a work. digest: of the work, so that a changed one is read anew.
 
-    script, character: of the work. framed: whether the picture is the cell that was written in.
+    script: of the work. framed: whether the picture is the cell that was written in.
 
     Raises Unusable when it is no picture.
     """
@@ -54,7 +53,6 @@ def mark(
         master,
         script=script,
         calibration=load_calibration_of(storage),
-        character=character,
         framed=framed,
     )
 

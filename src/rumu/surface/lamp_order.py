@@ -124,9 +124,9 @@ def _check_room_light(
     Lamps in one ring cannot tell: such a light is to them one from straight above.
     """
     lamps = _with_strengths(capture, capture.lights)
-    if len(lamps) < 6 or np.linalg.svd(np.column_stack([lamps, np.ones(len(lamps))]))[1][-1] < settings.ring:
-        return
     both = np.column_stack([lamps, np.ones(len(lamps))])
+    if len(lamps) < 6 or np.linalg.svd(both, compute_uv=False)[-1] < settings.ring:
+        return
     after = unexplained(rows, both, scale)
     constant = np.linalg.lstsq(both, rows.T, rcond=None)[0][3]
     share = float(np.median(constant / rows.mean(axis=1)))

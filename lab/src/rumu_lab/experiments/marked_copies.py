@@ -32,7 +32,7 @@ class Copy:
 
 def read_copies(data: Path) -> list[Copy]:
     """The rows of both tables, paths resolved. Raises CalibrationError when one is not there."""
-    return [copy for name in TABLES for copy in _read_table(data / name)]
+    return [copy for name in TABLES for copy in read_table(data / name)]
 
 
 def read_templates(data: Path) -> list[Path]:
@@ -52,7 +52,8 @@ def chosen_copies(settings: RunSettings) -> list[Copy]:
     return chosen
 
 
-def _read_table(table: Path) -> list[Copy]:
+def read_table(table: Path) -> list[Copy]:
+    """The rows of one table, paths resolved. Raises CalibrationError when it is not there."""
     if not table.is_file():
         raise CalibrationError(
             f"{table}: expected the E3C marks here (set RUMU_DATA or --data), found nothing"

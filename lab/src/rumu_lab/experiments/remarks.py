@@ -23,7 +23,7 @@ from rumu.errors import CalibrationError, RumuError, SurfaceError
 from rumu.pipeline import PreparedMaster
 from rumu.values import BoolArray, Remark
 from rumu_lab.experiments.findings import Findings
-from rumu_lab.experiments.marked_copies import read_templates
+from rumu_lab.experiments.marked_copies import FOLDERS, read_templates
 from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
 from rumu_lab.simulation.faults import FaultyGlyph, apply
@@ -156,11 +156,15 @@ def standard_masters(data: Path) -> list[RemarkMaster]:
         raise CalibrationError(f"{data}: expected e3c/templates and masters/regular here, found none")
     spread = [steles[k] for k in np.linspace(0, len(steles) - 1, STELES).astype(int)]
     folder = data / "masters" / "regular"
-    written = _characters(data / "e3c" / "scores.csv", "template")
+    written = {
+        data / part / file: character
+        for part in FOLDERS
+        for file, character in _characters(data / part / "scores.csv", "template").items()
+    }
     carved = _characters(folder / "labels.csv", "file")
     return [
         *(RemarkMaster(w.id, w.path, w.id in SEEN, w.character) for w in starter_works()),
-        *(RemarkMaster(f"e3c-{p.stem}", p, False, written.get(f"templates/{p.name}")) for p in templates),
+        *(RemarkMaster(f"e3c-{p.stem}", p, False, written.get(p)) for p in templates),
         *(
             RemarkMaster(f"stele-{p.stem}", p, False, carved.get(p.relative_to(folder).as_posix()))
             for p in spread
@@ -181,7 +185,7 @@ def try_master(master: RemarkMaster, severities: tuple[float, ...]) -> list[Faul
     from rumu import pipeline
 
     glyph = _glyph(master.path)
-    prepared = pipeline.prepare_master(_picture(glyph.mask))
+    prepared = pipeline.prepare_master(_picture(glyph.mask), character=master.character)
     cases = list(dict.fromkeys([(fault, s) for fault in ANSWERS for s in severities] + list(ASKED)))
     trials: list[FaultTrial] = []
     for fault, severity in cases:
@@ -194,13 +198,13 @@ def try_master(master: RemarkMaster, severities: tuple[float, ...]) -> list[Faul
             continue  # of a character without a left and a right part nothing is said of them
         if fault == "blunt" and (copy.mask ^ glyph.mask).sum() < SEEN_INK * glyph.mask.sum():
             continue  # no tip that tapers, as in seal script
-        remarks, refused = _remarks(copy.ink, prepared, master.character)
+        remarks, refused = _remarks(copy.ink, prepared)
         right = [r.kind in ANSWERS[fault] and speaks_of(r, copy, glyph) for r in remarks]
         position = right.index(True) if any(right) else None
         kinds = tuple(r.kind for r in remarks)
         trials.append(FaultTrial(master.name, master.seen, fault, severity, position, kinds, refused))
     for name, ink in _clean_copies(glyph).items():
-        remarks, refused = _remarks(ink, prepared, master.character)
+        remarks, refused = _remarks(ink, prepared)
         kinds = tuple(r.kind for r in remarks)
         trials.append(FaultTrial(master.name, master.seen, f"clean {name}", 0.0, None, kinds, refused))
     return trials
@@ -248,14 +252,12 @@ def has_halves(character: str | None) -> bool:
     return known is not None and known.structure is not None and AXES.get(known.structure) == "across"
 
 
-def _remarks(
-    ink: np.ndarray, master: PreparedMaster, character: str | None
-) -> tuple[tuple[Remark, ...], str | None]:
+def _remarks(ink: np.ndarray, master: PreparedMaster) -> tuple[tuple[Remark, ...], str | None]:
     """Remarks on a copy with this ink in its cell; or none, and why it cannot be marked."""
     from rumu import pipeline
 
     try:
-        return pipeline.assess(_picture(ink), master, character=character, framed=True).remarks, None
+        return pipeline.assess(_picture(ink), master, framed=True).remarks, None
     except RumuError as error:
         return (), str(error)
 

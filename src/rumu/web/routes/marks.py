@@ -93,7 +93,6 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
         work_id=master.id,
         digest=master.digest,
         script=master.script,
-        character=master.character,
         framed=copy.framed,
     )
     kept = copy.keep and (copy.keep_unmarked or marked.facts["refused"] is None)
