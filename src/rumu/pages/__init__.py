@@ -1,0 +1,1 @@
+"""A photographed or scanned page -> its characters; sheets that are printed and read back."""
