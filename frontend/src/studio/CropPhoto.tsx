@@ -15,7 +15,8 @@ type Props = {
   grid: Grid;
   work: WorkCard;
   /**
-   * Called with a function that crops the cell, whenever the square changes; with null while there is no photograph.
+   * Called with a function that crops the cell, whenever the square changes; with null while there is no photograph,
+   * or while another one, or the same turned, is being opened.
    * framed: the square is the printed cell.
    */
   onCell: (make: MakeCell | null, framed: boolean) => void;
@@ -27,15 +28,20 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
   const [opened, setOpened] = useState<OpenedPhoto | null>(null);
   const [square, setSquare] = useState<Square | null>(null);
   const [trouble, setTrouble] = useState(false);
+  const [opening, setOpening] = useState(false);
   const plain = useRef<HTMLCanvasElement | null>(null); // the photograph as it is turned, without more paper
   const photo = opened?.photo ?? null;
   const framed = opened?.reason === "grid" && square === opened.square;
-  useEffect(() => onCell(photo && square ? () => cropToBlob(photo.canvas, square) : null, framed), [photo, square]);
+  useEffect(() => {
+    if (!opening) onCell(photo && square ? () => cropToBlob(photo.canvas, square) : null, framed);
+  }, [photo, square, opening]);
   useEffect(() => () => void (photo && URL.revokeObjectURL(photo.url)), [photo]);
   const shape = useRef<ReturnType<typeof masterShape> | null>(null);
   const order = useRef(0);
   const take = async (drawn: HTMLCanvasElement | Promise<HTMLCanvasElement>) => {
     const mine = ++order.current;
+    onCell(null, false); // at once: what stands here now is no longer what is to be marked
+    setOpening(true);
     try {
       const canvas = await drawn;
       plain.current = canvas;
@@ -45,7 +51,9 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
       setSquare(next.square);
       setTrouble(false);
     } catch {
-      setTrouble(true);
+      if (mine === order.current) setTrouble(true);
+    } finally {
+      if (mine === order.current) setOpening(false);
     }
   };
   const turn = (degrees: number) => {

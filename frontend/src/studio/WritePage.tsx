@@ -73,8 +73,9 @@ function WriteView({ work, task }: { work: Work; task: string | null }) {
   const changeCell = (make: MakeCell | null, framed: boolean) => {
     discard();
     setCell({ make, framed });
-    const cropped = markNext.current && copyMaker("photo", [], { make, framed }, settings);
+    if (!make || !markNext.current) return;
     markNext.current = false;
+    const cropped = copyMaker("photo", [], { make, framed }, settings);
     if (cropped) void requestMark(cropped, { automatic: false });
   };
   useEffect(() => addRecentWork(work.id), [work.id]);
