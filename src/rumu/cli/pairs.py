@@ -143,7 +143,7 @@ def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str
 
 
 @functools.lru_cache(maxsize=4)  # rows come by master; each surface may hold many pixels
-def prepared_master(path: Path, character: str | None, script: str | None) -> PreparedMaster:
+def prepared_master(path: Path, character: str | None = None, script: str | None = None) -> PreparedMaster:
     """The master in a file or folder; the last ones stay in memory."""
     from rumu import pipeline
 
