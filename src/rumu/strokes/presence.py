@@ -205,10 +205,11 @@ def _find_missing(compared: Compared, whole: Placement) -> tuple[int, ...]:
 
 
 def _suspects(compared: Compared, whole: Placement) -> list[StrokePresence]:
-    """The strokes that are worth a test, the most suspicious first."""
+    """The strokes that a test could show to be missing, the most suspicious first."""
     every = measure_presence(compared, whole)
     suspects = [presence for presence in every if presence.suspicion > PRESENCE.suspicious]
-    return sorted(suspects, key=lambda presence: -presence.suspicion)[: PRESENCE.most_tested]
+    suspects = sorted(suspects, key=lambda presence: -presence.suspicion)[: PRESENCE.most_tested]
+    return [presence for presence in suspects if presence.is_missing(gain=np.inf, spare=0.0)]
 
 
 def _spare_ink(compared: Compared, rest: Placement, *, gone: BoolArray, own: BoolArray) -> float:
