@@ -9,8 +9,8 @@ import numpy as np
 import pypdf
 import pytest
 
+from rumu import pdf_text
 from rumu.database.tables import Attempt, Work, now
-from rumu.studio import pdf_text
 from rumu.studio.practice import Curve
 from rumu.studio.practice_pdf import PracticeSheet, practice_pdf, printed_attempts, progress_sentences
 

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 import rumu
-from rumu.cli import assess, calibrate, demo, extensions, find, gallery, serve, surfaces
+from rumu.cli import assess, calibrate, demo, extensions, find, gallery, serve, sheet, surfaces
 from rumu.cli.terminal import FINE, speak_plainly
 
 app = typer.Typer(
@@ -25,6 +25,7 @@ for command in (
     surfaces.relight,
     surfaces.stl,
     assess.assess,
+    sheet.sheet,
     calibrate.calibrate,
     find.find,
     serve.serve,

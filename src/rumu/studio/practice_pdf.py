@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from rumu.database.tables import Attempt
+from rumu.pdf_text import draw_text, text_width, wrap_text
 from rumu.report.wording import LEVELS, MEANS
-from rumu.studio.pdf_text import draw_text, text_width, wrap_text
 from rumu.studio.practice import Curve
 from rumu.studio.progress import progress_facts
 

@@ -1,0 +1,99 @@
+"""A font of the characters that a sheet shows, made of the copybooks' strokes and embedded in its PDF.
+
+So a sheet needs no font of the machine, prints the same everywhere, and its text can be searched and copied.
+"""
+
+from __future__ import annotations
+
+import io
+import itertools
+from typing import Any
+
+import numpy as np
+
+from rumu.characters.stroke_data import CanonicalStroke, find_character
+from rumu.pdf_text import draw_text, text_width
+
+_EM, _DESCENT = 1000, 120  # units of the font, and how far its square reaches below the line
+_NUMBERS = itertools.count(1)
+
+
+class SheetFont:
+    """Some characters as an embedded font; Latin is set in Helvetica, what is unknown as `pdf_text` does.
+
+    letters: all that will be set.
+    """
+
+    def __init__(self, letters: str) -> None:
+        known = {letter: found for letter in sorted(set(letters)) if (found := find_character(letter))}
+        self._known = frozenset(known)
+        self._name = f"rumu-strokes-{next(_NUMBERS)}"
+        if known:
+            from reportlab.pdfbase.pdfmetrics import registerFont
+            from reportlab.pdfbase.ttfonts import TTFont
+
+            strokes = {letter: found.strokes for letter, found in known.items()}
+            registerFont(TTFont(self._name, io.BytesIO(_font_file(strokes))))
+
+    def width(self, text: str, size: float) -> float:
+        """Width of a line of text in points."""
+        return sum(len(run) * size if known else text_width(run, size) for known, run in self._runs(text))
+
+    def draw(self, canvas: Any, x: float, y: float, text: str, size: float) -> float:
+        """Draw one line from (x, y) on its baseline in the fill colour; the x of its end, in points."""
+        for known, run in self._runs(text):
+            if known:
+                canvas.setFont(self._name, size)
+                canvas.drawString(x, y, run)
+                x += len(run) * size
+            else:
+                x = draw_text(canvas, x, y, run, size)
+        return x
+
+    def _runs(self, text: str) -> list[tuple[bool, str]]:
+        return [
+            (known, "".join(run)) for known, run in itertools.groupby(text, key=lambda c: c in self._known)
+        ]
+
+
+def _font_file(characters: dict[str, tuple[CanonicalStroke, ...]]) -> bytes:
+    """A TrueType font with these characters."""
+    from fontTools.fontBuilder import FontBuilder  # type: ignore[import-untyped]
+    from fontTools.pens.ttGlyphPen import TTGlyphPen  # type: ignore[import-untyped]
+
+    glyphs = {".notdef": TTGlyphPen(None).glyph()}
+    names = {ord(letter): f"u{ord(letter):05x}" for letter in characters}
+    for letter, strokes in characters.items():
+        pen = TTGlyphPen(None)
+        for stroke in strokes:
+            _draw_stroke(pen, stroke)
+        glyphs[names[ord(letter)]] = pen.glyph()
+    builder = FontBuilder(_EM, isTTF=True)
+    builder.setupGlyphOrder(list(glyphs))
+    builder.setupCharacterMap(names)
+    builder.setupGlyf(glyphs)
+    table = builder.font["glyf"]
+    builder.setupHorizontalMetrics({name: (_EM, getattr(table[name], "xMin", 0)) for name in glyphs})
+    builder.setupHorizontalHeader(ascent=_EM - _DESCENT, descent=-_DESCENT)
+    builder.setupNameTable({"familyName": "rumu strokes", "styleName": "Regular", "psName": "rumu-strokes"})
+    builder.setupOS2(sTypoAscender=_EM - _DESCENT, sTypoDescender=-_DESCENT)
+    builder.setupPost()
+    stream = io.BytesIO()
+    builder.save(stream)
+    return stream.getvalue()
+
+
+def _draw_stroke(pen: Any, stroke: CanonicalStroke) -> None:
+    """Add the outline of a stroke, all of them in one direction: where two cross, ink stays ink."""
+    from fontTools.pens.cu2quPen import Cu2QuPen  # type: ignore[import-untyped]
+    from fontTools.pens.reverseContourPen import ReverseContourPen  # type: ignore[import-untyped]
+
+    x, y = stroke.polygon().T
+    clockwise = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) > 0  # as y grows downward
+    target = Cu2QuPen(pen if clockwise else ReverseContourPen(pen), max_err=1.0)
+    draw = {"M": target.moveTo, "L": target.lineTo, "Q": target.qCurveTo, "C": target.curveTo}
+    for command, points in stroke.outline:
+        if command == "Z":
+            target.closePath()
+        else:
+            draw[command](*((round(_EM * px), round(_EM * (1 - py)) - _DESCENT) for px, py in points))

@@ -1,0 +1,259 @@
+"""A photograph of a printed sheet -> what its code says, and what was written in each of its cells.
+
+The recipe: find the markers, map the paper, read the code, map it again by the printed frames of its cells,
+cut the cells out, take away what was printed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.errors import RefusedImage
+from rumu.pages.sheet_code import decode_modules, looks_like_code, module_counts, module_places
+from rumu.pages.sheet_frames import FlatSheet, flatten, frame_grayness, refine_by_frames
+from rumu.pages.sheet_layout import PAPERS, Paper, SheetCell, SheetPage
+from rumu.pages.sheet_markers import (
+    SIDE,
+    PaperMap,
+    find_markers,
+    map_paper,
+    refuse_cut_off,
+)
+from rumu.pages.sheet_models import MasterShape
+from rumu.pages.sheet_print import take_print_away
+from rumu.values import FloatArray
+
+Picture = npt.NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True)
+class SheetSettings:
+    """When a photograph is refused, and how its cells are cut.
+
+    flat: pixels of the flat page for each millimetre. contrast: least gray levels between the black and the
+    white of the markers. blur: most millimetres of the standard deviation by which their edges are smeared.
+    largest, smallest: side of a cell's picture in pixels. rim: of a cell, left out when it is judged empty,
+    as a share of its side. ink: darkness from which a pixel is ink; written: least share of a cell that is.
+    """
+
+    flat: float = 6.0
+    contrast: float = 45.0
+    blur: float = 0.42
+    largest: int = 480
+    smallest: int = 160
+    rim: float = 0.03
+    ink: float = 0.35
+    written: float = 0.002
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LocatedSheet:
+    """A sheet found in a photograph.
+
+    picture: (H, W, 3) uint8, the photograph. page: what its code says. places: from the paper to pixels.
+    flat: the page flattened. blur: standard deviation by which edges are smeared, in millimetres. gray: how
+    gray the print is, see `grayness`.
+    """
+
+    picture: Picture
+    page: SheetPage
+    places: PaperMap
+    flat: FlatSheet
+    blur: float
+    gray: float
+
+    def name_picture(self) -> Picture:
+        """The place of the pupil's name, as a picture."""
+        return self.flat.cut(self.page.name_box)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WrittenCell:
+    """A cell that somebody wrote in.
+
+    cell: which. picture: (n, n) uint8 gray, what was written in it, without the print; the whole is the cell.
+    polygon: (4, 2) its corners in the photograph, in pixels, the upper left first.
+    """
+
+    cell: SheetCell
+    picture: Picture
+    polygon: FloatArray
+
+
+def is_sheet(picture: Picture) -> bool:
+    """Whether a picture (H, W, 3) shows a printed sheet of ours, even one that will be refused."""
+    return len({number for number, _ in find_markers(_gray(picture))}) >= 3
+
+
+def locate_sheet(picture: Picture, *, settings: SheetSettings | None = None) -> LocatedSheet:
+    """Find the sheet in a photograph.
+
+    picture: (H, W, 3) uint8 sRGB; any rotation.
+    Raises RefusedImage, with reason 'no sheet', 'two sheets', 'cut off', 'dark', 'blurred' or 'unreadable'.
+    """
+    settings = settings or SheetSettings()
+    markers = find_markers(_gray(picture))
+    if len({number for number, _ in markers}) < 3:
+        raise RefusedImage(
+            "expected a practice sheet that rumu printed, found none of its black squares",
+            reason="no sheet",
+            zh="照片裡沒有找到練習紙四邊的黑色方塊；請把整張練習紙拍清楚。",
+        )
+    light = _check_light(picture, markers, settings)
+    for paper in PAPERS:
+        places = map_paper(markers, paper)
+        flat = flatten(picture, places, scale=settings.flat)
+        page = _read_code(flat, paper)
+        if page is not None:
+            return _locate(picture, page, places, settings, blur=light / places.scale())
+    if light / places.scale() > settings.blur:
+        raise _refuse_blurred()
+    raise RefusedImage(
+        "expected the printed code of the sheet, it cannot be read; is it covered or creased?",
+        reason="unreadable",
+        zh="練習紙右上角的方塊碼讀不出來，可能被遮住或弄皺了。",
+    )
+
+
+def read_cells(
+    sheet: LocatedSheet, masters: Mapping[str, MasterShape], *, settings: SheetSettings | None = None
+) -> tuple[WrittenCell, ...]:
+    """What was written in the cells of a sheet, in reading order; empty cells are left out.
+
+    masters: by character, as they were printed; only a sheet printed in black and white needs them.
+    """
+    settings = settings or SheetSettings()
+    cells = []
+    for cell in sheet.page.cells:
+        if not cell.is_for_writing:
+            continue
+        side = int(np.clip(round(cell.box.width * sheet.places.scale()), settings.smallest, settings.largest))
+        colours = _cut(sheet, cell, side)
+        gray = take_print_away(
+            colours, cell, sheet.page.grid, masters.get(cell.character), gray=sheet.gray, blur=sheet.blur
+        )
+        if _is_written(gray, settings):
+            cells.append(WrittenCell(cell, gray, sheet.places.pixels(cell.box.corners)))
+    return tuple(cells)
+
+
+def _locate(
+    picture: Picture, page: SheetPage, places: PaperMap, settings: SheetSettings, *, blur: float
+) -> LocatedSheet:
+    """The sheet whose code was read, mapped by all that is printed on it."""
+    height, width = picture.shape[:2]
+    corners = np.concatenate([cell.box.corners for cell in page.cells])
+    if blur > settings.blur:
+        raise _refuse_blurred()
+    flat = flatten(picture, places, scale=settings.flat)
+    places = refine_by_frames(flat, page, places)
+    x, y = places.pixels(corners).T
+    if min(x.min(), y.min()) < 0 or x.max() > width - 1 or y.max() > height - 1:
+        raise refuse_cut_off()
+    flat = flatten(picture, places, scale=settings.flat)
+    return LocatedSheet(picture, page, places, flat, blur, gray=frame_grayness(flat, page))
+
+
+def _read_code(flat: FlatSheet, paper: Paper) -> SheetPage | None:
+    """What the code of a flat page says; None where there is none, or it says another paper."""
+    import cv2
+
+    box = SheetPage("一", "", paper=paper).code_box
+    light = flat.red
+    for count in module_counts():
+        places = module_places(count) * box.width + (box.left, box.top)
+        spots = (places * flat.scale - 0.5).astype(np.float32).reshape(count, count, 2)
+        values = cv2.remap(light, spots[..., 0], spots[..., 1], cv2.INTER_CUBIC).astype(np.float64)
+        if looks_like_code(values):
+            page = decode_modules(values)
+            if page is not None and page.paper == paper:
+                return page
+    return None
+
+
+def _gray(picture: Picture) -> Picture:
+    import cv2
+
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
+
+
+def _check_light(picture: Picture, markers: list[tuple[int, FloatArray]], settings: SheetSettings) -> float:
+    """Standard deviation, in pixels, by which the markers' edges are smeared; raises where it is too dark."""
+    spreads, contrasts = [], []
+    for _, corners in markers:
+        patch = _marker_patch(picture, corners)
+        white, black = float(np.quantile(patch, 0.95)), float(np.quantile(patch, 0.05))
+        contrasts.append(white - black)
+        spreads.append(_smear(patch, max(white - black, 1.0)))
+    if float(np.median(contrasts)) < settings.contrast:
+        raise RefusedImage(
+            "too dark: expected black squares on white paper, the picture hardly tells them apart",
+            reason="dark",
+            zh="照片太暗，黑白分不清；請在亮一點的地方再拍。",
+        )
+    side = np.median([np.hypot(*(c - np.roll(c, 1, axis=0)).T).mean() for _, c in markers])
+    return float(np.median(spreads) * side / SIDE)
+
+
+_PER_MODULE = 8  # pixels of a module in the patch of a marker
+
+
+def _marker_patch(picture: Picture, corners: FloatArray) -> npt.NDArray[np.float32]:
+    """A marker and a module of paper around it, upright, in gray levels."""
+    import cv2
+
+    side = (SIDE + 2) * _PER_MODULE
+    inner, outer = _PER_MODULE - 0.5, side - _PER_MODULE - 0.5
+    square = np.array([[inner, inner], [outer, inner], [outer, outer], [inner, outer]], np.float32)
+    matrix = cv2.getPerspectiveTransform(corners.astype(np.float32), square)
+    patch = cv2.warpPerspective(picture, matrix, (side, side), flags=cv2.INTER_LINEAR)
+    return np.asarray(cv2.cvtColor(patch, cv2.COLOR_RGB2GRAY), np.float32)
+
+
+def _smear(patch: npt.NDArray[np.float32], contrast: float) -> float:
+    """Standard deviation, in modules, of the blur: from how steep the outer edges of the marker are."""
+    k, n = _PER_MODULE, len(patch)
+    steepest = []
+    for view in (patch, patch[::-1], patch.T, patch.T[::-1]):
+        profile = view[: 2 * k, 2 * k : n - 2 * k].mean(axis=1)
+        steepest.append(float(np.abs(np.diff(profile)).max()))
+    return contrast / (math.sqrt(2 * math.pi) * max(float(np.median(steepest)), 1e-3)) / k
+
+
+def _refuse_blurred() -> RefusedImage:
+    return RefusedImage(
+        "blurred: the edges of the printed squares are smeared; hold still, and let the camera focus",
+        reason="blurred",
+        zh="照片模糊；請拿穩、對好焦再拍。",
+    )
+
+
+def _cut(sheet: LocatedSheet, cell: SheetCell, side: int) -> npt.NDArray[np.float32]:
+    """(side, side, 3): a cell of the photograph over the paper around it, 1 on paper."""
+    import cv2
+
+    nodes = 17
+    shares = np.linspace(0, 1, nodes)
+    x, y = np.meshgrid(cell.box.left + shares * cell.box.width, cell.box.top + shares * cell.box.height)
+    places = sheet.places.pixels(np.column_stack([x.ravel(), y.ravel()])).astype(np.float32)
+    at = ((np.arange(side) + 0.5) / side * (nodes - 1)).astype(np.float32)
+    column, row = np.meshgrid(at, at)
+    maps = [
+        cv2.remap(places[:, axis].reshape(nodes, nodes), column, row, cv2.INTER_LINEAR) for axis in (0, 1)
+    ]
+    pixels = cv2.remap(sheet.picture, maps[0], maps[1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    paper = sheet.flat.paper_of(cell.box, side)
+    return np.asarray(pixels.astype(np.float32) / np.maximum(paper, 1.0), np.float32)
+
+
+def _is_written(gray: Picture, settings: SheetSettings) -> bool:
+    """Whether there is ink in a cell's picture."""
+    rim = round(settings.rim * len(gray))
+    inner = gray[rim:-rim, rim:-rim]
+    dark = int(np.count_nonzero(inner < 255 * (1 - settings.ink)))
+    return dark >= settings.written * inner.size
