@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -14,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from rumu.errors import RumuError
-from rumu.executors import by_group, cores, in_order
+from rumu.executors import LOCAL_CLUSTER, by_group, cores, in_order, open_executor
 
 
 @pytest.mark.parametrize("processes", [1, 2])
@@ -38,18 +39,16 @@ def test_one_process_works_in_this_process():
     assert seen == [0, 1, 2]
 
 
-def test_groups_are_worked_on_together_and_answered_in_order():
-    seen, steps = [], []
+def test_groups_are_worked_on_together_and_answers_say_of_which_item_they_are():
+    seen = []
     answers = by_group(
         lambda word: seen.append(word) or word.upper(),
         ["b1", "a1", "b2", "a2"],
         group=lambda word: word[0],
         processes=1,
-        advance=lambda: steps.append(len(seen)),
     )
-    assert answers == ["B1", "A1", "B2", "A2"]
+    assert list(answers) == [(1, "A1"), (3, "A2"), (0, "B1"), (2, "B2")]
     assert seen == ["a1", "a2", "b1", "b2"]
-    assert steps == [1, 2, 3, 4]
 
 
 def test_an_error_of_the_work_is_raised_here():
@@ -109,3 +108,71 @@ def test_work_that_cannot_be_read_by_a_worker_says_so():
 
     with pytest.raises(BrokenExecutor, match="un-serialize"):
         list(in_order(str, [Unreadable()], processes=2))
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """A scheduler and two workers of a thread each, processes of their own."""
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        yield cluster
+
+
+def who_am_i(number: int) -> tuple[int, int]:
+    time.sleep(0.01)
+    return number, os.getpid()
+
+
+@pytest.mark.parametrize("address", ["given", LOCAL_CLUSTER])
+def test_dask_answers_in_order_from_other_processes(cluster, address):
+    address = cluster.scheduler_address if address == "given" else address
+    with open_executor(2, dask=address) as (executor, processes):
+        assert processes == 2
+        answers = list(in_order(who_am_i, range(40), executor=executor, processes=processes))
+    assert [number for number, _ in answers] == list(range(40))
+    workers = {pid for _, pid in answers}
+    assert len(workers) == 2 and os.getpid() not in workers
+
+
+def test_every_answer_of_dask_comes_once_though_a_worker_is_killed(cluster):
+    with open_executor(2, dask=cluster.scheduler_address) as (executor, processes):
+        answers = in_order(who_am_i, range(300), executor=executor, processes=processes)
+        first = list(itertools.islice(answers, 20))
+        os.kill(first[-1][1], signal.SIGKILL)
+        rest = list(answers)
+    assert [number for number, _ in first + rest] == list(range(300))
+    assert first[-1][1] not in {pid for _, pid in rest[200:]}
+
+
+def end_worker(number: int) -> int:
+    if number == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def test_work_that_ends_every_worker_is_told(cluster):
+    with (
+        open_executor(2, dask=cluster.scheduler_address) as (executor, processes),
+        pytest.raises(RumuError, match="ended every worker that took it"),
+    ):
+        list(in_order(end_worker, range(6), executor=executor, processes=processes))
+
+
+def test_a_scheduler_that_is_not_there_is_told(monkeypatch):
+    monkeypatch.setattr("rumu.executors._DASK_TIMEOUT", 1)
+    with (
+        pytest.raises(RumuError, match=r"expected a Dask scheduler at tcp://127\.0\.0\.1:9"),
+        open_executor(2, dask="tcp://127.0.0.1:9"),
+    ):
+        pass
+
+
+def test_an_executor_of_this_machine_is_ended():
+    with open_executor(2) as (executor, processes):
+        assert processes == 2
+        assert list(in_order(math.sqrt, range(5), executor=executor, processes=2))[4] == 2.0
+    with pytest.raises(RuntimeError):
+        executor.submit(math.sqrt, 1)
+    with open_executor(1) as (executor, processes):
+        assert (executor, processes) == (None, 1)

@@ -1,12 +1,14 @@
 """Spread work over processes, behind one interface: `concurrent.futures.Executor`.
 
-The executor here is loky's, which notices a killed worker. Another one, such as that of a Dask client, can
-replace it in every function that takes an executor. Answers come in the order of the items.
+The executor is loky's, which notices a killed worker, or that of a Dask client, whose workers may run on
+other machines and whose work is done again when one of them is killed. Answers come in the order of the
+items.
 """
 
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import signal
 import threading
@@ -21,8 +23,11 @@ from rumu.errors import RumuError
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
+LOCAL_CLUSTER = "local"
+"""In place of a Dask scheduler's address: a cluster on this machine, for as long as the work lasts."""
 _AHEAD = 8  # items handed to each process before its answers are awaited
 _PARENT_CHECK = 0.5  # seconds between two looks at whether the parent process still runs
+_DASK_TIMEOUT = 20  # seconds within which a scheduler answers
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
@@ -44,6 +49,74 @@ def process_executor(processes: int, *, niceness: int = 0) -> Executor:
         processes, env=_ONE_THREAD, initializer=_set_up_worker, initargs=(niceness, os.getpid())
     )
     return executor
+
+
+@contextlib.contextmanager
+def open_executor(processes: int, *, dask: str | None = None) -> Iterator[tuple[Executor | None, int]]:
+    """Yield an executor and how many items it works on at once; it is ended afterwards.
+
+    processes: of this machine; with one of them the executor is None, and the work is done in this process.
+    dask: `LOCAL_CLUSTER`, or the address of a scheduler (tcp://HOST:8786), whose workers need this version of
+    rumu and see files under the same paths. Raises RumuError when the scheduler is not there or has no
+    worker, or dask.distributed is not installed.
+    """
+    if dask is not None:
+        with _dask_client(dask, processes) as client:
+            yield client.get_executor(pure=False), sum(client.ncores().values())
+        return
+    if processes == 1:
+        yield None, 1
+        return
+    executor, finished = process_executor(processes), False
+    try:
+        yield executor, processes
+        finished = True
+    finally:
+        end_executor(executor, kill=not finished)
+
+
+@contextlib.contextmanager
+def _dask_client(address: str, processes: int) -> Iterator[Any]:
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise RumuError(
+            "--dask needs dask.distributed, which is not installed: pip install 'rumu[dask]'"
+        ) from error
+    with contextlib.ExitStack() as stack:
+        try:
+            if address == LOCAL_CLUSTER:
+                cluster = LocalCluster(  # type: ignore[no-untyped-call]
+                    n_workers=processes,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    silence_logs=logging.ERROR,
+                )
+                address = stack.enter_context(cluster).scheduler_address
+            client = stack.enter_context(Client(address, timeout=_DASK_TIMEOUT))  # type: ignore[no-untyped-call]
+        except (OSError, ValueError) as error:
+            raise RumuError(
+                f"expected a Dask scheduler at {address}, such as tcp://HOST:8786, found none ({error})"
+            ) from error
+        if not client.ncores():
+            raise RumuError(f"expected a worker at the Dask scheduler {address}, found none; start one")
+        client.register_plugin(_one_thread())
+        yield client
+
+
+def _one_thread() -> Any:
+    """What each worker of a Dask cluster does when it starts: OpenCV works in one thread."""
+    from distributed import WorkerPlugin
+
+    class OneThread(WorkerPlugin):
+        name = "rumu-one-thread"
+
+        def setup(self, worker: Any) -> None:
+            import cv2
+
+            cv2.setNumThreads(1)
+
+    return OneThread()
 
 
 def submit(executor: Executor, work: Callable[..., Answer], *arguments: Any) -> Future[Answer]:
@@ -101,6 +174,10 @@ def in_order(
         if error.__cause__ is not None:
             raise  # work or a result that cannot be pickled
         raise RumuError("a process was ended from outside (out of memory?); try fewer --jobs") from error
+    except Exception as error:
+        if type(error).__name__ == "KilledWorker":  # Dask's, after it tried again on other workers
+            raise RumuError("one piece of work ended every worker that took it (out of memory?)") from error
+        raise
     finally:
         if executor is None:
             end_executor(chosen, kill=not finished)
@@ -116,19 +193,15 @@ def by_group(
     group: Callable[[Item], str],
     processes: int | None = None,
     executor: Executor | None = None,
-    advance: Callable[[], object] = lambda: None,
-) -> list[Answer]:
-    """Return `work` of each item, in order, but worked on group by group: what a group shares is loaded once.
+) -> Iterator[tuple[int, Answer]]:
+    """Yield number and `work` of each item, group by group: what a group shares is loaded once.
 
-    advance: called after each. processes, executor, errors: as in `in_order`.
+    Groups come in the order of their names, and the items of one in their own order. processes, executor,
+    errors: as in `in_order`.
     """
     order = sorted(range(len(items)), key=lambda k: group(items[k]))
-    answers: dict[int, Answer] = {}
-    ordered = in_order(work, (items[k] for k in order), processes=processes, executor=executor)
-    for k, answer in zip(order, ordered, strict=True):
-        answers[k] = answer
-        advance()
-    return [answers[k] for k in range(len(items))]
+    answers = in_order(work, (items[k] for k in order), processes=processes, executor=executor)
+    return zip(order, answers, strict=True)
 
 
 def _set_up_worker(niceness: int, parent: int) -> None:

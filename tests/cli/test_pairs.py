@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from rumu.cli.pairs import COLUMNS, mark_row, pair_rows, read_pairs
+from rumu.outputs import UnfinishedRows
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
@@ -166,6 +167,97 @@ def test_an_interrupted_run_leaves_nothing(rumu, desk, monkeypatch):
     before = sorted(desk.iterdir())
     assert rumu("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1).code == 130
     assert sorted(desk.iterdir()) == before
+
+
+@pytest.fixture
+def interrupted(rumu, desk, monkeypatch):
+    """Three of four rows were marked before Ctrl-C; (the arguments, copies that are marked from now on)."""
+    pairs = table(
+        desk, *["copy.png,master.png", "a copy.png,master.png", "cut.png,master.png", "master.png,master.png"]
+    )
+    args = ("assess", "--pairs", pairs, "-o", desk / "out.csv", "--jobs", 1, "--json")
+    marked = []
+
+    def mark_three(pair, **how):
+        if len(marked) == 3:
+            raise KeyboardInterrupt
+        marked.append(pair.copy)
+        return mark_row(pair, **how)
+
+    monkeypatch.setattr("rumu.cli.pairs.mark_row", mark_three)
+    assert rumu(*args).code == 130
+    assert not (desk / "out.csv").exists() and (desk / "out.csv.unfinished").exists()
+    again = []
+    monkeypatch.setattr(
+        "rumu.cli.pairs.mark_row", lambda pair, **how: again.append(pair.copy) or mark_row(pair, **how)
+    )
+    return args, again
+
+
+def test_an_interrupted_run_goes_on_where_it_was(rumu, desk, interrupted):
+    args, again = interrupted
+    facts = rumu(*args).facts
+    assert again == ["master.png"]
+    assert (facts["pairs"], facts["kept"]) == (4, 3)
+    whole = rows_of(desk / "out.csv")
+    assert rumu(*args).facts["kept"] == 0  # all is marked anew once the table is whole
+    assert rows_of(desk / "out.csv") == whole
+    assert not list(desk.glob("out.csv.*"))
+
+
+def test_a_row_that_was_cut_off_is_marked_again(rumu, desk, interrupted):
+    args, again = interrupted
+    unfinished = desk / "out.csv.unfinished"
+    unfinished.write_bytes(unfinished.read_bytes()[:-20])
+    assert rumu(*args).facts["kept"] == 2
+    assert again == ["cut.png", "master.png"]
+
+
+def test_a_picture_that_changed_is_marked_again(rumu, desk, interrupted):
+    args, again = interrupted
+    (desk / "copy.png").write_bytes((desk / "master.png").read_bytes())
+    assert rumu(*args).facts["kept"] == 2
+    assert again == ["copy.png", "master.png"]
+    assert rows_of(desk / "out.csv")[0]["score"] == rows_of(desk / "out.csv")[3]["score"]
+
+
+def test_other_terms_begin_anew(rumu, desk, interrupted):
+    args, again = interrupted
+    assert rumu(*args, "--framed").facts["kept"] == 0
+    assert len(again) == 4
+
+
+def test_rows_that_cannot_be_read_begin_anew(rumu, desk, interrupted):
+    args, _ = interrupted
+    unfinished = desk / "out.csv.unfinished"
+    head, *rest = unfinished.read_bytes().splitlines(keepends=True)
+    unfinished.write_bytes(head + b"no JSON\n" + b"".join(rest))
+    assert rumu(*args).facts["kept"] == 0
+
+
+def test_two_runs_do_not_write_one_table(rumu, desk):
+    pairs = table(desk, "copy.png,master.png")
+    other = UnfinishedRows(desk / "out.csv", key={})
+    ended = rumu("assess", "--pairs", pairs, "-o", desk / "out.csv")
+    other.close(finished=False)
+    assert ended.code == 1 and "another run is writing it" in ended.err
+    assert rumu("assess", "--pairs", pairs, "-o", desk / "out.csv").code == 0
+
+
+@pytest.mark.parametrize("address", ["local", "tcp://127.0.0.1:9"])
+def test_a_table_is_marked_on_a_dask_cluster(rumu, desk, monkeypatch, address):
+    monkeypatch.setattr("rumu.executors._DASK_TIMEOUT", 5)
+    pairs = table(desk, "copy.png,master.png", "gone.png,master.png", "a copy.png,master.png")
+    out = desk / "out.csv"
+    here = rumu("assess", "--pairs", pairs, "-o", out, "--jobs", 1, "--json")
+    rows = rows_of(out)
+    out.unlink()
+    ended = rumu("assess", "--pairs", pairs, "-o", out, "--jobs", 2, "--dask", address, "--json")
+    if address == "local":
+        assert rows_of(out) == rows and ended.facts["marked"] == here.facts["marked"] == 2
+    else:
+        assert ended.code == 1 and "expected a Dask scheduler at tcp://127.0.0.1:9" in ended.err
+        assert not out.exists()
 
 
 def test_a_row_survives_a_fault_of_ours(monkeypatch, desk):

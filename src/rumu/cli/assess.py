@@ -36,6 +36,13 @@ def assess(
     jobs: Annotated[
         int | None, typer.Option(min=1, help="Processes, with --pairs (default: all cores).")
     ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Mark on a Dask cluster, with --pairs: tcp://HOST:8786, or 'local' for one of this machine.",
+        ),
+    ] = None,
     remarks: Annotated[
         bool | None,
         typer.Option("--remarks", help="Put the remarks into the table too, with --pairs (slower)."),
@@ -79,8 +86,10 @@ def assess(
         not_an_input(out, pairs, calibration)
         terms = _terms(levels, calibration, weights, script) | {"character": character, "framed": framed}
         terms["remarks"] = bool(remarks)
-        return _assess_table(pairs, out, root=root, jobs=jobs, terms=terms)
-    _only_with(one={"-o": out, "--root": root, "--jobs": jobs, "--remarks": remarks}, mode="one COPY")
+        return _assess_table(pairs, out, root=root, jobs=jobs, terms=terms, dask=dask)
+    _only_with(
+        one={"-o": out, "--root": root, "--jobs": jobs, "--dask": dask, "--remarks": remarks}, mode="one COPY"
+    )
     if copy is None or reference is None:
         raise typer.BadParameter("expected COPY --reference MASTER, or --pairs PAIRS.csv -o OUT.csv")
     not_an_input(report, copy, reference, calibration)
@@ -124,26 +133,33 @@ def _assess_one(copy: Path, reference: str, *, report: Path | None, terms: dict[
 
 
 def _assess_table(
-    pairs: Path, out: Path, *, root: Path | None, jobs: int | None, terms: dict[str, Any]
+    pairs: Path,
+    out: Path,
+    *,
+    root: Path | None,
+    jobs: int | None,
+    terms: dict[str, Any],
+    dask: str | None,
 ) -> Outcome:
     from rumu.cli.pairs import assess_pairs, read_pairs
 
     table = read_pairs(pairs)
     started = time.perf_counter()
     with bar("Marking") as advance:
-        marked_rows, refused_rows = assess_pairs(
-            table, out, root=root or pairs.parent, jobs=jobs, terms=terms, advance=advance
+        done = assess_pairs(
+            table, out, root=root or pairs.parent, jobs=jobs, terms=terms, advance=advance, dask=dask
         )
     seconds = time.perf_counter() - started
-    facts = {"out": out, "pairs": marked_rows + refused_rows, "marked": marked_rows, "refused": refused_rows}
-    facts |= {"encoding": table.encoding, "separator": table.separator}
+    facts = {"out": out, "pairs": done.marked + done.refused, "marked": done.marked, "refused": done.refused}
+    facts |= {"kept": done.kept, "encoding": table.encoding, "separator": table.separator}
     text = (
-        f"{out}: {marked_rows} marked, {refused_rows} refused, {seconds:.1f} s\n"
-        f"  {pairs}: {table.description.en}"
+        f"{out}: {done.marked} marked, {done.refused} refused, {seconds:.1f} s\n"
+        + (f"  {done.kept} of them had been done before this run was interrupted\n" if done.kept else "")
+        + f"  {pairs}: {table.description.en}"
     )
     none = (
         f"{out}: no pair of {pairs} could be marked; the column 'refused' says why"
-        if not marked_rows
+        if not done.marked
         else None
     )
     return Outcome({**facts, "seconds": round(seconds, 3)}, text, refused=none)

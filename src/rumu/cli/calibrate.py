@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -124,14 +123,16 @@ def _measure_rows(
     rows: Sequence[MarkedRow], *, root: Path, jobs: int | None, advance: Advance
 ) -> list[MeasuredRow]:
     """What each row holds, in order; measured master by master, so that a master is read once."""
-    done = itertools.count(1)
-    return by_group(
+    measured: dict[int, MeasuredRow] = {}
+    for k, answer in by_group(
         functools.partial(measure_row, root=root),
         rows,
         group=lambda row: row.reference,
         processes=min(jobs or cores(), len(rows)),
-        advance=lambda: advance(next(done), len(rows)),
-    )
+    ):
+        measured[k] = answer
+        advance(len(measured), len(rows))
+    return [measured[k] for k in range(len(rows))]
 
 
 def _fit(rows: Sequence[MarkedRow], measured: Sequence[MeasuredRow], *, name: str) -> TeacherFit:

@@ -1,19 +1,20 @@
-"""A table of pairs, marked in parallel: read and written in order, in windows, so memory stays flat."""
+"""A table of pairs, marked in parallel; what was marked before an interruption is not marked again."""
 
 from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rumu import __version__
 from rumu.cli.options import find_copy, find_master
 from rumu.csv_tables import Table, TableWriter, read_table
 from rumu.errors import ImageError, RumuError
-from rumu.executors import by_group, cores
-from rumu.outputs import whole_file
+from rumu.executors import by_group, cores, open_executor
+from rumu.outputs import UnfinishedRows, whole_file
 
 if TYPE_CHECKING:
     from rumu.cli.terminal import Advance
@@ -52,7 +53,7 @@ NAMES = {
     "character": ("字", "漢字", "汉字", "單字", "单字"),
 }
 """Column of a table of pairs -> its other names."""
-_WINDOW = 2000  # rows that are in memory at a time
+_WINDOW = 2000  # rows among which those of one master are brought together
 
 
 class PairRow(NamedTuple):
@@ -65,39 +66,91 @@ class PairRow(NamedTuple):
     fault: str = ""
 
 
+class PairsDone(NamedTuple):
+    """How many rows were marked and refused, and how many of them an earlier, interrupted run had done."""
+
+    marked: int
+    refused: int
+    kept: int
+
+
 def assess_pairs(
-    pairs: Table, out: Path, *, root: Path, jobs: int | None, terms: Mapping[str, Any], advance: Advance
-) -> tuple[int, int]:
-    """Mark every row of `pairs` and write `out` in the same order; returns (marked, refused) rows.
+    pairs: Table,
+    out: Path,
+    *,
+    root: Path,
+    jobs: int | None,
+    terms: Mapping[str, Any],
+    advance: Advance,
+    dask: str | None = None,
+) -> PairsDone:
+    """Mark every row of `pairs` and write `out` in the same order.
 
     pairs: see `read_pairs`. terms: levels, calibration, weights, script, character, framed, remarks,
     as `pipeline.assess` takes them; a row's own script and character win; without remarks their columns stay
-    empty.
-    A row that cannot be marked carries its reason in `refused` and stops nothing. Raises RumuError when the
-    table holds no pair, OutputError when `out` cannot be written; then nothing is written.
+    empty. dask: see `open_executor`.
+    A row that cannot be marked carries its reason in `refused` and stops nothing. Rows are kept beside `out`
+    until it is whole: after an interruption the same call goes on where it was, but for rows whose pictures
+    have changed. Raises RumuError when the table holds no pair, OutputError when `out` cannot be written.
     """
-    total = sum(1 for _ in pair_rows(pairs))
-    if total == 0:
+    every = list(pair_rows(pairs))
+    if not every:
         raise ImageError(f"{pairs.path}: expected at least one pair below the header, found none")
-    marked = 0
-    with whole_file(out) as part, part.open("w", newline="", encoding="utf-8") as stream:
-        writer = TableWriter(stream, COLUMNS)
+    unfinished = UnfinishedRows(
+        out, key={"rumu": __version__, "columns": COLUMNS, "terms": terms, "root": root.resolve()}
+    )
+    finished = False
+    try:
+        kept = _kept_rows(unfinished, every, root=root)
+        todo = [k for k in range(len(every)) if k not in kept]
+        done = itertools.count(len(kept) + 1)
         work = functools.partial(mark_row, root=root, terms=terms)
-        processes = min(jobs or cores(), total)
-        done = itertools.count(1)
-        pairs_in_order = pair_rows(pairs)
-        while window := list(itertools.islice(pairs_in_order, _WINDOW)):
-            rows = by_group(
-                work,
-                window,
-                group=lambda pair: pair.reference or "",  # a master is read once
-                processes=processes,
-                advance=lambda: advance(next(done), total),
-            )
-            marked += sum(row["refused"] == "" for row in rows)
-            for row in rows:
+        with open_executor(max(min(jobs or cores(), len(todo)), 1), dask=dask) as (executor, processes):
+            for start in range(0, len(todo), _WINDOW):
+                window = todo[start : start + _WINDOW]
+                answers = by_group(
+                    work,
+                    [every[k] for k in window],
+                    group=lambda pair: pair.reference or "",  # a master is read once
+                    executor=executor,
+                    processes=processes,
+                )
+                for number, row in answers:
+                    k = window[number]
+                    unfinished.add(k, row, stamp=[list(every[k]), _file_stamps(every[k], root=root)])
+                    advance(next(done), len(every))
+        marked_rows = 0
+        with whole_file(out) as part, part.open("w", newline="", encoding="utf-8") as stream:
+            writer = TableWriter(stream, COLUMNS)
+            for k in range(len(every)):
+                row, _ = unfinished.row(k)
+                marked_rows += row["refused"] == ""
                 writer.write_row(row)
-    return marked, total - marked
+        finished = True
+    finally:
+        unfinished.close(finished=finished)
+    return PairsDone(marked_rows, len(every) - marked_rows, len(kept))
+
+
+def _kept_rows(unfinished: UnfinishedRows, every: Sequence[PairRow], *, root: Path) -> set[int]:
+    """Numbers of rows that an earlier run marked, whose line and pictures are the same today."""
+    return {
+        k
+        for k in unfinished.numbers()
+        if k < len(every) and unfinished.row(k)[1] == [list(every[k]), _file_stamps(every[k], root=root)]
+    }
+
+
+def _file_stamps(pair: PairRow, *, root: Path) -> list[list[int] | None]:
+    """Size and time of the pair's files; None for what is no file."""
+    stamps: list[list[int] | None] = []
+    for name in (pair.copy, pair.reference):
+        try:
+            found = (root / (name or "")).stat()
+            stamps.append([found.st_size, found.st_mtime_ns])
+        except (OSError, ValueError):
+            stamps.append(None)
+    return stamps
 
 
 def read_pairs(path: Path) -> Table:
