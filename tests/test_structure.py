@@ -21,6 +21,7 @@ FILES = sorted(SRC.rglob("*.py"))
 PUBLIC = {
     "Assessment",
     "Capture",
+    "Page",
     "Registration",
     "RumuError",
     "Surface",
@@ -28,6 +29,7 @@ PUBLIC = {
     "find",
     "integrate",
     "read_capture",
+    "read_page",
     "reconstruct",
     "register",
     "relief",

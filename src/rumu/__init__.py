@@ -11,6 +11,7 @@ __version__ = "0.3.0"
 
 _MODULES = {
     "read_capture": "rumu.capture.folder",
+    "read_page": "rumu.pages.reading",
     "reconstruct": "rumu.pipeline",
     "relief": "rumu.surface.relief",
     "relight": "rumu.surface.relight",
@@ -18,6 +19,7 @@ _MODULES = {
     "register": "rumu.pipeline",
     "assess": "rumu.pipeline",
     "find": "rumu.gallery.search",
+    "Page": "rumu.pages.page",
     "Capture": "rumu.values",
     "Surface": "rumu.values",
     "Registration": "rumu.values",
@@ -28,6 +30,7 @@ _MODULES = {
 __all__ = [
     "Assessment",
     "Capture",
+    "Page",
     "Registration",
     "RumuError",
     "Surface",
@@ -35,6 +38,7 @@ __all__ = [
     "find",
     "integrate",
     "read_capture",
+    "read_page",
     "reconstruct",
     "register",
     "relief",
@@ -45,6 +49,8 @@ if TYPE_CHECKING:
     from rumu.capture.folder import read_capture as read_capture
     from rumu.errors import RumuError as RumuError
     from rumu.gallery.search import find as find
+    from rumu.pages.page import Page as Page
+    from rumu.pages.reading import read_page as read_page
     from rumu.pipeline import assess as assess
     from rumu.pipeline import reconstruct as reconstruct
     from rumu.pipeline import register as register

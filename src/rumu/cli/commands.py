@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 import rumu
-from rumu.cli import assess, calibrate, demo, extensions, find, gallery, serve, sheet, surfaces
+from rumu.cli import assess, calibrate, demo, extensions, find, gallery, page, serve, sheet, surfaces
 from rumu.cli.terminal import FINE, speak_plainly
 
 app = typer.Typer(
@@ -28,6 +28,7 @@ for command in (
     sheet.sheet,
     calibrate.calibrate,
     find.find,
+    page.page,
     serve.serve,
 ):
     app.command()(command)

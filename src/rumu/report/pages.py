@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rumu.pages.page import Page, PageCharacter
 from rumu.report import wording
 from rumu.report.mesh_picture import MeshView, mesh_picture
 from rumu.report.overlay import MISSING, OverlaySettings, overlay_picture, uncovered_share
@@ -36,6 +38,9 @@ _LAMP_TILT = 135.0
 
 _LARGE_WRITING = MeshView(width=1000, cells=110)
 _LARGE_RELIEF = MeshView(width=1000, cells=110, elevation=62.0)  # deep objects hide themselves from lower
+
+_PAGE_SIDE = 1800  # longest side, in pixels, of a page of writing as a report shows it
+_UNSURE = 0.35  # certainty below which a character is marked as doubtful
 
 
 class CaptionedPicture(NamedTuple):
@@ -154,6 +159,51 @@ def demo_index(
         for work, surface in works
     ]
     return _render("demo.html", title=title, cards=cards, sheet=sheet, simulated=wording.SIMULATED)
+
+
+def characters_page(page: Page, *, title: str) -> str:
+    """A page of writing with a box around each character that was found on it."""
+    from rumu.capture.image import shrink
+
+    height, width = page.picture.shape[:2]
+    columns = [list(one) for _, one in groupby(page.characters, lambda c: (c.register, c.column))]
+    named = sum(one.character is not None for one in page.characters)
+    in_rows = page.direction == "horizontal"
+    return _render(
+        "characters.html",
+        title=title,
+        facts=[
+            Bilingual(f"{len(columns)} 行", f"{len(columns)} {'rows' if in_rows else 'columns'}"),
+            Bilingual(f"{len(page.characters)} 字", f"{len(page.characters)} characters"),
+            Bilingual(f"其中 {named} 字有名", f"{named} of them named"),
+        ],
+        width=width,
+        height=height,
+        picture=data_uri(shrink(page.picture, side=_PAGE_SIDE)),
+        columns=[_found_column(column, in_rows) for column in columns],
+        text=page.text if named else "",
+    )
+
+
+def _found_column(characters: list[PageCharacter], in_rows: bool) -> dict[str, Any]:
+    """What the report draws of one column: its number beside its first character, and all of its boxes."""
+    left, top, right, bottom = characters[0].box
+    size = max(right - left, bottom - top) * 0.45
+    return {
+        "number": characters[0].column + 1,
+        "x": f"{left - 0.6 * size if in_rows else (left + right) / 2:.0f}",
+        "y": f"{bottom if in_rows else top - 0.3 * size:.0f}",
+        "size": f"{size:.0f}",
+        "characters": [
+            {
+                "points": " ".join(f"{x:.1f},{y:.1f}" for x, y in one.polygon),
+                "small": one.small is not None,
+                "unsure": one.certainty < _UNSURE,
+                "title": f"{one.character or '〓'} {one.row + 1} · {100 * one.certainty:.0f} %",
+            }
+            for one in characters
+        ],
+    }
 
 
 def level_zones(levels: Mapping[str, float]) -> list[dict[str, Any]]:

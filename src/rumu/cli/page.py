@@ -1,0 +1,101 @@
+"""page: a photographed or scanned page into its characters."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rumu.cli.options import AsJson, check_writable
+from rumu.cli.terminal import Outcome, print_outcome, working
+
+if TYPE_CHECKING:
+    from rumu.pages.page import Page
+
+_MARKER = "page.json"
+_LONGEST_FILE = 10**6  # bytes of a text: the longest page holds a few thousand characters
+
+
+@print_outcome
+def page(
+    *,
+    photo: Annotated[
+        Path,
+        typer.Argument(metavar="PHOTO", help="Photograph or scan of a page: a print, a scroll, a rubbing."),
+    ],
+    out: Annotated[
+        Path, typer.Option("-o", "--out", help="Folder to write; an earlier result there is replaced.")
+    ],
+    text: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="What is written on it: a text file, with or without line breaks."),
+    ] = None,
+    as_json: AsJson = False,
+) -> Outcome:
+    """A page -> its columns and characters, drawn over it, and as JSON, PAGE-XML and hOCR."""
+    from rumu.outputs import whole_folder
+    from rumu.pages.reading import read_page
+
+    check_writable(whole_folder(out, marker=_MARKER))
+    words = None if text is None else _read_text(text)
+    started = time.perf_counter()
+    with working("Reading the page"):
+        found = read_page(photo, text=words)
+        seconds = time.perf_counter() - started
+        _write(found, out, title=photo.stem)
+    facts = {"photo": photo, "out": out, "seconds": round(seconds, 3), **found.as_json()}
+    if not found.characters:
+        nothing = f"{photo}: no columns of writing were found on this picture (這張圖上找不到成行的字)"
+        return Outcome(facts, f"{out}: {photo} holds no columns of writing", refused=nothing)
+    return Outcome(facts, _describe(found, photo, out, seconds))
+
+
+def _read_text(path: Path) -> str:
+    from rumu.encodings import decode_text
+    from rumu.errors import RumuError
+    from rumu.inputs import read_file
+
+    content = read_file(path, error_type=RumuError, expected="a text file", most=_LONGEST_FILE)
+    decoded = decode_text(content)
+    if decoded is None:
+        raise RumuError("expected a text file", name=path, zh="需要文字檔。")
+    return decoded.text
+
+
+def _write(found: Page, out: Path, *, title: str) -> None:
+    """The folder of a page: its picture, what was found on it in three formats, and a report."""
+    from PIL import Image
+
+    import rumu
+    from rumu.outputs import whole_folder
+    from rumu.pages.exports import hocr, page_xml
+    from rumu.report.pages import characters_page
+
+    creator = f"rumu {rumu.__version__}"
+    with whole_folder(out, marker=_MARKER) as folder:
+        Image.fromarray(found.picture).save(folder / "page.png", compress_level=3)
+        texts = {
+            _MARKER: json.dumps(found.as_json(), ensure_ascii=False, indent=1) + "\n",
+            "page.xml": page_xml(found, picture_name="page.png", creator=creator),
+            "page.hocr": hocr(found, picture_name="page.png", creator=creator),
+            "page.txt": found.text + "\n",
+            "report.html": characters_page(found, title=title),
+        }
+        for name, content in texts.items():
+            (folder / name).write_text(content, encoding="utf-8")
+
+
+def _describe(found: Page, photo: Path, out: Path, seconds: float) -> str:
+    columns = {(one.register, one.column) for one in found.characters}
+    named = sum(one.character is not None for one in found.characters)
+    small = sum(one.small is not None for one in found.characters)
+    lines = [
+        f"{photo}: {len(found.characters)} characters in {len(columns)} "
+        f"{'columns' if found.direction == 'vertical' else 'rows'}, {seconds:.1f} s",
+        f"  named: {named}" + (f"; in double rows: {small}" if small else ""),
+        f"  {out / 'report.html'}",
+    ]
+    return "\n".join(lines)

@@ -1,0 +1,69 @@
+"""A page without a grid: its ink, its registers and columns, its characters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rumu.pages.character_shapes import CharacterShape, shapes_of
+from rumu.pages.columns import Column, find_columns
+from rumu.pages.direction import find_direction
+from rumu.pages.furniture import text_only
+from rumu.pages.page import Direction
+from rumu.pages.page_characters import ColumnPlaces, part_register
+from rumu.pages.page_ink import Picture, find_page_ink
+from rumu.pages.page_parts import find_parts
+from rumu.values import BoolArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WrittenColumn:
+    """A column and its characters.
+
+    register, number: where it stands, from 0 in reading order. column, places: its ink and where it is cut.
+    shapes: its characters in reading order.
+    """
+
+    register: int
+    number: int
+    column: Column
+    places: ColumnPlaces
+    shapes: tuple[CharacterShape, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreePage:
+    """The columns of a page in reading order.
+
+    Rows and columns of everything in `columns` are swapped where `direction` is "horizontal".
+    """
+
+    columns: tuple[WrittenColumn, ...]
+    direction: Direction
+    size: float
+
+
+def find_free_page(picture: Picture) -> FreePage:
+    """Registers, columns and characters of a page that has no grid.
+
+    picture: (H, W, 3) uint8 sRGB, flat and upright. Raises ImageError where there is no ink.
+    """
+    page = find_page_ink(picture)
+    parts = find_parts(page.ink, faint=page.faint)
+    direction = find_direction(parts.ink, size=parts.size)
+    if direction == "horizontal":
+        parts = find_parts(_turned(page.ink), faint=_turned(page.faint))
+    registers = text_only(find_columns(parts), size=parts.size)
+    if direction == "horizontal":  # swapped, the first row is the leftmost column
+        registers = [columns[::-1] for columns in registers]
+    written = [
+        WrittenColumn(r, c, column, places, tuple(shapes_of(column, places)))
+        for r, columns in enumerate(registers)
+        for c, (column, places) in enumerate(zip(columns, part_register(columns), strict=True))
+    ]
+    return FreePage(tuple(written), direction, parts.size)
+
+
+def _turned(mask: BoolArray) -> BoolArray:
+    return np.ascontiguousarray(mask.T)

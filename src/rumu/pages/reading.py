@@ -1,0 +1,112 @@
+"""A photographed or scanned page becomes a `Page`: the recipe."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.capture.decoded_size import Reduction
+from rumu.capture.formats import decode
+from rumu.capture.image import as_image, image_of, shrink
+from rumu.capture.stored import eight_bits
+from rumu.errors import ImageError, RefusedImage
+from rumu.pages.character_shapes import CharacterShape
+from rumu.pages.free_page import FreePage, find_free_page
+from rumu.pages.naming import NamedShape, name_characters
+from rumu.pages.page import Page, PageCharacter
+from rumu.pages.page_ink import Picture
+from rumu.values import FloatArray
+
+READ_SIZE = Reduction(pixels=12_600_000, above=25_000_000)
+"""How a picture in a file is reduced: not at all up to twice a phone's 12 megapixels, else to 12.6."""
+WORKING_SIDE = 2400
+"""Longest side, in pixels, at which a page is searched; its picture keeps all of its own."""
+
+
+def read_page(picture: str | os.PathLike[str] | npt.NDArray[Any], *, text: str | None = None) -> Page:
+    """Find the characters of a photographed or scanned page.
+
+    Parameters
+    ----------
+    picture : path or ndarray
+        A file; or an array (H, W) or (H, W, 3) of bool, uint8, uint16, or float in [0, 1], values as stored.
+    text : str, optional
+        What is written on the page, in reading order, with or without line breaks; punctuation and spaces
+        are ignored. Each character then gets its name.
+
+    Returns
+    -------
+    Page
+        Its characters in reading order, with their places. Where nothing on the picture is writing,
+        `characters` is empty.
+
+    Raises
+    ------
+    ImageError
+        The file or array is no usable picture.
+    RefusedImage
+        The picture is blank.
+    """
+    shown = _picture(picture)
+    small = shrink(shown, side=WORKING_SIDE)
+    try:
+        free = find_free_page(small)
+    except ImageError as error:
+        raise RefusedImage(
+            "expected a page with writing, got a picture without ink",
+            reason="blank",
+            zh="這張圖上沒有墨跡，找不到字。",
+        ) from error
+    scale = shown.shape[1] / small.shape[1], shown.shape[0] / small.shape[0]
+    characters = _characters(free, _named(free, text), scale)
+    return Page(picture=shown, characters=characters, direction=free.direction)
+
+
+def _picture(picture: str | os.PathLike[str] | npt.NDArray[Any]) -> Picture:
+    """(H, W, 3) uint8 sRGB of a file or an array."""
+    if isinstance(picture, np.ndarray):
+        samples = eight_bits(as_image(picture))
+    else:
+        stored = decode(picture, reduction=READ_SIZE)
+        plain = stored.alpha is None and stored.values.dtype == np.uint8
+        samples = stored.values if plain else eight_bits(image_of(stored, name=picture))
+    return np.ascontiguousarray(np.dstack([samples] * 3) if samples.ndim == 2 else samples)
+
+
+def _named(free: FreePage, text: str | None) -> list[list[NamedShape]]:
+    if text is None:
+        return [[NamedShape(shape, None, 1.0) for shape in column.shapes] for column in free.columns]
+    return name_characters(free, text)
+
+
+def _characters(
+    free: FreePage, named: list[list[NamedShape]], scale: tuple[float, float]
+) -> tuple[PageCharacter, ...]:
+    return tuple(
+        PageCharacter(
+            polygon=_corners(one.shape, free) * scale,
+            register=column.register,
+            column=column.number,
+            row=row,
+            small=one.shape.small,
+            character=one.name,
+            certainty=_certainty(one.shape) * one.certainty,
+        )
+        for column, shapes in zip(free.columns, named, strict=True)
+        for row, one in enumerate(shapes)
+    )
+
+
+def _corners(shape: CharacterShape, free: FreePage) -> FloatArray:
+    """(4, 2): x and y on the page, clockwise from the upper left."""
+    if free.direction == "vertical":
+        return shape.corners
+    return np.ascontiguousarray(shape.corners[[0, 3, 2, 1], ::-1])
+
+
+def _certainty(shape: CharacterShape) -> float:
+    """How sure it is that this is one whole character, from what it cost to take it for one."""
+    return float(np.clip(np.exp(-max(shape.doubt, 0.0) / 2), 0.0, 1.0))

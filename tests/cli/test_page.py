@@ -1,0 +1,67 @@
+"""page: a picture of writing into a folder, and pictures that hold none."""
+
+from __future__ import annotations
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+from rumu.characters.stroke_data import find_character
+
+LINES = ("永和九年歲在", "暮春之初會于", "山陰之蘭亭修", "也群賢畢至少")
+
+
+@pytest.fixture
+def photo(tmp_path):
+    """Four columns of six characters."""
+    page = np.full((360, 320), 240, np.uint8)
+    for c, line in enumerate(LINES):
+        for k, character in enumerate(line):
+            for stroke in find_character(character).strokes:
+                points = (stroke.polygon() - 0.5) * 40 + (270 - 60 * c, 50 + 48 * k)
+                cv2.fillPoly(page, [np.rint(points).astype(np.int32)], 20)
+    Image.fromarray(page).save(tmp_path / "photo.png")
+    return tmp_path / "photo.png"
+
+
+def test_a_page_becomes_a_folder(rumu, photo, tmp_path):
+    ended = rumu("page", photo, "-o", tmp_path / "out", "--json")
+    facts = ended.facts
+    assert (ended.code, ended.err, len(facts["characters"]), facts["direction"]) == (0, "", 24, "vertical")
+    names = {file.name for file in (tmp_path / "out").iterdir()}
+    assert names == {"page.json", "page.xml", "page.hocr", "page.txt", "page.png", "report.html"}
+    written = json.loads((tmp_path / "out" / "page.json").read_text(encoding="utf-8"))
+    assert written["characters"] == facts["characters"]
+    assert {"box", "polygon", "register", "column", "row", "character", "certainty"} <= set(
+        facts["characters"][0]
+    )
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "gb18030", "big5", "utf-16"])
+def test_a_text_in_any_encoding_names_the_characters(rumu, photo, tmp_path, encoding):
+    (tmp_path / "text.txt").write_bytes("，".join(LINES).encode(encoding))
+    ended = rumu("page", photo, "--text", tmp_path / "text.txt", "-o", tmp_path / "out")
+    assert ended.code == 0 and "named: 24" in ended.out
+    assert (tmp_path / "out" / "page.txt").read_text(encoding="utf-8") == "\n".join(LINES) + "\n"
+    report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert report.count("<polygon") == 24 and "永和九年歲在" in report
+
+
+def test_a_blank_picture_is_refused(rumu, tmp_path):
+    Image.new("L", (300, 400), 235).save(tmp_path / "blank.png")
+    rumu("page", tmp_path / "blank.png", "-o", tmp_path / "out").failed_with("without ink")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_with_other_things_is_left_alone(rumu, photo, tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "diary.txt").write_text("keep me")
+    rumu("page", photo, "-o", tmp_path / "mine").failed_with("mine", "page.json")
+    assert (tmp_path / "mine" / "diary.txt").read_text() == "keep me"
+
+
+def test_a_text_that_is_not_there(rumu, photo, tmp_path):
+    rumu("page", photo, "--text", tmp_path / "no.txt", "-o", tmp_path / "out").failed_with("no.txt")
