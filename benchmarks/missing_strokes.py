@@ -26,7 +26,7 @@ import rumu
 from rumu.errors import RumuError
 from rumu.executors import cores
 from rumu.pipeline import PreparedMaster, measure, prepare_master
-from rumu.strokes.correspondence import CharacterMatch, match_strokes
+from rumu.strokes.correspondence import StrokeMatch, match_strokes
 from rumu.strokes.placement import stroke_numbers
 from rumu.values import FloatArray
 from rumu_lab.experiments.marked_copies import Copy, read_copies
@@ -56,7 +56,7 @@ def master_of(template: Path, character: str) -> PreparedMaster:
     return prepare_master(template, character=character)
 
 
-def match_of(picture: FloatArray | Path, master: PreparedMaster) -> CharacterMatch:
+def match_of(picture: FloatArray | Path, master: PreparedMaster) -> StrokeMatch:
     """The master's strokes in a copy."""
     surface = rumu.relief(picture)
     return match_strokes(surface, measure(surface, master).registration, master.stroke_model)
@@ -84,7 +84,7 @@ def answer(copy: Copy, *, save: Path | None) -> Answer:
     return Answer(copy, match.missing, stroke, told)
 
 
-def choose_stroke(match: CharacterMatch, rng: random.Random) -> int | None:
+def choose_stroke(match: StrokeMatch, rng: random.Random) -> int | None:
     """One of the strokes that the copy has and that hold enough of the ink."""
     numbers, radius = stroke_numbers(match.master), match.master.points.radius
     fit = [
@@ -96,7 +96,7 @@ def choose_stroke(match: CharacterMatch, rng: random.Random) -> int | None:
     return rng.choice(fit) if fit else None
 
 
-def erase(page: FloatArray, match: CharacterMatch, stroke: int) -> FloatArray:
+def erase(page: FloatArray, match: StrokeMatch, stroke: int) -> FloatArray:
     """The page without the ink that is a stroke's alone: nearer to it than to others, and not crossed."""
     height, width = page.shape
     own = stroke_numbers(match.master) == stroke

@@ -13,7 +13,7 @@ from rumu.characters.stroke_data import find_character
 from rumu.gallery.starter import starter_works
 from rumu.pipeline import PreparedMaster, measure, prepare_master
 from rumu.strokes.canonical import lay_character
-from rumu.strokes.correspondence import CharacterMatch, match_strokes
+from rumu.strokes.correspondence import StrokeMatch, match_strokes
 from rumu.strokes.naming import HORIZONTAL, name_strokes, stroke_title
 from rumu.values import Surface
 
@@ -43,7 +43,7 @@ def printed(
     return rumu.relief(page / np.float32(255))
 
 
-def matched(copy: Surface, master: PreparedMaster) -> CharacterMatch:
+def matched(copy: Surface, master: PreparedMaster) -> StrokeMatch:
     return match_strokes(copy, measure(copy, master).registration, master.stroke_model)
 
 
@@ -161,7 +161,7 @@ WHOLE = ("003078", "007350", "004319", "000625", "006900", "004471", "002524")
 """Copies of which a stroke was once said to be missing, though all of them are there."""
 
 
-def match_of(data: Path, image: str) -> CharacterMatch:
+def match_of(data: Path, image: str) -> StrokeMatch:
     import csv
 
     with (data / "e3c" / "scores.csv").open(encoding="utf-8", newline="") as stream:

@@ -8,7 +8,7 @@ import numpy as np
 
 from rumu.registration.points import ink_mask
 from rumu.strokes.centre_lines import SCALE, FramedInk, from_pixels, pixels_at
-from rumu.strokes.correspondence import CharacterMatch, MasterStrokes
+from rumu.strokes.correspondence import MasterStrokes, StrokeMatch
 from rumu.strokes.edges import InnerWhite, look_at_edge, white_left
 from rumu.strokes.measures import edge_tremor
 from rumu.strokes.placement import draw_discs
@@ -122,7 +122,7 @@ class InkMeasures:
 
 
 def measure_ink(
-    strokes: CharacterMatch, copy: Surface, master: MasterStrokes, registration: Registration
+    strokes: StrokeMatch, copy: Surface, master: MasterStrokes, registration: Registration
 ) -> InkMeasures:
     """Measure the ink of a copy whose strokes are matched."""
     framed, itself = strokes.framed, master.itself
@@ -246,7 +246,7 @@ def _unexplained_in_master(master: MasterStrokes, beside: float) -> BoolArray:
     return np.asarray(cv2.dilate(spare.view(np.uint8), np.ones((5, 5), np.uint8)) > 0)
 
 
-def _bare(strokes: CharacterMatch, ink: BoolArray, seen: BoolArray) -> float:
+def _bare(strokes: StrokeMatch, ink: BoolArray, seen: BoolArray) -> float:
     """Share of the inside of the strokes that holds no ink, though there is ink on both sides of it.
 
     A point that lies beside a stroke of the copy, in the gap to the next, says nothing of its ink.

@@ -11,7 +11,7 @@ from rumu.assessment.findings import Finding
 from rumu.assessment.ink_measures import InkMeasures, InkPatch, StickingOut
 from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, ink_severity, severity
-from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.naming import place_of
 from rumu.values import Bilingual, Remark
 
@@ -20,7 +20,7 @@ _WINDOW = 0.12
 
 
 def find_ink_faults(
-    ink: InkMeasures, strokes: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
+    ink: InkMeasures, strokes: Sequence[NamedStroke], match: StrokeMatch, limits: RemarkThresholds
 ) -> Iterator[Finding]:
     """Faults of the ink, each where it is worth a remark or half of that."""
     dry = ink.has_shades and ink.bare >= limits.bare
@@ -71,7 +71,7 @@ def _find_edge_fault(ink: InkMeasures, limits: RemarkThresholds, *, dry: bool) -
 
 
 def _is_stroke(
-    patch: InkPatch, strokes: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
+    patch: InkPatch, strokes: Sequence[NamedStroke], match: StrokeMatch, limits: RemarkThresholds
 ) -> bool:
     """Whether what touches a stroke is the stroke itself, out of its place or too long."""
     if not patch.attached:
@@ -83,7 +83,7 @@ def _is_stroke(
 
 
 def _find_patch_fault(
-    patch: InkPatch, strokes: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
+    patch: InkPatch, strokes: Sequence[NamedStroke], match: StrokeMatch, limits: RemarkThresholds
 ) -> Iterator[Finding]:
     """Ink that belongs to none of the strokes: a blot, or a stroke too many."""
     region = box(patch.outline)
@@ -136,7 +136,7 @@ def _find_filled_white(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[F
 def _find_sticking_out(
     ink: InkMeasures,
     strokes: Sequence[NamedStroke],
-    match: CharacterMatch,
+    match: StrokeMatch,
     limits: RemarkThresholds,
     blots: Sequence[Box],
 ) -> Iterator[Finding]:

@@ -10,12 +10,12 @@ from rumu.assessment.advice import WHOLE
 from rumu.assessment.findings import Finding
 from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import as_lines, ink_severity
-from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.naming import stroke_title
 from rumu.values import Remark
 
 
-def is_measured(named: NamedStroke, match: CharacterMatch) -> bool:
+def is_measured(named: NamedStroke, match: StrokeMatch) -> bool:
     """Whether a line is to be spoken of: not what is missing, nor what the master itself shows dimly."""
     number, laid = named.stroke.line.number, match.laid
     if laid is None:
@@ -23,7 +23,7 @@ def is_measured(named: NamedStroke, match: CharacterMatch) -> bool:
     return number > 0 and number not in match.missing and laid.confidence[number - 1] > named.limits.confident
 
 
-def find_missing_strokes(every: Sequence[NamedStroke], match: CharacterMatch) -> Iterator[Finding]:
+def find_missing_strokes(every: Sequence[NamedStroke], match: StrokeMatch) -> Iterator[Finding]:
     """The canonical strokes, or the lines, that the copy lacks, each once."""
     for number in match.missing:
         legs = [s for s in every if number in (s.stroke.line.number, -1 - s.position)]

@@ -10,7 +10,7 @@ from rumu.assessment.advice import for_stroke
 from rumu.assessment.findings import Fault, Finding
 from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, severity
 from rumu.strokes.centre_lines import CentreLine
-from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.measures import MatchedStroke
 from rumu.strokes.naming import (
     HORIZONTAL,
@@ -39,7 +39,7 @@ class NamedStroke:
     """
 
     stroke: MatchedStroke
-    match: CharacterMatch
+    match: StrokeMatch
     name: Bilingual
     kind: Bilingual
     limits: RemarkThresholds
@@ -127,7 +127,7 @@ class NamedStroke:
 
 
 def name_all(
-    match: CharacterMatch, registration: Registration, limits: RemarkThresholds, *, explained: FloatArray
+    match: StrokeMatch, registration: Registration, limits: RemarkThresholds, *, explained: FloatArray
 ) -> tuple[NamedStroke, ...]:
     """The strokes of a match with their names; explained: (n, 2) how far parts move the master's points."""
     width, cell = match.master.width, registration.reference.radius

@@ -12,7 +12,7 @@ import numpy as np
 
 from rumu.characters.stroke_data import Structure
 from rumu.strokes.centre_lines import SCALE, SIDE
-from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.pose import Axis
 from rumu.values import BoolArray, FloatArray, IntArray
 
@@ -80,7 +80,7 @@ class InnerMeasures:
     explained: FloatArray
 
 
-def measure_parts(match: CharacterMatch, structure: Structure | None) -> PartMeasures | None:
+def measure_parts(match: StrokeMatch, structure: Structure | None) -> PartMeasures | None:
     """Measure the two parts of a character; None where its structure has none, or one cannot be seen."""
     axis = AXES.get(structure) if structure is not None else None
     if axis is None:
@@ -122,7 +122,7 @@ def _widening(places: FloatArray, copy: FloatArray, owner: IntArray) -> float:
     return float(np.exp(min(logs, key=abs)))
 
 
-def _first_part(match: CharacterMatch, k: int) -> BoolArray | None:
+def _first_part(match: StrokeMatch, k: int) -> BoolArray | None:
     """(n,) which of the master's points are of its left (k is 0) or upper (k is 1) part.
 
     The parts meet where the master has the least ink; a stroke is of the part in which its middle lies.
@@ -142,7 +142,7 @@ def _first_part(match: CharacterMatch, k: int) -> BoolArray | None:
     return first if whole and PARTS.share <= first.mean() <= 1 - PARTS.share else None
 
 
-def measure_inner(match: CharacterMatch, structure: Structure | None) -> InnerMeasures | None:
+def measure_inner(match: StrokeMatch, structure: Structure | None) -> InnerMeasures | None:
     """Measure what an enclosed or half-enclosed character encloses; None where that cannot be told."""
     if structure not in ("enclosed", "half-enclosed"):
         return None

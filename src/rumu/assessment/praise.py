@@ -14,7 +14,7 @@ from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.part_measures import PartMeasures
 from rumu.assessment.whole_remarks import PoseSeen
 from rumu.characters.stroke_data import Structure
-from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.correspondence import StrokeMatch
 from rumu.values import Bilingual, Remark
 
 
@@ -51,7 +51,7 @@ PRAISE = PraiseSettings()
 class Praised(NamedTuple):
     """What a praise is sought in."""
 
-    match: CharacterMatch
+    match: StrokeMatch
     ink: InkMeasures
     parts: PartMeasures | None
     strokes: Sequence[NamedStroke]

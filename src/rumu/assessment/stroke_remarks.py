@@ -21,7 +21,7 @@ from rumu.assessment.thresholds import (
     box,
     severity,
 )
-from rumu.strokes.correspondence import BluntTips, CharacterMatch
+from rumu.strokes.correspondence import BluntTips, StrokeMatch
 from rumu.strokes.naming import (
     HORIZONTAL,
     RING,
@@ -34,7 +34,7 @@ from rumu.values import Bilingual, FloatArray, Remark
 
 
 def find_stroke_faults(
-    every: Sequence[NamedStroke], match: CharacterMatch, limits: RemarkThresholds
+    every: Sequence[NamedStroke], match: StrokeMatch, limits: RemarkThresholds
 ) -> Iterator[Finding]:
     """Faults of single strokes, in no order, each where it is worth a remark or half of that."""
     yield from find_missing_strokes(every, match)

@@ -12,7 +12,7 @@ from rumu.assessment.features import ink_weight
 from rumu.assessment.findings import Fault, Finding
 from rumu.assessment.part_measures import InnerMeasures, PartMeasures
 from rumu.assessment.thresholds import RemarkThresholds, as_lines, box, severity
-from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.naming import direction_of, way_of
 from rumu.values import Bilingual, BoolArray, FloatArray, Registration, Remark
 
@@ -38,7 +38,7 @@ _OFF = 0.06
 class PoseSeen:
     """How the whole stands. framed: whether that is the writer's doing and not the photographer's."""
 
-    match: CharacterMatch
+    match: StrokeMatch
     registration: Registration
     framed: bool
 
@@ -125,7 +125,7 @@ def _find_pose_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
 
 
 def find_part_faults(
-    match: CharacterMatch,
+    match: StrokeMatch,
     parts: PartMeasures | None,
     inner: InnerMeasures | None,
     *,
@@ -151,7 +151,7 @@ def find_part_faults(
     return found, parts.explained if any(f.excess >= 1.0 for f in found) else nothing
 
 
-def _find_unknown_parts(match: CharacterMatch, limits: RemarkThresholds) -> tuple[list[Finding], FloatArray]:
+def _find_unknown_parts(match: StrokeMatch, limits: RemarkThresholds) -> tuple[list[Finding], FloatArray]:
     """One half much too wide for the other, in a character whose parts are not known."""
     q = match.squeeze
     if q is None or max(q.first / q.second, q.second / q.first) - 1.0 < limits.squeeze_unknown:
@@ -162,9 +162,7 @@ def _find_unknown_parts(match: CharacterMatch, limits: RemarkThresholds) -> tupl
     return list(_find_width_fault(match, parts, limits)), explained
 
 
-def _find_width_fault(
-    match: CharacterMatch, parts: PartMeasures, limits: RemarkThresholds
-) -> Iterator[Finding]:
+def _find_width_fault(match: StrokeMatch, parts: PartMeasures, limits: RemarkThresholds) -> Iterator[Finding]:
     ratio = parts.width
     large, small = (0, 1) if ratio[0] > ratio[1] else (1, 0)
     size = ratio[large] / max(ratio[small], 1e-6) - 1.0
@@ -193,7 +191,7 @@ def _find_width_fault(
 
 
 def _find_place_fault(
-    match: CharacterMatch, parts: PartMeasures, cell: float, limits: RemarkThresholds, *, told: bool
+    match: StrokeMatch, parts: PartMeasures, cell: float, limits: RemarkThresholds, *, told: bool
 ) -> Iterator[Finding]:
     """The first part stands off its place beside the second; told: that one is too wide, which moves it."""
     k = 0 if parts.axis == "across" else 1
@@ -228,7 +226,7 @@ def _find_place_fault(
 
 
 def _find_inner_faults(
-    match: CharacterMatch, inner: InnerMeasures, cell: float, limits: RemarkThresholds
+    match: StrokeMatch, inner: InnerMeasures, cell: float, limits: RemarkThresholds
 ) -> Iterator[Finding]:
     size, away = inner.size - 1.0, inner.apart * cell
     if abs(size) >= limits.weak * limits.inner:
@@ -254,7 +252,7 @@ def _fault(kind: str, size: float, unit: str, least: float) -> Fault:
 
 
 def _on_strokes(
-    match: CharacterMatch, points: BoolArray, fault: Fault, text: Bilingual, *, advice: str
+    match: StrokeMatch, points: BoolArray, fault: Fault, text: Bilingual, *, advice: str
 ) -> Finding:
     """A finding on the strokes that some of the master's points belong to."""
     owners = np.unique(match.master.points.owner[points])

@@ -88,7 +88,7 @@ class BluntTips:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CharacterMatch:
+class StrokeMatch:
     """The strokes of a master and those of a copy, matched.
 
     strokes: one for each of the master's, longest first. pose: of the copy against the master's place in its
@@ -159,7 +159,7 @@ class MasterStrokes:
         return find_strokes(self.framed) if self.laid is None else self.laid.lines
 
     @cached_property
-    def itself(self) -> CharacterMatch:
+    def itself(self) -> StrokeMatch:
         """Its strokes as the measurement of copies finds them in the master itself."""
         return _match_framed(self.framed, self, places=None)
 
@@ -200,7 +200,7 @@ class StrokeUncertainty:
     ends: dict[str, float]
 
 
-def match_strokes(copy: Surface, registration: Registration, master: MasterStrokes) -> CharacterMatch:
+def match_strokes(copy: Surface, registration: Registration, master: MasterStrokes) -> StrokeMatch:
     """Find the master's strokes in the copy; `registration` is that of the two surfaces.
 
     The master measured against itself in the same way is subtracted, so that a perfect copy has no
@@ -251,7 +251,7 @@ def _log(ratio: float) -> float:
     return float(np.log(max(ratio, 1e-6)))
 
 
-def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> CharacterMatch:
+def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> StrokeMatch:
     """A master's strokes in the master itself, moved by half a pixel and made a little smaller or larger.
 
     The differences are measurement error: thinning takes another way through rough ink.
@@ -294,7 +294,7 @@ def _relative_to(itself: MatchedStroke, found: MatchedStroke) -> MatchedStroke:
     return replace(found, **ratios, **ends)
 
 
-def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None) -> CharacterMatch:
+def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None) -> StrokeMatch:
     """Strokes of some ink in the common frame against a master's.
 
     places: (n, 2) where the same measurement has the master's own points; None when this is the master.
@@ -317,7 +317,7 @@ def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArra
         upright = pose.undo(upright)
     expected = places if squeeze is None else squeeze.apply(places)
     measurer = StrokeMeasurer(framed, copy, model, found, covered, laid.owner, expected, upright, squeeze)
-    return CharacterMatch(
+    return StrokeMatch(
         strokes=tuple(measurer.stroke(k) for k in range(len(model.lines))),
         pose=pose,
         width=measurer.whole_width,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rumu.strokes.correspondence import CharacterMatch
+from rumu.strokes.correspondence import StrokeMatch
 from rumu.values import FloatArray
 
 
@@ -39,7 +39,7 @@ class StrokeGap:
     change: float
 
 
-def find_gaps(strokes: CharacterMatch) -> tuple[StrokeGap, ...]:
+def find_gaps(strokes: StrokeMatch) -> tuple[StrokeGap, ...]:
     """Gaps between neighbours that are both level, or both upright, and run side by side."""
     gaps = []
     lines = strokes.master.lines
