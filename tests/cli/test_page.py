@@ -65,3 +65,39 @@ def test_a_folder_with_other_things_is_left_alone(rumu, photo, tmp_path):
 
 def test_a_text_that_is_not_there(rumu, photo, tmp_path):
     rumu("page", photo, "--text", tmp_path / "no.txt", "-o", tmp_path / "out").failed_with("no.txt")
+
+
+def test_a_photograph_of_our_own_sheet_becomes_marks(rumu, tmp_path):
+    import pypdfium2
+
+    assert (
+        rumu("sheet", "人", "-o", tmp_path / "s.pdf", "--cell", 60, "--times", 2, "--pupil", "王小明").code
+        == 0
+    )
+    sheet = pypdfium2.PdfDocument(tmp_path / "s.pdf")[0].render(scale=110 / 72).to_pil().convert("RGB")
+    master = Image.new("L", (120, 120), 255)
+    pixels = np.asarray(master).copy()
+    for stroke in find_character("人").strokes:
+        cv2.fillPoly(pixels, [np.rint(stroke.polygon() * 120).astype(np.int32)], 20)
+    sheet.paste(Image.fromarray(pixels).convert("RGB"), (200, 240))  # in the first cell
+    sheet.rotate(180).save(tmp_path / "photo.jpg", quality=92)
+    ended = rumu("page", tmp_path / "photo.jpg", "-o", tmp_path / "out", "--jobs", 1, "--json")
+    (facts,) = ended.facts["photos"]
+    assert (ended.code, facts["pupil"], facts["empty"]) == (0, "王小明", 1)
+    assert [(cell["row"], cell["column"]) for cell in facts["cells"]] == [(0, 0)]
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        *("marks.csv", "marks.json", "cells", "pupils", "teacher.pdf")
+    }
+
+
+def test_a_folder_without_sheets_gives_no_mark(rumu, photo, tmp_path):
+    (tmp_path / "in").mkdir()
+    photo.rename(tmp_path / "in" / "photo.png")
+    ended = rumu("page", tmp_path / "in", "-o", tmp_path / "out", "--jobs", 1)
+    ended.failed_with("no character was marked")
+    assert "no sheet" in (tmp_path / "out" / "marks.csv").read_text(encoding="utf-8-sig")
+
+
+def test_a_text_cannot_go_with_sheets(rumu, photo, tmp_path):
+    ended = rumu("page", photo, photo, "--text", photo, "-o", tmp_path / "out")
+    assert ended.code == 2

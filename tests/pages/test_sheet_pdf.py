@@ -21,6 +21,13 @@ def test_the_words_of_a_sheet_are_text_in_an_embedded_font(page, masters):
     assert all("+" in str(font["/BaseFont"]) for font in embedded)  # a subset
 
 
+def test_one_sheets_font_is_not_anothers():
+    for text, pupil in (("人", "王小明"), ("永天人水", "陳大文")):
+        pages = lay_out(SheetPage(text, "strokes", pupil=pupil))
+        reader = PdfReader(io.BytesIO(sheet_pdf(pages, choose_masters(text).shapes)))
+        assert text in reader.pages[0].extract_text() and pupil in reader.pages[0].extract_text()
+
+
 @pytest.mark.parametrize("grid", GRIDS)
 @pytest.mark.parametrize("help_", HELPS)
 def test_what_a_pupil_writes_over_is_nearly_white_in_red_light(grid, help_, masters):

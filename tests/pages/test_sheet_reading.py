@@ -40,7 +40,7 @@ def test_what_was_written_comes_back_without_the_print(written, masters, sheets)
         ink = cv2.resize(
             sheets.copy_of(masters, found.cell.character), (side, side), interpolation=cv2.INTER_AREA
         )
-        assert intersection_over_union(found.picture < 140, ink > 0.5) > 0.93
+        assert intersection_over_union(found.picture < 110, ink > 0.5) > 0.93
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_no_grid_and_no_model_is_taken_for_writing(grid, help_, gray, masters, s
     (found,) = read_cells(locate_sheet(sheets.photograph(flat)[0]), masters.shapes)
     side = len(found.picture)
     ink = cv2.resize(sheets.copy_of(masters, cell.character), (side, side), interpolation=cv2.INTER_AREA)
-    assert intersection_over_union(found.picture < 140, ink > 0.5) > 0.85
+    assert intersection_over_union(found.picture < 110, ink > 0.5) > 0.85
 
 
 def test_a_bent_sheet_is_read_by_the_frames_of_its_cells(written, page, masters, sheets):

@@ -1,15 +1,16 @@
-"""page: a photographed or scanned page into its characters."""
+"""page: a photographed or scanned page into its characters; photographs of our own sheets into marks."""
 
 from __future__ import annotations
 
 import json
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from rumu.cli.options import AsJson, check_writable
+from rumu.cli.sheet import are_sheets, mark_sheet_photos
 from rumu.cli.terminal import Outcome, print_outcome, working
 
 if TYPE_CHECKING:
@@ -22,9 +23,13 @@ _LONGEST_FILE = 10**6  # bytes of a text: the longest page holds a few thousand 
 @print_outcome
 def page(
     *,
-    photo: Annotated[
-        Path,
-        typer.Argument(metavar="PHOTO", help="Photograph or scan of a page: a print, a scroll, a rubbing."),
+    photos: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="PHOTO...",
+            help="Photograph or scan of a page: a print, a scroll, a rubbing. Or of sheets that `rumu sheet` "
+            "printed: one, many, a folder, a zip, a PDF.",
+        ),
     ],
     out: Annotated[
         Path, typer.Option("-o", "--out", help="Folder to write; an earlier result there is replaced.")
@@ -33,9 +38,29 @@ def page(
         Path | None,
         typer.Option(metavar="FILE", help="What is written on it: a text file, with or without line breaks."),
     ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Of sheets: processes (default: all cores).")
+    ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="Of sheets: mark on a Dask cluster (tcp://HOST:8786, or local)."
+        ),
+    ] = None,
+    language: Annotated[Literal["zh", "en"], typer.Option(help="Of sheets: language of the PDFs.")] = "zh",
     as_json: AsJson = False,
 ) -> Outcome:
-    """A page -> its columns and characters, drawn over it, and as JSON, PAGE-XML and hOCR."""
+    """A page -> its columns and characters, as a report, JSON, PAGE-XML, hOCR; our own sheets -> marks."""
+    if are_sheets(photos):
+        if text is not None:
+            raise typer.BadParameter("--text cannot go with sheets, whose code says what is written")
+        return mark_sheet_photos(photos, out, jobs=jobs, dask=dask, language=language)
+    (photo,) = photos
+    return _read_one(photo, out, text=text)
+
+
+def _read_one(photo: Path, out: Path, *, text: Path | None) -> Outcome:
+    """The characters of one page."""
     from rumu.outputs import whole_folder
     from rumu.pages.reading import read_page
 

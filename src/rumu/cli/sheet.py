@@ -1,14 +1,18 @@
-"""sheet: practice sheets to print, which `rumu page` reads back as marks."""
+"""sheet: practice sheets to print; and the marks of their photographs, which `rumu page` reads."""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from rumu.cli.options import AsJson, known_script_name
-from rumu.cli.terminal import Outcome, print_outcome, working
+from rumu.cli.terminal import Outcome, bar, print_outcome, working
+
+_TOLD = 20  # photographs that were not read, of which the terminal tells
 
 
 @print_outcome
@@ -108,3 +112,50 @@ def _read_names(path: Path) -> list[str]:
     if not names:
         raise ImageError("expected the name of a pupil on each line, found none", name=path)
     return names
+
+
+def are_sheets(photos: Sequence[Path]) -> bool:
+    """Whether photographs are read as our own sheets: several, a folder, a zip, a PDF, or one of a sheet."""
+    if len(photos) != 1 or photos[0].is_dir():
+        return True
+    from rumu.errors import ImageError
+    from rumu.inputs import open_file
+    from rumu.pages.sheet_reading import is_sheet
+    from rumu.studio.sheet_inputs import SheetPhoto, read_photo
+
+    with open_file(photos[0], error_type=ImageError, expected="an image") as stream:
+        head = stream.read(1024)
+    if head.startswith(b"PK\x03\x04") or b"%PDF-" in head:
+        return True
+    return is_sheet(read_photo(SheetPhoto(photos[0].name, photos[0])))
+
+
+def mark_sheet_photos(
+    photos: Sequence[Path], out: Path, *, jobs: int | None, dask: str | None, language: Literal["zh", "en"]
+) -> Outcome:
+    """Mark photographs of sheets into a folder: a table, JSON, PDFs for each pupil and for the teacher."""
+    from statistics import fmean
+
+    from rumu.studio.sheet_marks import FACTS, TABLE, mark_sheets
+    from rumu.studio.sheet_reports import TEACHER, write_reports
+
+    started = time.perf_counter()
+    with bar("Marking") as advance:
+        found = mark_sheets(photos, out, jobs=jobs, dask=dask, advance=advance)
+    reports = write_reports(found, out, language=language)
+    cells = [cell for one in found for cell in one["cells"]]
+    scores = [cell["score"] for cell in cells if cell["score"] is not None]
+    refused = [one for one in found if one["refused"]]
+    facts = {
+        "out": out, "seconds": round(time.perf_counter() - started, 3), "photos": found,
+        "cells": len(cells), "marked": len(scores), "reports": reports,
+    }  # fmt: skip
+    mean = f", mean {fmean(scores):.0f}" if scores else ""
+    lines = [
+        f"{len(found)} photographs, {len(refused)} not read; {len(cells)} characters, "
+        f"{len(scores)} marked{mean}",
+        *(f"  {one['photo']}: {one['refused']}" for one in refused[:_TOLD]),
+        f"  {out / TABLE}, {FACTS}, {TEACHER}, {len(reports) - 1} PDFs of pupils",
+    ]
+    nothing = None if scores else f"no character was marked; {TABLE} in {out} says why"
+    return Outcome(facts, "\n".join(lines), refused=nothing)

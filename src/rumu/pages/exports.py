@@ -21,7 +21,8 @@ _DOUBLE_ROW = {None: "", 0: "small right", 1: "small left"}
 def page_xml(page: Page, *, picture_name: str, creator: str = "rumu", made: datetime | None = None) -> str:
     """The page as PAGE-XML (2019-07-15): a region for each register, a line for each column, glyphs in words.
 
-    picture_name: the file of `page.picture`. creator: the program and its version. made: the time to write into it; now by default.
+    picture_name: the file of `page.picture`. creator: the program and its version. made: the time to write
+    into it; now by default.
     """
     ET.register_namespace("", PAGE_NAMESPACE)
     ET.register_namespace("xsi", _INSTANCE)
@@ -110,7 +111,8 @@ def _name(tag: str) -> str:
 def hocr(page: Page, *, picture_name: str, creator: str = "rumu") -> str:
     """The page as hOCR: an area for each register, a line for each column, a word for each character.
 
-    picture_name: the file of `page.picture`. creator: the program and its version. A character that is not known is 〓.
+    picture_name: the file of `page.picture`. creator: the program and its version. A character that is not
+    known is 〓.
     """
     ET.register_namespace("", _XHTML)
     root = _tag(None, "html", lang="zh-Hant")

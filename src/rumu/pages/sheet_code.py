@@ -9,6 +9,7 @@ from __future__ import annotations
 import zlib
 
 import numpy as np
+import numpy.typing as npt
 
 from rumu.errors import RumuError
 from rumu.pages.sheet_layout import GRIDS, HELPS, PAPERS, SheetPage
@@ -20,6 +21,11 @@ _QUIET = 4  # modules of white around a code, as the standard wants them
 _VERSIONS = range(3, 15)
 _MOST_LETTERS = 528  # that the last of them holds
 _SEPARATOR = "\t"
+_BLURS = (0.0, 0.4, 0.55, 0.7)  # standard deviations, in modules, that are tried
+_NOISE = 0.02  # power of what the blur leaves below which nothing is amplified
+_FINDER = np.ones((7, 7), bool)  # the pattern in three corners of every QR code
+_FINDER[1:6, 1:6] = False
+_FINDER[2:5, 2:5] = True
 
 
 def code_modules(page: SheetPage) -> BoolArray:
@@ -42,26 +48,97 @@ def code_modules(page: SheetPage) -> BoolArray:
     return np.array([[bool(code.isDark(row, column)) for column in side] for row in side])
 
 
-def module_places(count: int) -> FloatArray:
-    """(count * count, 2): the middles of a code's modules, x and y, as shares of its side."""
-    middles = (np.arange(count) + 0.5) / count
-    x, y = np.meshgrid(middles, middles)
-    return np.column_stack([x.ravel(), y.ravel()])
-
-
 def module_counts() -> tuple[int, ...]:
     """Modules along the side of each code that may be printed, from few to many."""
     return tuple(17 + 4 * version for version in _VERSIONS)
 
 
+def find_code(light: npt.NDArray[np.uint8], corners: FloatArray, *, reach: float) -> SheetPage | None:
+    """The page that the code in a picture says; None where it is none of ours, or not legible.
+
+    light: (h, w), of which only the code and its surroundings are looked at. corners: (4, 2) where the code
+    should be, x and y in pixels, the upper left first. reach: pixels by which it may lie beside them.
+    """
+    tables = _sharp_tables()
+    for count in module_counts():
+        for found in (corners, _find_finders(light, corners, count, reach=reach)):
+            values = _sample(light, found, count)
+            for blur in _BLURS:
+                sharp = _sharpen(values, tables[blur]) if blur else values
+                if looks_like_code(sharp):
+                    page = decode_modules(sharp)
+                    if page is not None:
+                        return page
+    return None
+
+
+def _sharp_tables() -> dict[float, FloatArray]:
+    """For each blur the weights of a module and its neighbours that undo it, as far as noise allows."""
+    reach = 3
+    tables: dict[float, FloatArray] = {}
+    for blur in _BLURS:
+        if blur:
+            frequency = np.fft.fftfreq(32)
+            passed = np.exp(-2 * (np.pi * blur * frequency) ** 2)
+            kept = np.outer(passed, passed)
+            inverse = np.fft.fftshift(np.fft.ifft2(kept / (kept**2 + _NOISE)).real)
+            tables[blur] = inverse[16 - reach : 17 + reach, 16 - reach : 17 + reach]
+    return tables
+
+
+def _sharpen(values: FloatArray, table: FloatArray) -> FloatArray:
+    """Modules without the blur of the photograph."""
+    import cv2
+
+    return np.asarray(cv2.filter2D(values, cv2.CV_64F, table, borderType=cv2.BORDER_CONSTANT))
+
+
+def _sample(light: npt.NDArray[np.uint8], corners: FloatArray, count: int) -> FloatArray:
+    """(count, count): the picture at the middles of the modules of a code with these corners."""
+    import cv2
+
+    origin, along, down = corners[0], corners[1] - corners[0], corners[3] - corners[0]
+    middles = (np.arange(count) + 0.5) / count
+    x, y = np.meshgrid(middles, middles)
+    places = (origin + x[..., None] * along + y[..., None] * down).astype(np.float32)
+    seen = cv2.remap(light, places[..., 0], places[..., 1], cv2.INTER_CUBIC)
+    return np.asarray((seen / 255.0) ** 2.2)  # linear light, in which blur mixes dark and bright
+
+
+def _find_finders(
+    light: npt.NDArray[np.uint8], corners: FloatArray, count: int, *, reach: float
+) -> FloatArray:
+    """Corners of a code, from where the patterns in three of its corners look most like what they are."""
+    import cv2
+
+    module = float(np.hypot(*(corners[1] - corners[0]))) / count
+    pattern = np.pad(np.where(_FINDER, 0, 255), 1, constant_values=255).astype(np.uint8)
+    side = max(9, round(9 * module))
+    template = cv2.resize(pattern, (side, side), interpolation=cv2.INTER_AREA)
+    template = cv2.GaussianBlur(template, (0, 0), 0.3 * module)
+    places = []
+    for corner, right, below in ((0, 1, 1), (1, -1, 1), (3, 1, -1)):
+        middle = corners[corner] + 3.5 * module * np.array([right, below])
+        low = np.floor(middle - side / 2 - reach).astype(int)
+        part = light[
+            max(low[1], 0) : low[1] + side + 2 * int(reach) + 2,
+            max(low[0], 0) : low[0] + side + 2 * int(reach) + 2,
+        ]
+        if min(part.shape) < side:
+            return corners
+        alike = cv2.matchTemplate(part, template, cv2.TM_CCOEFF_NORMED)
+        row, column = np.unravel_index(int(np.argmax(alike)), alike.shape)
+        found = np.maximum(low, 0) + [column, row] + (side - 1) / 2
+        places.append(found - 3.5 * module * np.array([right, below]))
+    origin, right_end, bottom = places
+    return np.array([origin, right_end, right_end + bottom - origin, bottom])
+
+
 def looks_like_code(light: FloatArray) -> bool:
     """Whether modules show the patterns in the corners that each code has. light: (n, n), bright is large."""
     dark = light < _threshold(light)
-    finder = np.zeros((7, 7), bool)
-    finder[[0, -1]] = finder[:, [0, -1]] = True
-    finder[2:5, 2:5] = True
     corners = dark[:7, :7], dark[:7, -7:], dark[-7:, :7]
-    return all(np.count_nonzero(corner != finder) <= 6 for corner in corners)
+    return all(np.count_nonzero(corner != _FINDER) <= 6 for corner in corners)
 
 
 def decode_modules(light: FloatArray) -> SheetPage | None:

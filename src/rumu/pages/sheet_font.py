@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import itertools
+import zlib
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ from rumu.characters.stroke_data import CanonicalStroke, find_character
 from rumu.pdf_text import draw_text, text_width
 
 _EM, _DESCENT = 1000, 120  # units of the font, and how far its square reaches below the line
-_NUMBERS = itertools.count(1)
 
 
 class SheetFont:
@@ -27,13 +27,14 @@ class SheetFont:
     def __init__(self, letters: str) -> None:
         known = {letter: found for letter in sorted(set(letters)) if (found := find_character(letter))}
         self._known = frozenset(known)
-        self._name = f"rumu-strokes-{next(_NUMBERS)}"
+        # reportlab takes fonts of one name for one font
+        self._name = f"rumu-{zlib.crc32(''.join(known).encode()):08x}"
         if known:
             from reportlab.pdfbase.pdfmetrics import registerFont
             from reportlab.pdfbase.ttfonts import TTFont
 
             strokes = {letter: found.strokes for letter, found in known.items()}
-            registerFont(TTFont(self._name, io.BytesIO(_font_file(strokes))))
+            registerFont(TTFont(self._name, io.BytesIO(_font_file(strokes, name=self._name))))
 
     def width(self, text: str, size: float) -> float:
         """Width of a line of text in points."""
@@ -56,7 +57,7 @@ class SheetFont:
         ]
 
 
-def _font_file(characters: dict[str, tuple[CanonicalStroke, ...]]) -> bytes:
+def _font_file(characters: dict[str, tuple[CanonicalStroke, ...]], *, name: str) -> bytes:
     """A TrueType font with these characters."""
     from fontTools.fontBuilder import FontBuilder  # type: ignore[import-untyped]
     from fontTools.pens.ttGlyphPen import TTGlyphPen  # type: ignore[import-untyped]
@@ -73,9 +74,9 @@ def _font_file(characters: dict[str, tuple[CanonicalStroke, ...]]) -> bytes:
     builder.setupCharacterMap(names)
     builder.setupGlyf(glyphs)
     table = builder.font["glyf"]
-    builder.setupHorizontalMetrics({name: (_EM, getattr(table[name], "xMin", 0)) for name in glyphs})
+    builder.setupHorizontalMetrics({glyph: (_EM, getattr(table[glyph], "xMin", 0)) for glyph in glyphs})
     builder.setupHorizontalHeader(ascent=_EM - _DESCENT, descent=-_DESCENT)
-    builder.setupNameTable({"familyName": "rumu strokes", "styleName": "Regular", "psName": "rumu-strokes"})
+    builder.setupNameTable({"familyName": name, "styleName": "Regular", "psName": name})
     builder.setupOS2(sTypoAscender=_EM - _DESCENT, sTypoDescender=-_DESCENT)
     builder.setupPost()
     stream = io.BytesIO()

@@ -127,7 +127,7 @@ def refine_by_frames(flat: FlatSheet, page: SheetPage, places: PaperMap) -> Pape
             (upright if vertical else level).append((middle, seen))
     if min(len(upright), len(level)) < 6:
         return places
-    boxes = np.concatenate([box.corners for box in marker_boxes(page.paper).values()])
+    boxes = np.array([box.corners.mean(axis=0) for box in marker_boxes(page.paper).values()])
     known = places.pixels(boxes)  # the markers' own places, which the first map follows
     pairs = []
     for found in (upright, level):

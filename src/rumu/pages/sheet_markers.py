@@ -129,8 +129,7 @@ def map_paper(
     count = np.count_nonzero(fits)
     degree = 3 if count >= 9 else 2 if count >= 6 else 0
     if degree:
-        chosen = np.repeat(fits, 4)
-        pairs = on_paper[chosen], in_picture[chosen]
+        pairs = _middles(on_paper, fits), _middles(in_picture, fits)
         flat = bend_map(flat, along_x=pairs, along_y=pairs, degree=degree)
         fits &= _distances(flat, on_paper, in_picture) < settings.off
     if np.count_nonzero(~fits) >= settings.strangers:
@@ -139,10 +138,23 @@ def map_paper(
     spread = np.ptp(on_paper[chosen], axis=0) / np.array(PAPERS[paper]) if chosen.any() else np.zeros(2)
     if np.count_nonzero(fits) < settings.fewest or spread.min() < 0.5:
         raise refuse_cut_off()
-    pairs = on_paper[chosen], in_picture[chosen]
-    homography, _ = cv2.findHomography(*pairs, 0)
+    homography, _ = cv2.findHomography(on_paper[chosen], in_picture[chosen], 0)
     even = PaperMap(homography, np.zeros(0), np.zeros(0), paper)
+    pairs = _middles(on_paper, fits), _middles(in_picture, fits)
     return bend_map(even, along_x=pairs, along_y=pairs, degree=degree)
+
+
+def _middles(corners: FloatArray, fits: BoolArray) -> FloatArray:
+    """(n, 2): where the diagonals of markers cross; blur moves corners inward, but not that point.
+
+    corners: (4 m, 2), those of each marker one after another. fits: (m,) which of them count.
+    """
+    a, b, c, d = corners.reshape(-1, 4, 2)[fits].transpose(1, 0, 2)
+    one, other, between = c - a, d - b, b - a
+    along = (between[:, 0] * other[:, 1] - between[:, 1] * other[:, 0]) / (
+        one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    )
+    return np.asarray(a + along[:, None] * one)
 
 
 def _distances(places: PaperMap, on_paper: FloatArray, in_picture: FloatArray) -> FloatArray:

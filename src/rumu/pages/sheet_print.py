@@ -32,6 +32,7 @@ OUTLINE: Colour = (0.94, 0.47, 0.40)
 DOT: Colour = (0.96, 0.58, 0.52)
 
 _MODELS = {"faint": FAINT, "outlined": OUTLINE, "dots": DOT}
+_LINEAR = 1.6  # exponent: where blur mixes ink and paper half and half, the level is half-way, as in light
 _PLAIN = 0.06  # grayness up to which nothing needs to be taken away
 _MORE = 1.25  # times as much print as expected is taken away: paper stays white, ink stays dark
 _SHIFT = 4  # bits of a fraction of a pixel in OpenCV's drawing
@@ -62,7 +63,7 @@ def take_print_away(
     red = colours[:, :, 0]
     if gray > _PLAIN:
         red = red / _printed_light(cell, grid, master, len(red), gray=gray, blur=blur)
-    return np.asarray(np.clip(255 * red, 0, 255), np.uint8)
+    return np.asarray(255 * np.clip(red, 0, 1) ** _LINEAR, np.uint8)
 
 
 def _printed_light(

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import RefusedImage
-from rumu.pages.sheet_code import decode_modules, looks_like_code, module_counts, module_places
+from rumu.pages.sheet_code import find_code
 from rumu.pages.sheet_frames import FlatSheet, flatten, frame_grayness, refine_by_frames
 from rumu.pages.sheet_layout import PAPERS, Paper, SheetCell, SheetPage
 from rumu.pages.sheet_markers import (
@@ -68,8 +68,10 @@ class LocatedSheet:
     gray: float
 
     def name_picture(self) -> Picture:
-        """The place of the pupil's name, as a picture."""
-        return self.flat.cut(self.page.name_box)
+        """The place of the pupil's name, as a picture on white paper."""
+        part = self.flat.cut(self.page.name_box)
+        paper = np.quantile(part, 0.8, axis=(0, 1))
+        return np.asarray(np.clip(part * (250 / np.maximum(paper, 1.0)), 0, 255), np.uint8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -161,19 +163,9 @@ def _locate(
 
 def _read_code(flat: FlatSheet, paper: Paper) -> SheetPage | None:
     """What the code of a flat page says; None where there is none, or it says another paper."""
-    import cv2
-
     box = SheetPage("一", "", paper=paper).code_box
-    light = flat.red
-    for count in module_counts():
-        places = module_places(count) * box.width + (box.left, box.top)
-        spots = (places * flat.scale - 0.5).astype(np.float32).reshape(count, count, 2)
-        values = cv2.remap(light, spots[..., 0], spots[..., 1], cv2.INTER_CUBIC).astype(np.float64)
-        if looks_like_code(values):
-            page = decode_modules(values)
-            if page is not None and page.paper == paper:
-                return page
-    return None
+    page = find_code(flat.red, box.corners * flat.scale - 0.5, reach=_BESIDE * flat.scale)
+    return page if page is not None and page.paper == paper else None
 
 
 def _gray(picture: Picture) -> Picture:
@@ -200,6 +192,7 @@ def _check_light(picture: Picture, markers: list[tuple[int, FloatArray]], settin
     return float(np.median(spreads) * side / SIDE)
 
 
+_BESIDE = 2.0  # millimetres by which the code of a bent page may lie beside its place
 _PER_MODULE = 8  # pixels of a module in the patch of a marker
 
 

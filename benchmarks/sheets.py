@@ -1,0 +1,217 @@
+"""How well photographs of our own sheets are read: `python benchmarks/sheets.py --count 500`.
+
+Sheets of 24 learners' copies (e3c and e3c-more of RUMU_DATA), of every grid, help and paper, are printed,
+written on, and photographed by the simulated camera of the laboratory, whose map is known. Printed are: the
+share of cells that are found and right; how far their corners lie from the truth, of photographs of 12
+megapixels; the overlap of the ink; by how much marks differ from those of the unphotographed copies; what was
+refused. With --marks 0 nothing is marked; --time measures one photograph of 24 cells instead.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import tempfile
+import time
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pypdfium2
+from PIL import Image
+
+from rumu import pipeline
+from rumu.errors import RefusedImage
+from rumu.gallery.sheet_masters import SheetMasters, choose_masters
+from rumu.pages.sheet_layout import GRIDS, HELPS, PAPERS, SheetPage, lay_out
+from rumu.pages.sheet_pdf import sheet_pdf
+from rumu.pages.sheet_reading import WrittenCell, locate_sheet, read_cells
+from rumu.surface.ink import find_ink
+from rumu_lab.simulation.camera import Conditions, draw_conditions, take_photograph
+
+DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shared" / "data"))
+CELLS, DPI, INK = 24, 300, 0.9
+
+
+@dataclass
+class Figures:
+    """What is counted over all photographs."""
+
+    cells: int = 0
+    right: int = 0
+    wrong: int = 0
+    corners: list[float] = field(default_factory=list)
+    overlaps: list[float] = field(default_factory=list)
+    off: list[float] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    refused: Counter[str] = field(default_factory=Counter)
+
+
+def read_copies() -> tuple[dict[str, list[Path]], dict[str, Path]]:
+    """The copies of each character, and its template."""
+    copies: dict[str, list[Path]] = {}
+    templates: dict[str, Path] = {}
+    for folder in ("e3c", "e3c-more"):
+        with (DATA / folder / "scores.csv").open(encoding="utf-8-sig", newline="") as stream:
+            for row in csv.DictReader(stream):
+                template = templates.setdefault(row["character"], DATA / folder / row["template"])
+                if template == DATA / folder / row["template"]:
+                    copies.setdefault(row["character"], []).append(DATA / folder / row["image"])
+    return copies, templates
+
+
+def print_and_write(
+    page: SheetPage, masters: SheetMasters, copies: dict[str, list[Path]], rng: np.random.Generator
+) -> tuple[np.ndarray, dict[tuple[int, int], np.ndarray]]:
+    """A printed page with a copy in most of its cells, and those copies (400, 400) as they were written."""
+    document = pypdfium2.PdfDocument(sheet_pdf([page], masters.shapes))
+    flat = np.asarray(document[0].render(scale=DPI / 72).to_pil().convert("RGB")).astype(np.float32)
+    # the picture has whole pixels, the paper not
+    (sx, sy), written = np.array(flat.shape[1::-1]) / page.size, {}
+    for cell in page.cells:
+        if not cell.is_for_writing or rng.random() < 0.1:
+            continue
+        path = copies[cell.character][rng.integers(len(copies[cell.character]))]
+        with Image.open(path) as picture:
+            copy = np.asarray(picture.convert("L"))
+        left, top = int(cell.box.left * sx), int(cell.box.top * sy)
+        fx, fy = cell.box.width * sx / len(copy), cell.box.height * sy / len(copy)
+        side = int(cell.box.width * sx) + 2
+        place = np.array(
+            [
+                [fx, 0, cell.box.left * sx - left + 0.5 * fx - 0.5],
+                [0, fy, cell.box.top * sy - top + 0.5 * fy - 0.5],
+            ]
+        )
+        ink = cv2.GaussianBlur(255 - copy, (0, 0), 0.4 / fx)
+        laid = cv2.warpAffine(ink, place, (side, side)).astype(np.float32) / 255
+        flat[top : top + side, left : left + side] *= 1 - INK * laid[..., None]
+        written[cell.row, cell.column] = copy
+    return np.clip(flat, 0, 255).astype(np.uint8), written
+
+
+def read_one(number: int, figures: Figures, copies: dict[str, list[Path]], folder: Path, marks: int) -> None:
+    """Print, write, photograph and read one sheet."""
+    rng = np.random.default_rng(number)
+    text = "".join(rng.choice(sorted(copies), CELLS))
+    masters = choose_masters(text, (str(folder),), script="regular")
+    grid, help_ = GRIDS[number % 5], HELPS[number // 5 % 5]
+    paper = sorted(PAPERS)[number % 2]
+    # a sheet that shows masters beside the cells has two cells for each character
+    whole = SheetPage(text, masters.name, paper=paper, grid=grid, help=help_, times=1, cell=28, strokes=False)
+    page = lay_out(whole)[0]
+    flat, written = print_and_write(page, masters, copies, rng)
+    conditions = draw_conditions(rng)
+    conditions = replace(conditions, turn=float(rng.choice([0, 90, 180, 270])) + conditions.turn)
+    photograph = take_photograph(flat, conditions, seed=number)
+    figures.cells += len(written)
+    started = time.perf_counter()
+    try:
+        sheet = locate_sheet(photograph.picture)
+        found = read_cells(sheet, masters.shapes)
+    except RefusedImage as error:
+        figures.refused[error.reason] += 1
+        print(number, error.reason, grid, help_, conditions, flush=True)
+        return
+    figures.seconds.append(time.perf_counter() - started)
+    corners = np.concatenate([cell.box.corners for cell in page.cells])
+    true = photograph.points(corners * (np.array(flat.shape[1::-1]) / page.size) - 0.5)
+    off = np.hypot(*(sheet.places.pixels(corners) - true).T)
+    if conditions.megapixels == 12:
+        figures.corners.extend(off.tolist())
+    places = {(one.cell.row, one.cell.column) for one in found}
+    right = places & set(written) if sheet.page == page else set()
+    figures.right += len(right)
+    figures.wrong += len(places - right)
+    if off.max() > 2 or places != set(written):
+        print(
+            number, f"{off.max():.1f} px", sorted(places ^ set(written)), grid, help_, conditions, flush=True
+        )
+    for k, one in enumerate(found):
+        if (one.cell.row, one.cell.column) in right:
+            master = masters.by_character[one.cell.character].picture if k < marks else None
+            _compare(one, written[one.cell.row, one.cell.column], master, figures)
+
+
+def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figures: Figures) -> None:
+    """Ink and, with a master, mark of a photographed cell against those of the copy in it."""
+    side, character = len(copy), one.cell.character
+    try:
+        ink = cv2.resize(find_ink(one.picture).mask.astype(np.float32), (side, side)) > 0.5
+    except RefusedImage:
+        figures.overlaps.append(0.0)
+        return
+    true = find_ink(copy).mask
+    figures.overlaps.append(float(np.count_nonzero(ink & true) / np.count_nonzero(ink | true)))
+    if master is not None:
+        prepared = pipeline.prepare_master(master, character=character)
+        both = [
+            pipeline.assess(each, prepared, framed=True, remarks=False).score for each in (one.picture, copy)
+        ]
+        if None not in both:
+            figures.off.append(abs(both[0] - both[1]))
+        elif both[0] != both[1]:
+            figures.off.append(100.0)
+
+
+def main() -> None:
+    """Read many sheets and print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=500)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--marks", type=int, default=4, help="cells of each sheet that are marked")
+    parser.add_argument("--time", action="store_true")
+    asked = parser.parse_args()
+    copies, templates = read_copies()
+    with tempfile.TemporaryDirectory(prefix="rumu-") as home:
+        os.environ["RUMU_HOME"] = home
+        folder = Path(home) / "templates"
+        folder.mkdir()
+        for character, template in templates.items():
+            (folder / f"{character}.png").write_bytes(template.read_bytes())
+        if asked.time:
+            measure_time(copies, folder, Path(home))
+            return
+        figures = Figures()
+        for number in range(asked.first, asked.first + asked.count):
+            read_one(number, figures, copies, folder, asked.marks)
+    corners, overlaps, off = (
+        np.array(v or [np.nan]) for v in (figures.corners, figures.overlaps, figures.off)
+    )
+    print(f"{asked.count} photographs, refused {dict(figures.refused)}")
+    print(f"cells found and right {figures.right} of {figures.cells}, wrong {figures.wrong}")
+    print(f"corners at 12 MP: median {np.median(corners):.2f} px, 99 % {np.quantile(corners, 0.99):.2f}")
+    print(f"overlap of ink: median {np.median(overlaps):.3f}, 5 % {np.quantile(overlaps, 0.05):.3f}")
+    print(
+        f"marks: median difference {np.median(off):.2f}, within 3 points {np.mean(off <= 3):.3f} "
+        f"of {len(off)}, largest {off.max():.1f}"
+    )
+    print(f"finding and cutting: median {np.median(figures.seconds):.2f} s")
+
+
+def measure_time(copies: dict[str, list[Path]], folder: Path, home: Path) -> None:
+    """Seconds from a photograph of 12 megapixels and 24 cells to its marks."""
+    from rumu.studio.sheet_marks import mark_sheets
+
+    rng = np.random.default_rng(1)
+    text = "".join(rng.choice(sorted(copies), CELLS))
+    masters = choose_masters(text, (str(folder),), script="regular")
+    (page,) = lay_out(SheetPage(text, masters.name, times=1, strokes=False))
+    flat, _ = print_and_write(page, masters, copies, np.random.default_rng(5))
+    photograph = take_photograph(flat, Conditions(tilt=20, towards=40, blur=1, noise=3), seed=1)
+    Image.fromarray(photograph.picture).save(home / "photo.jpg", quality=92)
+    for again in range(2):
+        started, used = time.perf_counter(), os.times()
+        (facts,) = mark_sheets([home / "photo.jpg"], home / f"out{again}")
+        spent = os.times()
+        busy = sum(spent[:4]) - sum(used[:4])
+        print(
+            f"{len(facts['cells'])} cells, {time.perf_counter() - started:.2f} s, {busy:.2f} s of processors"
+        )
+
+
+if __name__ == "__main__":
+    main()
