@@ -41,10 +41,12 @@ class RhythmSettings:
 class SmallSettings:
     """When ink is a row of small characters, two abreast or one on the right; lengths as shares of the pace.
 
-    half: the height of its place, where that is not as high as the others. low: how high a small character is
-    at most. slim: over how many strips one without a neighbour reaches at most. shift: by how many strips
-    the middle of the row may lie beside that of the column. dust: how much ink a row may hold and still be
-    empty. pair: what two abreast gain. doubt: what it costs to take them for one character.
+    half: the height of its place, where that is not as high as the others. low: how high a small
+    character is at most. slim: over how many strips one without a neighbour reaches at most. shift: by
+    how many strips the middle of the row may lie beside that of the column. dust: how much ink a row may
+    hold and still be empty. pair: what two abreast gain. doubt: what it costs to take them for one
+    character. flat: how high two that touch are at most. valley: how much ink stands in the middle of
+    two that touch, as a share of what stands beside it.
     """
 
     half: float = 0.55
@@ -54,6 +56,8 @@ class SmallSettings:
     dust: float = 0.06
     pair: float = 0.2
     doubt: float = 1.5
+    flat: float = 0.5
+    valley: float = 0.25
 
 
 WHERE_KNOWN = SmallSettings(low=0.66, slim=15, shift=5, dust=0.1)
@@ -66,12 +70,13 @@ class RowInk:
 
     first: the row on the page of ink[0]. ink: (n,) pixels in each row. strips: (n + 1, STRIPS) how many
     connected parts have their middle above each row and reach over each strip; strips run from left to right,
-    twelve on either side of the middle of the column.
+    twelve on either side of the middle of the column. pixels: (n + 1, STRIPS) the ink above each row.
     """
 
     first: int
     ink: FloatArray
     strips: IntArray
+    pixels: IntArray
 
 
 STRIPS = 24
@@ -96,7 +101,10 @@ def row_ink(column: Column, *, breadth: float) -> RowInk:
     np.add.at(spans, (middle[stroke], high_x[stroke]), -1)
     covered = spans.cumsum(axis=1)[:, :STRIPS]
     above = np.concatenate([np.zeros((1, STRIPS), dtype=np.intp), covered.cumsum(axis=0)])
-    return RowInk(top, ink, above)
+    cells = (column.y - top) * STRIPS + across
+    pixels = np.bincount(cells, minlength=(bottom - top) * STRIPS).reshape(bottom - top, STRIPS)
+    pixels = np.concatenate([np.zeros((1, STRIPS), dtype=np.intp), pixels.cumsum(axis=0)])
+    return RowInk(top, ink, above, pixels)
 
 
 def find_pace(columns: list[Column], *, settings: RhythmSettings | None = None) -> float:
@@ -207,7 +215,18 @@ def _small_layout(
         pair = clear & (left >= 3) & (right >= 3)
         alone = (until[:, m - 1] == 0) & (right >= 3) & (right <= settings.slim)
         layout[low] = np.maximum(layout[low], np.where(pair, 2, np.where(alone, 1, 0)))
+    flat = np.nonzero(last[j] - first[i] < settings.flat * pace)[0]
+    layout[flat[_is_spread(ink.pixels[rows[j[flat]]] - ink.pixels[rows[i[flat]]], settings)]] = 2
     return layout
+
+
+def _is_spread(pixels: IntArray, settings: SmallSettings) -> BoolArray:
+    """(k,) bool: ink that is broader than a character, and thin in the middle. pixels: (k, STRIPS)."""
+    middle, side = STRIPS // 2, STRIPS // 4
+    broad = pixels[:, :2].any(axis=1) & pixels[:, -2:].any(axis=1)
+    beside = (pixels[:, :side].sum(axis=1) + pixels[:, -side:].sum(axis=1)) / (2 * side)
+    valley = pixels[:, middle - side // 2 : middle + side // 2 + 1].min(axis=1)
+    return np.asarray(broad & (valley < settings.valley * beside))
 
 
 def _usual_gap(rows: FloatArray, pace: float) -> float:

@@ -21,9 +21,12 @@ class ColumnSettings:
     one. ridge: share of the strongest ink beside it that a ridge has at least. ink: the least ink of a
     ridge. joined: how far the pieces of one column may lie beside each other. reach: how far from the
     middle of its column a part of a character lies at most, as a share of the pitch. own: share of a
-    part that one column must hold to get all of it. outside: the most columns of a heading outside of
-    the frame. ornament: how near to both lines of a corner its ornament lies. thin: how thick the rest
-    of a line is.
+    part that one column must hold to get all of it. beside: from where on a part stands beside its
+    column, as a share of half its breadth. outside: the most columns of a heading outside of the frame.
+    ruled: how many lines each column has where columns are ruled. follows: how far from the next a
+    column beyond the last line stands at most, as a share of the pitch. fold: how wide, as a share of a
+    usual strip, the strip at the fold of a leaf is at most. ornament: how near to both lines of a corner
+    its ornament lies. thin: how thick the rest of a line is.
     """
 
     grain: float = 12.0
@@ -35,7 +38,11 @@ class ColumnSettings:
     joined: float = 0.4
     reach: float = 0.62
     own: float = 0.8
+    beside: float = 1.05
     outside: int = 2
+    ruled: float = 0.6
+    follows: float = 1.3
+    fold: float = 0.82
     ornament: float = 0.3
     thin: float = 0.25
 
@@ -239,8 +246,31 @@ def _inside_frame(ridges: list[Ridge], lines: list[PartingLine], settings: Colum
     sizes = {b: block.count(b) for b in set(block)}
     largest = max(sizes.values())
     if largest <= 2 * settings.outside:  # a line beside every column, or hardly any text
-        return [True] * len(ridges)
+        return _between_rules(ridges, lines, settings)
     return [sizes[b] > settings.outside for b in block]
+
+
+def _between_rules(ridges: list[Ridge], lines: list[PartingLine], settings: ColumnSettings) -> list[bool]:
+    """Which columns stand in a strip between two ruled lines, and not in the narrow one at a leaf's fold.
+
+    A column beyond the last line counts where it follows the others at their distance.
+    """
+    if len(lines) < settings.ruled * len(ridges) or len(ridges) <= 2 * settings.outside:
+        return [True] * len(ridges)
+    height = [(ridge.top + ridge.bottom) / 2 for ridge in ridges]
+    middles = np.array([_middle(ridge) for ridge in ridges])
+    usual = float(np.median(np.abs(np.diff(middles))))
+    widths = np.full(len(ridges), np.nan)
+    for k, y in enumerate(height):
+        at = np.sort([float(line.at(y)) for line in lines])
+        right = int(np.searchsorted(at, middles[k]))
+        if 0 < right < len(at):
+            widths[k] = at[right] - at[right - 1]
+    strip = float(np.nanmedian(widths)) if np.isfinite(widths).any() else np.inf
+    near = np.array([np.abs(np.delete(middles, k) - middles[k]).min() for k in range(len(ridges))])
+    beyond = np.isnan(widths)
+    keep = np.where(beyond, near < settings.follows * usual, widths > settings.fold * strip)
+    return [bool(one) for one in keep]
 
 
 def _share_ink(
@@ -262,6 +292,7 @@ def _share_ink(
     columns: list[Column | None] = []
     for k, ridge in enumerate(ridges):
         own = kept & (owner == k)
+        own[own] = ~_beyond(offset[own], number[own], settings)
         columns.append(Column(ridge, y[own], offset[own], number[own], pitch) if own.sum() > 8 else None)
     return columns
 
@@ -281,6 +312,16 @@ def _near_column(number: IntArray, offset: FloatArray, reach: float) -> BoolArra
     total = np.maximum(np.bincount(number), 1)
     middle = np.bincount(number, finite) / total
     return np.abs(middle[number]) < reach
+
+
+def _beyond(offset: FloatArray, number: IntArray, settings: ColumnSettings) -> BoolArray:
+    """(k,) bool: pixels of parts that lie beside the column as a whole, such as a note in the margin."""
+    if not len(offset):
+        return np.zeros(0, dtype=bool)
+    side = float(np.quantile(np.abs(offset), 0.97))
+    inner = np.full(int(number.max()) + 1, np.inf)
+    np.minimum.at(inner, number, np.abs(offset))
+    return np.asarray(inner[number] > settings.beside * side)
 
 
 def column_pitch(ridges: list[Ridge], size: float) -> float:
