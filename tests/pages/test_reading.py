@@ -219,6 +219,38 @@ def test_a_blank_page_is_refused_in_both_languages():
     assert refused.value.reason == "blank" and refused.value.zh
 
 
+def lines_everywhere():
+    rng = np.random.default_rng(0)
+    picture = np.full((800, 600), 255, np.uint8)
+    for x0, y0, x1, y1 in rng.integers(0, (600, 800, 600, 800), (100, 4)).tolist():
+        cv2.line(picture, (x0, y0), (x1, y1), 0, 2)
+    return picture
+
+
+def landscape():
+    picture = np.full((800, 600, 3), (200, 220, 250), np.uint8)
+    cv2.fillPoly(
+        picture, [np.array([[0, 800], [150, 400], [300, 650], [450, 350], [600, 800]])], (60, 90, 50)
+    )
+    noise = np.random.default_rng(0).normal(0, 6, picture.shape)
+    return np.clip(picture + noise, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [
+        np.random.default_rng(0).integers(0, 256, (800, 600), dtype=np.uint8),
+        lines_everywhere(),
+        np.uint8(np.indices((800, 600)).sum(axis=0) // 20 % 2 * 255),
+        np.uint8(np.linspace(0, 255, 800)[:, None] * np.ones(600)),
+        landscape(),
+    ],
+    ids=["noise", "lines", "stripes", "gradient", "landscape"],
+)
+def test_what_is_no_page_holds_no_characters(picture):
+    assert rumu.read_page(picture).characters == ()
+
+
 def test_a_text_without_characters_is_refused(columns_page):
     with pytest.raises(RumuError, match="got none"):
         rumu.read_page(columns_page(POEM).picture, text="，。 \n")

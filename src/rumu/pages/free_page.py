@@ -16,6 +16,9 @@ from rumu.pages.page_ink import Picture, find_page_ink
 from rumu.pages.page_parts import find_parts
 from rumu.values import BoolArray
 
+_WRITTEN = 0.5  # of what may be writing on a page, the share that is in its columns at least
+_OF_ALL_INK = 0.08  # of all ink, lines and pictures too
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WrittenColumn:
@@ -34,7 +37,7 @@ class WrittenColumn:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreePage:
-    """The columns of a page in reading order.
+    """The columns of a page in reading order; none where most of the ink stands in no columns.
 
     Rows and columns of everything in `columns` are swapped where `direction` is "horizontal".
     """
@@ -62,6 +65,10 @@ def find_free_page(picture: Picture) -> FreePage:
         for r, columns in enumerate(registers)
         for c, (column, places) in enumerate(zip(columns, part_register(columns), strict=True))
     ]
+    ink = sum(len(shape.y) for column in written for shape in column.shapes)
+    all_ink = int(page.ink.sum())
+    if ink < _WRITTEN * int(parts.ink.sum()) or ink < _OF_ALL_INK * all_ink:
+        written = []
     return FreePage(tuple(written), direction, parts.size)
 
 
