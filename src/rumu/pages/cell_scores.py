@@ -1,0 +1,134 @@
+"""How well a printed cell of a given size fits at each place of a page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rumu.pages.line_evidence import LineEvidence, Map, moved
+from rumu.values import FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class CellSettings:
+    """How cells are looked for; lengths are shares of the pitch of the lines.
+
+    tolerance: by which an edge may lie beside its place; beside: what it counts then. slopes: an edge may
+        lean by these. samples: pieces of an edge that are looked at. covered: the part of an edge that they
+        cover.
+    widths, heights: sizes tried. steps: places tried along a pitch.
+    least: weight of the weakest edge against the mean of the four. square: natural logarithm of height over
+        width at which a cell of any other shape is taken rather.
+    """
+
+    tolerance: float = 0.02
+    beside: float = 0.93
+    slopes: tuple[float, ...] = (-0.105, -0.07, -0.035, 0.0, 0.035, 0.07, 0.105)
+    samples: int = 17
+    covered: float = 0.9
+    widths: tuple[float, ...] = (0.84, 0.88, 0.92, 0.96, 1.0)
+    heights: tuple[float, ...] = tuple(0.72 + 0.04 * k for k in range(18))
+    steps: int = 28
+    least: float = 0.6
+    square: float = 0.6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgeMaps:
+    """Evidence for the edges of a cell.
+
+    across, down: (h, w), at every `stride` pixels: for an edge of a cell's length centred there, along x and
+        y.
+    """
+
+    across: Map
+    down: Map
+    stride: int
+    pitch: float
+
+
+def map_edges(
+    evidence: LineEvidence,
+    pitch: float,
+    *,
+    reduction: int,
+    enough: float,
+    settings: CellSettings | None = None,
+) -> EdgeMaps:
+    """Evidence for edges of cells of this pitch."""
+    settings = settings or CellSettings()
+    stride = int(np.clip(round(pitch / settings.steps), 1, 8))
+    across = _edge_map(np.minimum(evidence.across, enough), pitch, stride, reduction, settings)
+    turned = np.minimum(np.ascontiguousarray(evidence.down.T), enough)
+    down = _edge_map(turned, pitch, stride, reduction, settings).T
+    height, width = (min(a, b) for a, b in zip(across.shape, down.shape, strict=True))
+    cut = slice(height), slice(width)
+    return EdgeMaps(np.ascontiguousarray(across[cut]), np.ascontiguousarray(down[cut]), stride, pitch)
+
+
+def _edge_map(response: Map, pitch: float, stride: int, reduction: int, settings: CellSettings) -> Map:
+    import cv2
+
+    count = min(settings.samples, max(5, int(pitch / reduction) | 1))
+    along = (np.arange(count) - count // 2) / (count - 1) * settings.covered * pitch
+    best = np.zeros_like(response)
+    for slope in settings.slopes:
+        edge = np.zeros_like(response)
+        for x in along:
+            edge += moved(response, round(slope * x), round(x / reduction))
+        np.maximum(best, edge, out=best)
+    reach = 2 * int(np.ceil(settings.tolerance * pitch)) + (stride | 1)
+    near = cv2.dilate(best, np.ones((reach, 1), np.uint8))
+    best = (settings.beside * near + (1 - settings.beside) * best)[stride // 2 :: stride]
+    size = -(-best.shape[1] * reduction // stride), best.shape[0]
+    return np.asarray(cv2.resize(best, size, interpolation=cv2.INTER_LINEAR) / count)
+
+
+def fit_everywhere(
+    edges: EdgeMaps, width: float, height: float, *, settings: CellSettings | None = None
+) -> Map:
+    """(h, w): how well a cell of this size in pixels, centred there, is drawn: mean and weakest edge."""
+    settings = settings or CellSettings()
+    x, y = round(width / 2 / edges.stride), round(height / 2 / edges.stride)
+    four = (
+        moved(edges.down, 0, -x),
+        moved(edges.down, 0, x),
+        moved(edges.across, -y, 0),
+        moved(edges.across, y, 0),
+    )
+    weakest = np.minimum(np.minimum(four[0], four[1]), np.minimum(four[2], four[3]))
+    mean = (four[0] + four[1] + four[2] + four[3]) / 4
+    return np.asarray(settings.least * weakest + (1 - settings.least) * mean)
+
+
+def fit_at(edges: EdgeMaps, cells: FloatArray, *, settings: CellSettings | None = None) -> FloatArray:
+    """(...,) the same at given cells, (..., 4): centre x and y, width and height in pixels."""
+    settings = settings or CellSettings()
+    four = edges_at(edges, cells)
+    return np.asarray(settings.least * four.min(axis=-1) + (1 - settings.least) * four.mean(axis=-1))
+
+
+def edges_at(edges: EdgeMaps, cells: FloatArray) -> FloatArray:
+    """(..., 4) evidence for the left, right, top and bottom edge of cells (..., 4)."""
+    x, y, half_width, half_height = (cells[..., k] * (0.5 if k > 1 else 1) for k in range(4))
+    return np.stack(
+        [
+            _sampled(edges.down, x - half_width, y, edges.stride),
+            _sampled(edges.down, x + half_width, y, edges.stride),
+            _sampled(edges.across, x, y - half_height, edges.stride),
+            _sampled(edges.across, x, y + half_height, edges.stride),
+        ],
+        axis=-1,
+    )
+
+
+def _sampled(values: Map, x: FloatArray, y: FloatArray, stride: int) -> FloatArray:
+    column, row = _index(x, stride), _index(y, stride)
+    inside = (column >= 0) & (row >= 0) & (column < values.shape[1]) & (row < values.shape[0])
+    found = values[np.clip(row, 0, values.shape[0] - 1), np.clip(column, 0, values.shape[1] - 1)]
+    return np.where(inside, found, 0.0)
+
+
+def _index(at: FloatArray, stride: int) -> IntArray:
+    return np.floor(at / stride).astype(np.int64)

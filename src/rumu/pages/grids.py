@@ -1,0 +1,242 @@
+"""Printed grids on a flat page: cells in reading order, which are empty, and the writing without the grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rumu.errors import ImageError
+from rumu.pages.cell_edges import place_edges
+from rumu.pages.cell_ink import find_cell_ink
+from rumu.pages.cell_lattice import Lattice, best_sizes, grow_lattices
+from rumu.pages.cell_scores import map_edges
+from rumu.pages.lattice_fill import fill_lattice
+from rumu.pages.lattice_model import LatticeModel
+from rumu.pages.line_evidence import LineEvidence, LineSettings, Picture, find_line_evidence, line_pitch
+from rumu.pages.page import Direction, PageCharacter
+from rumu.values import BoolArray, FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class GridSettings:
+    """When a picture shows a grid.
+
+    sides: longer side, in pixels, of the reduced pictures that lines are looked for in, in this order.
+    cells, drawn: least number of cells that are drawn at least this well. contrast: least fit of the best
+        cells over that of places between the lines; strength: least fit. share: of the cells of a lattice
+        that are drawn. cut: a cell may reach beyond the picture by this share of its side.
+    guide: by how much cells of two or three pitches are drawn more strongly where lines within them are
+        guides.
+    gap: step from row to row or column to column, over the cell's side, from which on these stand apart.
+    """
+
+    sides: tuple[int, ...] = (1600, 640)
+    cells: int = 6
+    drawn: float = 0.5
+    contrast: float = 2.0
+    strength: float = 0.008
+    share: float = 0.08
+    even: float = 0.03
+    few_even: float = 0.016
+    uneven: float = 0.055
+    few: int = 8
+    further: int = 6
+    of_first: float = 0.12
+    cut: float = 0.25
+    guide: float = 1.07
+    gap: float = 1.06
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PageGrid:
+    """The printed cells of a page.
+
+    Parameters
+    ----------
+    cells
+        All cells in reading order, each a polygon of four corners from the top left clockwise in pixels of
+        the picture. Lattices that stand apart are registers from top to bottom.
+    direction
+        "horizontal": rows of cells are read from left to right, and such a row counts as a column.
+    ink
+        (H, W) bool, the writing in the cells without grid, guides and red marks.
+    """
+
+    cells: tuple[PageCharacter, ...]
+    direction: Direction
+    ink: BoolArray
+
+
+def find_grid(picture: Picture, *, settings: GridSettings | None = None) -> PageGrid | None:
+    """Find the printed cells of a flat, upright page.
+
+    Parameters
+    ----------
+    picture
+        (H, W, 3) uint8 sRGB, see `flatten_photo`. Lines may lean and bend a little.
+    settings
+        When a picture shows a grid.
+
+    Returns
+    -------
+    PageGrid or None
+        None where no grid is printed.
+
+    Raises
+    ------
+    ImageError
+        If it is no such picture.
+    """
+    import cv2
+
+    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
+        raise ImageError(f"expected a (H, W, 3) uint8 picture, got {picture.shape} {picture.dtype}")
+    settings = settings or GridSettings()
+    longer = max(picture.shape[:2])
+    for side in settings.sides:
+        scale = min(1.0, side / longer)
+        small = (
+            cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+            if scale < 1
+            else picture
+        )
+        lattices = find_lattices(small, settings=settings)
+        if lattices:
+            return _as_grid(small, lattices, picture.shape[:2], settings)
+    return None
+
+
+Placed = list[tuple[int, int, FloatArray, float]]
+"""The cells of a lattice: row, column, corners (4, 2), how well it is drawn."""
+
+
+def find_lattices(picture: Picture, *, settings: GridSettings) -> list[Placed]:
+    """The lattices of cells in a reduced picture, from top to bottom."""
+    lines = LineSettings()
+    if min(picture.shape[:2]) < 4 * lines.pitch:
+        return []
+    evidence = find_line_evidence(picture, settings=lines)
+    pitch = line_pitch(evidence.down, settings=lines)
+    if pitch is None:
+        return []
+    times, strength = _guides_within(evidence, pitch, lines, settings)
+    pitch = times * pitch
+    edges = map_edges(evidence, pitch, reduction=lines.reduction, enough=lines.enough)
+    fit, width, height = best_sizes(edges)[0]
+    if fit < settings.strength:
+        return []
+    found: list[tuple[Lattice, LatticeModel]] = []
+    strengths = map_edges(evidence, pitch, reduction=lines.reduction, enough=max(lines.enough, 2 * strength))
+    for lattice in grow_lattices(edges, (width, height), strengths=strengths):
+        if len(lattice.cells) < settings.cells:
+            continue
+        filled = fill_lattice(edges, evidence, lattice)
+        if not _is_grid(filled[0], settings=settings) or any(
+            _overlap(filled[0], other) for other, _ in found
+        ):
+            continue
+        if found and len(filled[0].cells) < max(settings.further, settings.of_first * len(found[0][0].cells)):
+            continue
+        found.append(filled)
+    found.sort(key=lambda one: float(np.mean([cell[1] for cell in one[0].cells.values()])))
+    placed = [_place(evidence, *one, lines=lines) for one in found]
+    return [cells for cells in placed if _is_even(cells, settings)]
+
+
+def _is_even(cells: Placed, settings: GridSettings) -> bool:
+    """Whether the cells are equally wide or equally high, but for a change from one side to the other."""
+    quads, places = np.array([cell[2] for cell in cells]), np.array([cell[:2] for cell in cells], float)
+    few = len(cells) < settings.few
+    ones = np.ones((len(cells), 1))
+    terms = ones if few else np.hstack([ones, places, places[:, :1] * places[:, 1:]])
+    uneven = []
+    for corner in (1, 3):
+        length = np.linalg.norm(quads[:, corner] - quads[:, 0], axis=1)
+        rest = length - terms @ np.linalg.lstsq(terms, length, rcond=None)[0]
+        uneven.append(float(np.median(np.abs(rest)) / np.median(length)))
+    return max(uneven) <= (settings.few_even if few else settings.uneven) and min(uneven) <= settings.even
+
+
+def _place(evidence: LineEvidence, lattice: Lattice, model: LatticeModel, *, lines: LineSettings) -> Placed:
+    quads = place_edges(evidence, lattice, model, reduction=lines.reduction, enough=lines.enough)
+    cells = [(*place, quad, lattice.fits[place]) for place, quad in zip(lattice.cells, quads, strict=True)]
+    return sorted(cells, key=lambda cell: cell[:2])
+
+
+def _guides_within(
+    evidence: LineEvidence, pitch: int, lines: LineSettings, settings: GridSettings
+) -> tuple[int, float]:
+    """Into how many parts guides divide a cell, whose edges are much stronger: 1, 2 or 3; and how strong."""
+    strengths = [
+        best_sizes(map_edges(evidence, times * pitch, reduction=lines.reduction, enough=1.0))[0][0]
+        for times in (1, 2, 3)
+    ]
+    best = int(np.argmax(strengths))
+    chosen = best if strengths[best] > settings.guide * strengths[0] else 0
+    return chosen + 1, strengths[chosen]
+
+
+def _is_grid(lattice: Lattice, *, settings: GridSettings) -> bool:
+    drawn = sum(fit >= settings.drawn for fit in lattice.fits.values())
+    return drawn >= settings.cells and drawn >= settings.share * len(lattice.fits)
+
+
+def _overlap(lattice: Lattice, other: Lattice) -> bool:
+    """Whether many cells of the first lie on cells of the other."""
+    cells, others = (np.array(list(one.cells.values())) for one in (lattice, other))
+    apart = np.abs(cells[:, None, :2] - others[None, :, :2]) / (
+        (cells[:, None, 2:] + others[None, :, 2:]) / 2
+    )
+    return bool((apart.max(axis=2) < 0.8).any(axis=1).mean() > 0.1)
+
+
+def _as_grid(
+    picture: Picture, lattices: list[Placed], shape: tuple[int, int], settings: GridSettings
+) -> PageGrid:
+    """Corners, order and writing of the cells, in pixels of the whole picture."""
+    import cv2
+
+    height, width = picture.shape[:2]
+    placed: list[tuple[int, int, int, FloatArray, float]] = []
+    for register, lattice in enumerate(lattices):
+        for row, column, quad, fit in lattice:
+            if _is_whole(quad, (height, width), settings.cut):
+                placed.append((register, row, column, np.clip(quad, 0, [width, height]), fit))
+    quads = np.array([one[3] for one in placed])
+    found = find_cell_ink(picture, quads)
+    scale = np.array([shape[1] / width, shape[0] / height])
+    cells = tuple(
+        PageCharacter(
+            polygon=quad * scale,
+            register=register,
+            column=row,
+            row=column,
+            certainty=float(np.clip(fit, 0, 1)),
+            empty=bool(empty),
+        )
+        for (register, row, column, quad, fit), empty in zip(placed, found.empty, strict=True)
+    )
+    ink = cv2.resize(found.ink.astype(np.uint8), shape[::-1], interpolation=cv2.INTER_LINEAR) > 0
+    return PageGrid(_numbered(cells), "horizontal", ink)
+
+
+def _is_whole(quad: FloatArray, shape: tuple[int, int], cut: float) -> bool:
+    size = quad.max(axis=0) - quad.min(axis=0)
+    beyond = np.maximum(0, -quad.min(axis=0)) + np.maximum(0, quad.max(axis=0) - np.array(shape[::-1]))
+    return bool((beyond <= cut * size).all())
+
+
+def _numbered(cells: tuple[PageCharacter, ...]) -> tuple[PageCharacter, ...]:
+    """Columns and rows counted from 0 within each register."""
+    first = {
+        register: (
+            min(c.column for c in cells if c.register == register),
+            min(c.row for c in cells if c.register == register),
+        )
+        for register in {cell.register for cell in cells}
+    }
+    return tuple(
+        replace(cell, column=cell.column - first[cell.register][0], row=cell.row - first[cell.register][1])
+        for cell in cells
+    )

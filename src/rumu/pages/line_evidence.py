@@ -1,0 +1,171 @@
+"""Where a page shows printed lines: darkness beside the paper, without the writing, along and across."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.values import BoolArray
+
+Picture = npt.NDArray[np.uint8]
+Map = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class LineSettings:
+    """What counts as a printed line. Lengths are pixels of the reduced picture unless they say otherwise.
+
+    reduction: pixels along a line that are averaged. half_length: of the piece of a line that is looked at
+        together, in reduced pixels. beside: how far beside a line its paper is looked at. cap: darkness above
+        which a line counts no more. slopes: a line may lean by these.
+    dark, coloured: writing is darker than this, and its colour less than this share of its darkness.
+    writing: most, as a share of the longer side, that connected writing measures. thin: at least. bare,
+        piece: a piece of a thin grid has fewer pixels than this share of width and height of its box, and is
+        longer than this share of the longer side.
+    pitch: least distance of parallel lines.
+    """
+
+    reduction: int = 4
+    half_length: int = 4
+    beside: int = 4
+    cap: float = 0.5
+    enough: float = 0.05
+    slopes: tuple[float, ...] = (-0.09, -0.06, -0.03, 0.0, 0.03, 0.06, 0.09)
+    dark: float = 0.2
+    coloured: float = 0.5
+    writing: float = 0.1
+    thin: int = 3
+    bare: float = 2.2
+    piece: float = 0.03
+    pitch: int = 20
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LineEvidence:
+    """What speaks for printed lines in a picture (H, W).
+
+    darkness: (H, W), 0 on paper, 1 black. coloured: (H, W), how far its colour is from gray. writing: (H, W)
+    bool, what was taken for writing and left out. across: (H, W / reduction), darkness of a short piece of a
+    line that runs along x over that of the paper on both sides of it; down: (H / reduction, W), along y.
+    """
+
+    darkness: Map
+    coloured: Map
+    writing: BoolArray
+    across: Map
+    down: Map
+
+
+def find_line_evidence(picture: Picture, *, settings: LineSettings | None = None) -> LineEvidence:
+    """Darkness of a picture (H, W, 3), and what speaks for lines along x and along y."""
+    settings = settings or LineSettings()
+    darkness, coloured = measure_darkness(picture)
+    writing = find_writing(darkness, coloured, settings)
+    bare = np.where(writing, np.float32(0), darkness)
+    across = _line_response(bare, settings)
+    down = np.ascontiguousarray(_line_response(np.ascontiguousarray(bare.T), settings).T)
+    return LineEvidence(darkness, coloured, writing, across, down)
+
+
+def measure_darkness(picture: Picture) -> tuple[Map, Map]:
+    """How much darker than the paper, in the darkest channel, and how coloured; shares of its level."""
+    import cv2
+
+    darkest = picture.min(axis=2)
+    height, width = darkest.shape
+    size = max(1, width // 4), max(1, height // 4)
+    small = cv2.dilate(cv2.resize(darkest, size, interpolation=cv2.INTER_AREA), np.ones((3, 3), np.uint8))
+    side = min(17, (min(size) - 1) // 2 * 2 + 1)
+    paper = cv2.resize(cv2.medianBlur(small, max(1, side)), (width, height)).astype(np.float32)
+    paper = np.maximum(paper, 40)
+    darkness = np.clip((paper - darkest) / paper, 0, 1)
+    return darkness, (picture.max(axis=2) - darkest) / paper
+
+
+def find_writing(darkness: Map, coloured: Map, settings: LineSettings) -> BoolArray:
+    """(H, W) bool: dark gray parts of the size of characters, with a margin; a grid is larger."""
+    import cv2
+
+    dark = ((darkness > settings.dark) & (coloured < settings.coloured * darkness)).astype(np.uint8)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(dark, connectivity=8)
+    sides, area = stats[:, 2:4], stats[:, 4]
+    chosen = (sides.max(axis=1) < settings.writing * max(darkness.shape)) & (
+        sides.min(axis=1) > settings.thin
+    )
+    thick = np.bincount(labels[cv2.erode(dark, np.ones((3, 3), np.uint8)) > 0], minlength=len(area))
+    longest = settings.piece * max(darkness.shape)
+    chosen &= (
+        (thick > 0.02 * area) | (area > settings.bare * sides.sum(axis=1)) | (sides.max(axis=1) < longest)
+    )
+    chosen[0] = False
+    return np.asarray(cv2.dilate(chosen.astype(np.uint8)[labels], np.ones((5, 5), np.uint8)) > 0)
+
+
+def moved(values: Map, down: int, right: int) -> Map:
+    """The values at (row + down, column + right), 0 beyond the border."""
+    height, width = values.shape
+    out = np.zeros_like(values)
+    if abs(down) < height and abs(right) < width:
+        to = (
+            slice(max(0, -down), min(height, height - down)),
+            slice(max(0, -right), min(width, width - right)),
+        )
+        at = slice(max(0, down), min(height, height + down)), slice(max(0, right), min(width, width + right))
+        out[to] = values[at]
+    return out
+
+
+def _line_response(bare: Map, settings: LineSettings) -> Map:
+    """(H, W / reduction): darkness along a short piece of a line along x, over the darker of both sides."""
+    import cv2
+
+    height, width = bare.shape
+    step, k = settings.reduction, settings.beside
+    reduced = cv2.resize(
+        np.minimum(bare, settings.cap), (max(1, width // step), height), interpolation=cv2.INTER_AREA
+    )
+    along = range(-settings.half_length, settings.half_length + 1)
+    best = np.zeros_like(reduced)
+    for slope in settings.slopes:
+        piece = np.zeros_like(reduced)
+        for j in along:
+            piece += moved(reduced, round(slope * step * j), j)
+        ridge = piece[k:-k] - np.maximum(piece[: -2 * k], piece[2 * k :])
+        np.maximum(best[k:-k], ridge, out=best[k:-k])
+    return np.asarray(best / len(along))
+
+
+def line_pitch(down: Map, *, settings: LineSettings | None = None) -> int | None:
+    """Likeliest distance of lines along y, in pixels, from the response to them (H / reduction, W), or None.
+
+    Each belt of the picture is compared with itself moved sideways, so lines may bend and converge from belt
+    to belt. Guides within cells count as lines here.
+    """
+    import cv2
+
+    settings = settings or LineSettings()
+    width = down.shape[1]
+    total = np.zeros(width)
+    for belt in _belts(down, settings):
+        profile = np.minimum(belt, settings.enough).mean(axis=0)[None]
+        profile = np.clip(profile - cv2.blur(profile, (61, 1)), 0, None)
+        profile = cv2.GaussianBlur(profile, (0, 0), 1.0)[0]
+        spectrum = np.fft.rfft(profile - profile.mean(), 2 * width)
+        total += np.fft.irfft(np.abs(spectrum) ** 2)[:width]
+    if total[0] <= 0:
+        return None
+    peaks = [
+        k
+        for k in range(settings.pitch, int(0.97 * width) - 1)
+        if total[k] == total[max(0, k - 6) : k + 7].max() and total[k] > 0
+    ]
+    if not peaks:
+        return None
+    return max(peaks, key=lambda k: total[k])
+
+
+def _belts(down: Map, settings: LineSettings) -> list[Map]:
+    belt = 4 * settings.half_length
+    return [down[top : top + belt] for top in range(0, max(1, down.shape[0] - belt // 2), belt)]
