@@ -76,7 +76,7 @@ def _write(ink: np.ndarray, x: int, y: int, cell: int) -> None:
     for _ in range(4):
         a, b = (RNG.uniform(0.15, 0.85, 2) * cell + (x, y) for _ in range(2))
         if np.linalg.norm(b - a) < 0.25 * cell:
-            b = a + np.array([0.3 * cell, 0.05 * cell])
+            b = a + np.array([0.3 * cell * (-1 if a[0] > x + cell / 2 else 1), 0.05 * cell])
         cv2.line(
             ink, np.round(a).astype(int).tolist(), np.round(b).astype(int).tolist(), 1, max(3, cell // 16)
         )
@@ -102,7 +102,7 @@ def farthest(cells: np.ndarray, truth: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize(
-    ("kind", "colour"), [("rice", RED), ("field", GREEN), ("nine", GRAY), ("double", BLACK), ("plain", GRAY)]
+    ("kind", "colour"), [("rice", RED), ("field", GREEN), ("nine", GRAY), ("double", RED), ("plain", BLACK)]
 )
 def test_cells_of_every_kind_of_grid_are_found(kind, colour):
     written = RNG.random((5, 4)) < 0.7

@@ -156,12 +156,13 @@ def _ink_of_page(
     cv2.polylines(lines, outlines, True, 1, max(3, round(settings.line * side)))
     cv2.fillPoly(inside, outlines, 1)
     ink = dark > asked
-    if np.count_nonzero(ink & (lines > 0)) > 0.3 * np.count_nonzero(lines):
+    dark_enough = dark > np.median(least)
+    if np.count_nonzero(dark_enough & (lines > 0)) > 0.3 * np.count_nonzero(lines):
         hidden |= lines > 0
     bare = ink & ~hidden
     reach = max(3, round(settings.across * side)) | 1
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
-    bare |= _thicker_than_lines(dark > np.median(least), lines > 0, outlines)
+    bare |= _thicker_than_lines(dark_enough, lines > 0, outlines)
     closed = cv2.morphologyEx(bare.astype(np.uint8), cv2.MORPH_CLOSE, kernel) > 0
     return _connected_to(bare | (closed & hidden & (dark > settings.faintest)), inside > 0)
 

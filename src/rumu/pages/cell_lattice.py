@@ -85,7 +85,7 @@ def grow_lattices(
 ) -> list[Lattice]:
     """The lattices of cells of about this width and height in pixels, those of most cells first.
 
-    strengths: edges whose evidence is not capped: a lattice begins where the edges are darkest, not on guides.
+    strengths: edges whose evidence is not capped: it begins where the edges are darkest, not on guides.
     """
     settings = settings or GrowthSettings()
     seeds, level = _seeds(edges, size, strengths or edges, settings)
