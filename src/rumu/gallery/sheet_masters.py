@@ -259,7 +259,7 @@ def _keep(masters: dict[str, SheetMaster]) -> SheetMasters:
         listed.append({"character": character, "script": master.script, "sha256": pixels})
     facts = json.dumps(listed, ensure_ascii=False).encode()
     files["masters.json"] = facts
-    name = "#" + hashlib.sha256(facts).hexdigest()[:12]
+    name = "#" + hashlib.sha256(facts).hexdigest()[:8]
     path = masters_file(name)
     if not path.is_file():
         with whole_file(path) as part, zipfile.ZipFile(part, "w") as archive:

@@ -6,6 +6,7 @@ resolution at which a code is found in a picture; its error correction is the st
 
 from __future__ import annotations
 
+import struct
 import zlib
 
 import numpy as np
@@ -15,7 +16,8 @@ from rumu.errors import RumuError
 from rumu.pages.sheet_layout import GRIDS, HELPS, PAPERS, SheetPage
 from rumu.values import BoolArray, FloatArray
 
-_MAGIC = "rumu1"
+_MAGIC = b"R1"
+_NUMBERS = ">2sIBBBHH"  # magic, sheet, page, pages, choices, tenths of a millimetre, times
 _ALPHABET = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ $%*+-./:"  # what a QR code packs in 5.5 bits each
 _QUIET = 4  # modules of white around a code, as the standard wants them
 _VERSIONS = range(3, 15)
@@ -41,8 +43,13 @@ def code_modules(page: SheetPage) -> BoolArray:
             f"expected a page that {_MOST_LETTERS} letters of a code can say, got {len(letters)}; "
             "print fewer characters on a page"
         )
-    code = qrencoder.QRCode(None, qrencoder.QRErrorCorrectLevel.M)
-    code.addData(qrencoder.QRAlphaNum(letters))
+    levels = qrencoder.QRErrorCorrectLevel
+    codes = []
+    for level in (levels.M, levels.Q, levels.H):  # the strongest correction that makes it no finer
+        code = qrencoder.QRCode(None, level)
+        code.addData(qrencoder.QRAlphaNum(letters))
+        codes.append((code.calculate_version(), code))
+    code = [one for version, one in codes if version == codes[0][0]][-1]
     code.make()
     side = range(code.getModuleCount())
     return np.array([[bool(code.isDark(row, column)) for column in side] for row in side])
@@ -172,46 +179,46 @@ def _threshold(light: FloatArray) -> FloatArray:
 
 
 def _pack(page: SheetPage) -> str:
-    names = (page.paper, f"{page.cell:g}", page.grid, page.help, str(page.times), str(int(page.strokes)))
-    fields = (
-        _MAGIC,
-        page.sheet,
-        str(page.number),
-        str(page.count),
-        *names,
-        page.master,
-        page.text,
-        page.pupil,
+    """The page as letters of a QR code: numbers in few bytes, then texts, then a checksum."""
+    choices = (
+        tuple(PAPERS).index(page.paper) << 7
+        | GRIDS.index(page.grid) << 4
+        | HELPS.index(page.help) << 1
+        | int(page.strokes)
     )
-    data = _SEPARATOR.join(fields).encode("gb18030")  # two bytes for nearly every character
+    sheet, cell = int(page.sheet or "0", 16), round(page.cell * 10)
+    numbers = struct.pack(_NUMBERS, _MAGIC, sheet, page.number, page.count, choices, cell, page.times)
+    texts = _SEPARATOR.join((page.master, page.text, page.pupil))
+    data = numbers + texts.encode("gb18030")  # two bytes for nearly every character
     return _to_letters(data + zlib.crc32(data).to_bytes(4, "big"))
 
 
 def _unpack(letters: str) -> SheetPage | None:
     data = _from_letters(letters)
-    if data is None or len(data) < 5 or zlib.crc32(data[:-4]) != int.from_bytes(data[-4:], "big"):
+    start = struct.calcsize(_NUMBERS)
+    if data is None or len(data) < start + 4:
+        return None
+    data, checksum = data[:-4], int.from_bytes(data[-4:], "big")
+    if zlib.crc32(data) != checksum or not data.startswith(_MAGIC):
         return None
     try:
-        fields = data[:-4].decode("gb18030").split(_SEPARATOR)
-        magic, sheet, number, count, paper, cell, grid, help_, times, strokes, master, text, pupil = fields
-        known = magic == _MAGIC and paper in PAPERS and grid in GRIDS and help_ in HELPS
-        if not known:
-            return None
+        _, sheet, number, count, choices, cell, times = struct.unpack(_NUMBERS, data[:start])
+        master, text, pupil = data[start:].decode("gb18030").split(_SEPARATOR)
         return SheetPage(
             text=text,
             master=master,
-            paper=paper,  # type: ignore[arg-type]  # checked above, as the next two
-            cell=float(cell),
-            grid=grid,  # type: ignore[arg-type]
-            help=help_,  # type: ignore[arg-type]
-            times=int(times),
-            strokes=strokes == "1",
-            sheet=sheet,
-            number=int(number),
-            count=int(count),
+            paper=tuple(PAPERS)[choices >> 7],
+            cell=cell / 10,
+            grid=GRIDS[choices >> 4 & 7],
+            help=HELPS[choices >> 1 & 7],
+            times=times,
+            strokes=bool(choices & 1),
+            sheet=f"{sheet:08x}",
+            number=number,
+            count=count,
             pupil=pupil,
         )
-    except (ValueError, RumuError):
+    except (ValueError, IndexError, RumuError):  # of a later version
         return None
 
 

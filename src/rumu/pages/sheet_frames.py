@@ -10,13 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.pages.sheet_layout import PAPERS, TICK, Box, SheetPage, marker_boxes
-from rumu.pages.sheet_markers import PaperMap, bend_map
+from rumu.pages.sheet_markers import EVERYWHERE, PaperMap, bend_map
 from rumu.pages.sheet_print import grayness
 from rumu.values import FloatArray
 
 _BLOCK = 6.0  # millimetres of the squares in which the paper's brightness is measured
 _REACH = 1.6  # millimetres beside a printed line within which it is sought
 _CLEAREST = 0.10  # darkness by which a line must stand out
+_USUAL = 0.04  # millimetres that a line may be off without counting less
 _NODES = 8  # pixels between the places that are mapped exactly
 
 
@@ -135,7 +136,7 @@ def refine_by_frames(flat: FlatSheet, page: SheetPage, places: PaperMap) -> Pape
         in_picture = np.concatenate([known, places.pixels(np.array([seen for _, seen in found]))])
         pairs.append((on_paper, in_picture))
     flat_map = PaperMap(places.homography, np.zeros(0), np.zeros(0), page.paper)
-    return bend_map(flat_map, along_x=pairs[0], along_y=pairs[1], degree=6)
+    return bend_map(flat_map, along_x=pairs[0], along_y=pairs[1], degrees=EVERYWHERE, usual=_USUAL)
 
 
 def _sides(page: SheetPage) -> Iterator[tuple[tuple[float, float], tuple[float, float], bool]]:

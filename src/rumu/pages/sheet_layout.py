@@ -32,7 +32,7 @@ HELPS: tuple[Help, ...] = get_args(Help)
 MARGIN = 10.0  # from each side of the paper: printers leave up to 6 mm blank
 MARKER = 8.0  # side of a marker
 MARKER_ROWS = 5  # of markers along each long side, the corners among them
-HEAD = 24.0  # height of the head, and the side of the code in it
+HEAD = 28.0  # height of the head, and side of the code in it
 CLEAR = 2.0  # white around markers and code
 GAP = 2.5  # below each row of cells
 LABEL, STROKES = 4.5, 8.5  # height of what stands above a row: the character alone, or its strokes too
@@ -271,6 +271,7 @@ def lay_out(whole: SheetPage) -> tuple[SheetPage, ...]:
     parts = [whole.text[k : k + capacity] for k in range(0, len(whole.text), capacity)]
     if len(parts) > 99:
         raise RumuError(f"expected a sheet of at most 99 pages, got {len(parts)}; print its text in parts")
+    whole = replace(whole, cell=round(whole.cell, 1))  # as the code says it
     plan = replace(whole, sheet="", number=1, count=1, pupil="")
     sheet = f"{zlib.crc32(repr(plan).encode()):08x}"
     return tuple(

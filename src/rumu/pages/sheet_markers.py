@@ -13,6 +13,14 @@ from rumu.errors import RefusedImage
 from rumu.pages.sheet_layout import MARKER, PAPERS, Paper, marker_boxes
 from rumu.values import BoolArray, FloatArray
 
+Degrees = tuple[tuple[int, int], ...]
+"""Degrees in x and in y of the polynomials of a bend."""
+
+EVERYWHERE: Degrees = tuple((i, total - i) for total in range(7) for i in range(total + 1))
+"""What the sides of cells all over a page determine: all polynomials of sixth degree."""
+_BY_MARKERS: Degrees = (*((i, j) for i in (0, 1) for j in range(5)), (2, 0), (2, 1))  # as the markers stand
+_BY_FEW: Degrees = ((0, 0), (0, 1), (1, 0), (1, 1), (0, 2))
+
 SIDE = 7  # modules along the side of a marker, its black border among them
 
 
@@ -23,13 +31,14 @@ class MarkerSettings:
     look: longer side, in pixels, of the reduced picture in which they are sought. fewest: of them that fix
     a page. bend: millimetres by which a marker may lie beside its place on a flat paper; off: the same on one
     that may be bent; beyond, it belongs to another sheet. strangers: markers of another sheet from which
-    there are two in the picture.
+    there are two in the picture. usual: millimetres that a marker may be off without counting less.
     """
 
     look: int = 2200
     fewest: int = 4
     bend: float = 22.0
     off: float = 4.0
+    usual: float = 1.0
     strangers: int = 3
 
 
@@ -38,13 +47,14 @@ class PaperMap:
     """From millimetres on the paper to pixels of the photograph.
 
     homography: (3, 3), of a flat paper. bend_x, bend_y: coefficients of what the paper's bend adds before it,
-    in millimetres, in the polynomials of `_basis`. paper: its size.
+    in millimetres, of the polynomials of `degrees`. paper: its size.
     """
 
     homography: FloatArray
     bend_x: FloatArray
     bend_y: FloatArray
     paper: Paper
+    degrees: Degrees = ()
 
     def pixels(self, points: FloatArray) -> FloatArray:
         """(n, 2): where points (n, 2) of the paper, in millimetres, lie in the photograph, x right, y down.
@@ -54,7 +64,7 @@ class PaperMap:
         moved = points.astype(np.float64).copy()
         for axis, bend in enumerate((self.bend_x, self.bend_y)):
             if len(bend):
-                moved[:, axis] += _basis(points, self.paper, len(bend)) @ bend
+                moved[:, axis] += _basis(points, self.paper, self.degrees) @ bend
         return _project(self.homography, moved)
 
     def scale(self) -> float:
@@ -127,10 +137,10 @@ def map_paper(
     flat = PaperMap(homography, np.zeros(0), np.zeros(0), paper)
     fits = _distances(flat, on_paper, in_picture) < settings.bend
     count = np.count_nonzero(fits)
-    degree = 3 if count >= 9 else 2 if count >= 6 else 0
-    if degree:
+    degrees = _BY_MARKERS if count >= 9 else _BY_FEW if count >= 6 else ()
+    if degrees:
         pairs = _middles(on_paper, fits), _middles(in_picture, fits)
-        flat = bend_map(flat, along_x=pairs, along_y=pairs, degree=degree)
+        flat = bend_map(flat, along_x=pairs, along_y=pairs, degrees=degrees, usual=settings.usual)
         fits &= _distances(flat, on_paper, in_picture) < settings.off
     if np.count_nonzero(~fits) >= settings.strangers:
         raise refuse_two_sheets()
@@ -141,7 +151,7 @@ def map_paper(
     homography, _ = cv2.findHomography(on_paper[chosen], in_picture[chosen], 0)
     even = PaperMap(homography, np.zeros(0), np.zeros(0), paper)
     pairs = _middles(on_paper, fits), _middles(in_picture, fits)
-    return bend_map(even, along_x=pairs, along_y=pairs, degree=degree)
+    return bend_map(even, along_x=pairs, along_y=pairs, degrees=degrees, usual=settings.usual)
 
 
 def _middles(corners: FloatArray, fits: BoolArray) -> FloatArray:
@@ -168,20 +178,19 @@ Pairs = tuple[FloatArray, FloatArray]
 """(n, 2) points on the paper in millimetres, and where they lie in the photograph."""
 
 
-def bend_map(flat: PaperMap, *, along_x: Pairs, along_y: Pairs, degree: int) -> PaperMap:
+def bend_map(flat: PaperMap, *, along_x: Pairs, along_y: Pairs, degrees: Degrees, usual: float) -> PaperMap:
     """The map with a bend that brings points where they were seen, by robust least squares.
 
-    along_x, along_y: points whose place is known in that direction of the paper. degree: of the polynomials.
+    along_x, along_y: points whose place is known in that direction of the paper. degrees: of the polynomials;
+    none leaves the paper flat. usual: millimetres that a point may be off without counting less.
     """
+    if not degrees:
+        return flat
     bends: list[FloatArray] = []
     for axis, (on_paper, in_picture) in enumerate((along_x, along_y)):
-        if degree < 1:
-            bends.append(np.zeros(0))
-            continue
         missing = (_unproject(flat.homography, in_picture) - on_paper)[:, axis]
-        basis = _basis(on_paper, flat.paper, _terms(degree))
-        bends.append(_robust_fit(basis, missing))
-    return PaperMap(flat.homography, bends[0], bends[1], flat.paper)
+        bends.append(_robust_fit(_basis(on_paper, flat.paper, degrees), missing, usual=usual))
+    return PaperMap(flat.homography, bends[0], bends[1], flat.paper, degrees)
 
 
 def refuse_two_sheets() -> RefusedImage:
@@ -227,24 +236,17 @@ def _dictionary() -> Any:
     return cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_50)
 
 
-def _terms(degree: int) -> int:
-    return (degree + 1) * (degree + 2) // 2
-
-
-def _basis(points: FloatArray, paper: Paper, terms: int) -> FloatArray:
-    """(n, terms): products of Chebyshev polynomials in x and y of rising degree, at points on the paper."""
+def _basis(points: FloatArray, paper: Paper, degrees: Degrees) -> FloatArray:
+    """(n, terms): products of Chebyshev polynomials in x and y, at points on the paper."""
     from numpy.polynomial.chebyshev import chebvander
 
-    degree = 0
-    while _terms(degree) < terms:
-        degree += 1
     x, y = (2 * points / np.array(PAPERS[paper]) - 1).T
-    in_x, in_y = chebvander(x, degree), chebvander(y, degree)
-    columns = [in_x[:, i] * in_y[:, total - i] for total in range(degree + 1) for i in range(total + 1)]
-    return np.stack(columns, axis=1)
+    highest = max(max(pair) for pair in degrees)
+    in_x, in_y = chebvander(x, highest), chebvander(y, highest)
+    return np.stack([in_x[:, i] * in_y[:, j] for i, j in degrees], axis=1)
 
 
-def _robust_fit(basis: FloatArray, values: FloatArray, *, ridge: float = 1e-3) -> FloatArray:
+def _robust_fit(basis: FloatArray, values: FloatArray, *, usual: float, ridge: float = 1e-4) -> FloatArray:
     """Coefficients by least squares, weighed anew so that what lies far off counts little."""
     weights: FloatArray = np.ones(len(values))
     solution: FloatArray = np.zeros(basis.shape[1])
@@ -253,7 +255,7 @@ def _robust_fit(basis: FloatArray, values: FloatArray, *, ridge: float = 1e-3) -
         weighed = basis * weights[:, None]
         solution = np.linalg.solve(weighed.T @ basis + penalty, weighed.T @ values)
         off = np.abs(basis @ solution - values)
-        spread = max(1.4826 * float(np.median(off)), 0.01)
+        spread = max(1.4826 * float(np.median(off)), usual)
         weights = 1 / (1 + (off / (2.5 * spread)) ** 2) ** 2
     return solution
 
