@@ -13,6 +13,7 @@ from rumu.values import BoolArray, FloatArray, IntArray
 _SIDE = 48  # pixels of the square that a character is drawn into
 _CELLS = 8  # cells of the grid along a side
 _DIRECTIONS = 8  # of edges, over half a turn
+_BATCH = 200  # characters described at a time
 _MARGIN = 4  # pixels of paper around the character
 
 Floats = npt.NDArray[np.float32]
@@ -73,6 +74,8 @@ def _describe(squares: list[Floats]) -> Floats:
 
     if not squares:
         return np.zeros((0, _CELLS * _CELLS * _DIRECTIONS), dtype=np.float32)
+    if len(squares) > _BATCH:
+        return np.concatenate([_describe(squares[k : k + _BATCH]) for k in range(0, len(squares), _BATCH)])
     stack = np.stack([cv2.GaussianBlur(square, (0, 0), 1.2) for square in squares])
     gy, gx = np.gradient(stack, axis=(1, 2))
     strength = np.hypot(gx, gy)

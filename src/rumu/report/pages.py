@@ -8,6 +8,8 @@ from functools import lru_cache
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from rumu.pages.page import Page, PageCharacter
 from rumu.report import wording
 from rumu.report.mesh_picture import MeshView, mesh_picture
@@ -188,7 +190,8 @@ def characters_page(page: Page, *, title: str) -> str:
 def _found_column(characters: list[PageCharacter], in_rows: bool) -> dict[str, Any]:
     """What the report draws of one column: its number beside its first character, and all of its boxes."""
     left, top, right, bottom = characters[0].box
-    size = max(right - left, bottom - top) * 0.45
+    sides = [max(one.box[2] - one.box[0], one.box[3] - one.box[1]) for one in characters]
+    size = 0.45 * float(np.median(sides))
     return {
         "number": characters[0].column + 1,
         "x": f"{left - 0.6 * size if in_rows else (left + right) / 2:.0f}",
@@ -199,6 +202,10 @@ def _found_column(characters: list[PageCharacter], in_rows: bool) -> dict[str, A
                 "points": " ".join(f"{x:.1f},{y:.1f}" for x, y in one.polygon),
                 "small": one.small is not None,
                 "unsure": one.certainty < _UNSURE,
+                "name": one.character,
+                "x": f"{one.box[2] - 0.1 * size:.0f}",
+                "y": f"{one.box[1] + 0.5 * size:.0f}",
+                "size": f"{0.8 * size:.0f}",
                 "title": f"{one.character or '〓'} {one.row + 1} · {100 * one.certainty:.0f} %",
             }
             for one in characters
