@@ -16,7 +16,7 @@ import numpy.typing as npt
 from rumu.errors import RefusedImage
 from rumu.pages.sheet_code import find_code
 from rumu.pages.sheet_frames import FlatSheet, flatten, frame_grayness, refine_by_frames
-from rumu.pages.sheet_layout import PAPERS, Paper, SheetCell, SheetPage
+from rumu.pages.sheet_layout import PAPERS, Box, SheetCell, SheetPage
 from rumu.pages.sheet_markers import (
     SIDE,
     PaperMap,
@@ -109,8 +109,7 @@ def locate_sheet(picture: Picture, *, settings: SheetSettings | None = None) -> 
     light = _check_light(picture, markers, settings)
     for paper in PAPERS:
         places = map_paper(markers, paper)
-        flat = flatten(picture, places, scale=settings.flat)
-        page = _read_code(flat, paper)
+        page = _read_code(picture, places, scale=settings.flat)
         if page is not None:
             return _locate(picture, page, places, settings, blur=light / places.scale())
     if light / places.scale() > settings.blur:
@@ -161,11 +160,15 @@ def _locate(
     return LocatedSheet(picture, page, places, flat, blur, gray=frame_grayness(flat, page))
 
 
-def _read_code(flat: FlatSheet, paper: Paper) -> SheetPage | None:
-    """What the code of a flat page says; None where there is none, or it says another paper."""
-    box = SheetPage("一", "", paper=paper).code_box
-    page = find_code(flat.red, box.corners * flat.scale - 0.5, reach=_BESIDE * flat.scale)
-    return page if page is not None and page.paper == paper else None
+def _read_code(picture: Picture, places: PaperMap, *, scale: float) -> SheetPage | None:
+    """What the code of a page says; None where there is none, or it says another paper."""
+    box = SheetPage("一", "", paper=places.paper).code_box
+    around = 2 * _BESIDE
+    part = Box(box.left - around, box.top - around, box.width + 2 * around, box.height + 2 * around)
+    flat = flatten(picture, places, scale=scale, box=part)
+    corners = (box.corners - (part.left, part.top)) * scale - 0.5
+    page = find_code(flat.red, corners, reach=_BESIDE * scale)
+    return page if page is not None and page.paper == places.paper else None
 
 
 def _gray(picture: Picture) -> Picture:

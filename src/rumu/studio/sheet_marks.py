@@ -10,6 +10,7 @@ import functools
 import itertools
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -173,9 +174,32 @@ def _mark_all(
             return
         for _ in range(processes):
             submit(executor, _warm_up)  # they load their libraries while the first photograph is read
-        run = functools.partial(in_order, mark_cell, processes=processes, executor=executor)
+        run = functools.partial(_mark_by_character, processes=processes, executor=executor)
         for k, photo, digest in todo:
             yield k, mark_photo(photo, digest, out=out, terms=terms, run=run)
+
+
+def _mark_by_character(tasks: Sequence[CellTask], *, processes: int, executor: Executor) -> Iterator[Facts]:
+    """Mark cells, in order; those of one character in one process, which makes its master ready once."""
+    places: dict[str, list[int]] = {}
+    for k, task in enumerate(tasks):
+        places.setdefault(task.character, []).append(k)
+    parts = 1 if len(places) >= processes else processes
+    groups = [one[n::parts] for one in places.values() for n in range(parts) if one[n::parts]]
+    groups.sort(key=len, reverse=True)  # the longest first, so that no process waits for it at the end
+    answers = in_order(
+        _mark_cells, ([tasks[k] for k in group] for group in groups), processes=processes, executor=executor
+    )
+    marks = {
+        k: mark
+        for group, found in zip(groups, answers, strict=True)
+        for k, mark in zip(group, found, strict=True)
+    }
+    yield from (marks[k] for k in range(len(tasks)))
+
+
+def _mark_cells(tasks: Sequence[CellTask]) -> list[Facts]:
+    return [mark_cell(task) for task in tasks]
 
 
 def _mark_numbered(
