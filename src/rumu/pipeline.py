@@ -22,8 +22,10 @@ from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.registration.icp import IcpSettings, register_points
 from rumu.registration.points import Canvas, canvas_of, ink_mask, sample_points
 from rumu.registration.quaternion import Rotation
+from rumu.strokes.centre_lines import frame_ink
 from rumu.strokes.correspondence import MasterStrokes
 from rumu.strokes.omissions import MasterInk
+from rumu.strokes.recognition import recognise
 from rumu.surface.folder import MARKER, read_surface
 from rumu.surface.relief import relief
 from rumu.values import Assessment, Capture, FloatArray, PointSet, Registration, Surface
@@ -130,11 +132,13 @@ class PreparedMaster:
     Each part is computed when it is first needed. A master that cannot be compared with raises
     RegistrationError or SurfaceError then.
 
-    surface: the master itself. character: what is written, None where it is not known.
+    surface: the master itself. character: what is written, None where nobody has said it. named: whether its
+    script has the strokes of copybooks, so that they can be named.
     """
 
     surface: Surface
     character: str | None = None
+    named: bool = True
 
     @cached_property
     def canvas(self) -> Canvas:
@@ -171,8 +175,11 @@ class PreparedMaster:
 
     @cached_property
     def canonical(self) -> CanonicalCharacter | None:
-        """The canonical strokes of its character; None where they are not known."""
-        return find_character(self.character) if self.character else None
+        """The canonical strokes of its character, given or recognised; None where they are not known."""
+        if self.character or not self.named:
+            return find_character(self.character or "")
+        found = recognise(self.canvas, frame_ink(ink_mask(self.surface), self.points))
+        return found.character if found is not None and found.is_certain else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -219,15 +226,17 @@ def prepare_master(
 ) -> PreparedMaster:
     """A master made ready once for many copies; `assess` takes it in place of the master itself.
 
-    character: what is written, where it is known and the master does not know it yet. script: in which; the
-    strokes of seal, clerical and cursive script are not those of copybooks, so they are not named.
+    character: what is written, where it is known and the master does not know it yet; else it is recognised
+    when strokes are first named, if that is certain. script: in which; the strokes of seal, clerical and
+    cursive script are not those of copybooks, so they are not named.
     """
-    if script not in _NAMED_SCRIPTS:
+    named = script in _NAMED_SCRIPTS
+    if not named:
         character = None
     if not isinstance(reference, PreparedMaster):
-        return PreparedMaster(surface_of(reference), character)
+        return PreparedMaster(surface_of(reference), character, named)
     if character and reference.character is None:
-        return PreparedMaster(reference.surface, character)
+        return PreparedMaster(reference.surface, character, named)
     return reference
 
 
@@ -262,7 +271,7 @@ def assess(
         alone; for the others the interval is wider.
     character
         What is written, where it is known and the master was not prepared with it: the remarks then name its
-        strokes and speak of the parts that it has.
+        strokes and speak of the parts that it has. Without it, it is recognised where that is certain.
     framed
         Whether the picture of the copy is the cell that it was written in, as with a pen on the page or cut
         out along a printed grid. Only then are size, place and lean the writer's doing and worth a remark;
@@ -314,6 +323,7 @@ def assess(
         **fields,
         sim_paper=sim_paper(registration),
         similarity=similarity(registration),
+        character=master.canonical.character if remarks and master.canonical else master.character,
         praise=review.praise,
         remarks=review.remarks,
         untold=review.untold,

@@ -282,7 +282,7 @@ class Registration:
     Attributes
     ----------
     probe, reference
-        Ink points of the copy, N of them, and of the master, M of them.
+        N ink points of the copy and M of the master.
     T_reference_probe
         (4, 4) float64, det of its rotation is +1 (else RegistrationError); applied to `probe.xyz`.
     scale
@@ -296,8 +296,7 @@ class Registration:
     overlap
         Share of the pairs kept by trimming, in [0.4, 1]; trimming serves the pose alone.
     d_ms
-        Mean squared distance in (x, y, z) of the probe's points to their nearest reference points,
-        untrimmed, in rms radii squared.
+        Mean squared distance of the probe's points to their nearest reference points, in rms radii squared.
     forward, forward_index
         (N,) float64, distance of each probe point, posed, to its nearest reference point in position, height
         and weighted stroke direction; (N,) which one that is.
@@ -373,9 +372,9 @@ class Assessment:
     refused, refused_zh, turned_by
         The reason when the copy cannot be marked, 'code: sentence', else None; the sentence in Chinese; the
         degrees clockwise (90, 180, 270) that turn the picture upright, where that is what it needs.
-    weights, calibration, script, interval_note, interval_note_zh
+    weights, calibration, script, character, interval_note, interval_note_zh
         A teacher's weights of the parts, else None; what another calibration was fitted on, in words; one of
-        SCRIPTS, where it is known; what must be said of the interval, None where people's marks cover it.
+        SCRIPTS; what the remarks take the master for, given or recognised; what must be said of the interval.
     """
 
     score: float | None
@@ -398,3 +397,4 @@ class Assessment:
     untold: tuple[Remark, ...] = ()
     praise: Bilingual | None = None
     percentile: float | None = None
+    character: str | None = None

@@ -129,7 +129,8 @@ def _assess_one(copy: Path, reference: str, *, report: Path | None, terms: dict[
         return Outcome(
             {**facts, "error": mark.refused}, f"{copy}: not marked", refused=f"{copy}: {mark.refused}"
         )
-    return Outcome(facts, _describe(mark, report))
+    recognised = mark.character if terms["character"] is None else None
+    return Outcome(facts, _describe(mark, report, recognised=recognised))
 
 
 def _assess_table(
@@ -213,7 +214,7 @@ def write_page(
 def mark_facts(mark: Assessment) -> dict[str, Any]:
     """The mark without its point sets, for JSON."""
     pose = mark.registration
-    terms = ("interval_note", "interval_note_zh", "script", "weights", "calibration")
+    terms = ("interval_note", "interval_note_zh", "script", "character", "weights", "calibration")
     names = (
         "score",
         "level",
@@ -234,7 +235,7 @@ def mark_facts(mark: Assessment) -> dict[str, Any]:
     )
 
 
-def _describe(mark: Assessment, report: Path | None) -> str:
+def _describe(mark: Assessment, report: Path | None, *, recognised: str | None) -> str:
     from rumu.report.wording import LEVELS, SOURCES, basis
 
     low, high = mark.interval or (0.0, 100.0)
@@ -243,6 +244,7 @@ def _describe(mark: Assessment, report: Path | None) -> str:
         f"{mark.score:.0f} of 100 ({low:.0f} to {high:.0f})" + (f", {level.en} {level.zh}" if level else ""),
         "  " + ", ".join(f"{name} {value:.0f}" for name, value in mark.parts.items()),
         *(f"  {text.en} {text.zh}" for text in basis(mark)),
+        f"  the master is read as {recognised} 範本讀作「{recognised}」" if recognised else "",
         f"  + {mark.praise.en} {mark.praise.zh}" if mark.praise else "",
         *(f"  - {remark.en} {remark.zh}" for remark in sorted(mark.remarks, key=lambda r: -r.severity)),
         *(f"  {SOURCES[source].en}" for source in dict.fromkeys(mark.source or ())),

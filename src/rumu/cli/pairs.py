@@ -190,7 +190,7 @@ def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str
             prepared_master(path, character, script),
             **{**terms, "script": script, "character": character},
         )
-        return row | {"character": character or ""} | _cells(mark)
+        return row | _cells(mark)
     except Exception as error:  # one row must never cost the others
         return row | {"refused": reason_in_one_line(error)}
 
@@ -218,6 +218,7 @@ def _cells(mark: Assessment) -> dict[str, Any]:
         "level": mark.level or "",
         "percentile": _number(mark.percentile, 1),
         "script": mark.script or "",
+        "character": mark.character or "",
         "low": _number(low, 2),
         "high": _number(high, 2),
         "sim_paper": _number(mark.sim_paper, 6),

@@ -89,9 +89,14 @@ def likeness(vector: FloatArray, vectors: FloatArray) -> FloatArray:
     The cosine after the mean of 6,590 characters in regular script is subtracted, since what all writing
     shares distinguishes nothing: 1 for the same outline, about 0 for any two characters.
     """
-    own, others = vector - _mean_vector(), vectors - _mean_vector()
+    own, others = less_the_mean(vector), less_the_mean(vectors)
     lengths = np.sqrt(np.einsum("...j,...j->...", others, others))
     return np.asarray(others @ own / np.maximum(lengths * np.linalg.norm(own), 1e-6))
+
+
+def less_the_mean(vectors: FloatArray) -> FloatArray:
+    """(..., L) vectors less the mean of 6,590 characters in regular script, which all writing shares."""
+    return vectors - _mean_vector()
 
 
 def to_bytes(vectors: FloatArray) -> npt.NDArray[np.uint8]:
