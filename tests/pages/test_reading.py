@@ -286,3 +286,10 @@ def test_names_of_a_printed_page(data):
     text = "".join("".join(register) for register in true)
     page = rumu.read_page(data / "pages" / "printed" / "qianlong-80.jpg", text=text)
     assert page.text == "\n".join("\n".join(register) for register in true)
+
+
+def test_the_cells_of_a_printed_grid_are_named_too(data):
+    text = "此情难寄。斜阳独倚西楼，遥山恰对帘钩。人面不知何处，绿波依旧东流。"
+    page = rumu.read_page(data / "pages" / "practice" / "3.15.jpg", text=text)
+    assert len(page.cells) > len(page.characters)
+    assert "".join(str(one.character) for one in page.characters) == re.sub("[，。]", "", text)

@@ -13,8 +13,10 @@ from rumu.capture.formats import decode
 from rumu.capture.image import as_image, image_of, shrink
 from rumu.capture.stored import eight_bits
 from rumu.errors import ImageError, RefusedImage
+from rumu.pages.cell_naming import holds_writing, written_cells
 from rumu.pages.character_shapes import CharacterShape
 from rumu.pages.free_page import FreePage, find_free_page
+from rumu.pages.grids import find_grid
 from rumu.pages.naming import NamedShape, name_characters
 from rumu.pages.page import Page, PageCharacter
 from rumu.pages.page_ink import Picture
@@ -40,7 +42,8 @@ def read_page(picture: str | os.PathLike[str] | npt.NDArray[Any], *, text: str |
     Returns
     -------
     Page
-        Its characters in reading order, with their places. Where nothing on the picture is writing,
+        Its characters in reading order, with their places; on a page with a printed grid, the cells that are
+        written in, and in `cells` all of them. Where nothing on the picture is writing,
         `characters` is empty.
 
     Raises
@@ -51,6 +54,9 @@ def read_page(picture: str | os.PathLike[str] | npt.NDArray[Any], *, text: str |
         The picture is blank.
     """
     shown = _picture(picture)
+    grid = find_grid(shown)
+    if grid is not None and holds_writing(grid, shown):
+        return Page(shown, written_cells(grid, text), grid.cells, grid.direction)
     small = shrink(shown, side=WORKING_SIDE)
     try:
         free = find_free_page(small)
