@@ -42,8 +42,8 @@ class FlattenSettings:
     focal: float = 0.8
     least_focal: float = 0.5
     most_focal: float = 4.0
-    slight: float = 0.012
-    least_paper: float = 0.2
+    slight: float = 0.05
+    least_paper: float = 0.1
     margin: float = 0.06
     largest: float = 1.6
 

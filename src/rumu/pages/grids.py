@@ -9,8 +9,8 @@ import numpy as np
 from rumu.errors import ImageError
 from rumu.pages.cell_edges import place_edges
 from rumu.pages.cell_ink import find_cell_ink
-from rumu.pages.cell_lattice import Lattice, best_sizes, grow_lattices
-from rumu.pages.cell_scores import map_edges
+from rumu.pages.cell_lattice import Lattice, best_sizes, fit_between, grow_lattices
+from rumu.pages.cell_scores import EdgeMaps, map_edges
 from rumu.pages.lattice_fill import fill_lattice
 from rumu.pages.lattice_model import LatticeModel
 from rumu.pages.line_evidence import LineEvidence, LineSettings, Picture, find_line_evidence, line_pitch
@@ -23,25 +23,27 @@ class GridSettings:
     """When a picture shows a grid.
 
     sides: longer side, in pixels, of the reduced pictures that lines are looked for in, in this order.
-    cells, drawn: least number of cells that are drawn at least this well. contrast: least fit of the best
-        cells over that of places between the lines; strength: least fit. share: of the cells of a lattice
-        that are drawn. cut: a cell may reach beyond the picture by this share of its side.
+    first: least number of cells that a lattice grows from. cells, drawn: least number of cells that are
+        drawn at least this well. contrast: least fit of the best cells over that of places between the
+        lines; strength: least fit. share: of the cells of a lattice that are drawn. cut: a cell may reach
+        beyond the picture by this share of its side.
     guide: by how much cells of two or three pitches are drawn more strongly where lines within them are
         guides.
     gap: step from row to row or column to column, over the cell's side, from which on these stand apart.
     """
 
     sides: tuple[int, ...] = (1600, 640)
-    cells: int = 6
+    first: int = 5
+    cells: int = 12
     drawn: float = 0.5
-    contrast: float = 2.0
+    contrast: float = 1.9
     strength: float = 0.008
     share: float = 0.08
     even: float = 0.03
     few_even: float = 0.016
     uneven: float = 0.055
     few: int = 8
-    further: int = 6
+    further: int = 8
     of_first: float = 0.12
     cut: float = 0.25
     guide: float = 1.07
@@ -129,7 +131,7 @@ def find_lattices(picture: Picture, *, settings: GridSettings) -> list[Placed]:
     found: list[tuple[Lattice, LatticeModel]] = []
     strengths = map_edges(evidence, pitch, reduction=lines.reduction, enough=max(lines.enough, 2 * strength))
     for lattice in grow_lattices(edges, (width, height), strengths=strengths):
-        if len(lattice.cells) < settings.cells:
+        if len(lattice.cells) < settings.first or not _stands_out(edges, lattice, settings):
             continue
         filled = fill_lattice(edges, evidence, lattice)
         if not _is_grid(filled[0], settings=settings) or any(
@@ -177,9 +179,17 @@ def _guides_within(
     return chosen + 1, strengths[chosen]
 
 
+def _stands_out(edges: EdgeMaps, lattice: Lattice, settings: GridSettings) -> bool:
+    """Whether there is much less between the lines than on them, as in noise and stripes there is not."""
+    between = fit_between(edges, np.array(list(lattice.cells.values())))
+    best = np.sort(list(lattice.fits.values()))[-max(4, len(lattice.fits) // 4) :]
+    return float(best.mean()) >= settings.contrast * between
+
+
 def _is_grid(lattice: Lattice, *, settings: GridSettings) -> bool:
     drawn = sum(fit >= settings.drawn for fit in lattice.fits.values())
-    return drawn >= settings.cells and drawn >= settings.share * len(lattice.fits)
+    enough = len(lattice.cells) >= settings.cells and drawn >= settings.first
+    return enough and drawn >= settings.share * len(lattice.fits)
 
 
 def _overlap(lattice: Lattice, other: Lattice) -> bool:

@@ -15,6 +15,7 @@ from rumu.capture.stored import eight_bits
 from rumu.errors import ImageError, RefusedImage
 from rumu.pages.cell_naming import holds_writing, written_cells
 from rumu.pages.character_shapes import CharacterShape
+from rumu.pages.flatten import flatten_photo
 from rumu.pages.free_page import FreePage, find_free_page
 from rumu.pages.grids import find_grid
 from rumu.pages.naming import NamedShape, name_characters
@@ -42,7 +43,7 @@ def read_page(picture: str | os.PathLike[str] | npt.NDArray[Any], *, text: str |
     Returns
     -------
     Page
-        Its characters in reading order, with their places; on a page with a printed grid, the cells that are
+        Its characters in reading order, with their places on the page as it lies flat; on a page with a printed grid, the cells that are
         written in, and in `cells` all of them. Where nothing on the picture is writing,
         `characters` is empty.
 
@@ -53,7 +54,7 @@ def read_page(picture: str | os.PathLike[str] | npt.NDArray[Any], *, text: str |
     RefusedImage
         The picture is blank.
     """
-    shown = _picture(picture)
+    shown = flatten_photo(_picture(picture)).picture
     grid = find_grid(shown)
     if grid is not None and holds_writing(grid, shown):
         return Page(shown, written_cells(grid, text), grid.cells, grid.direction)

@@ -1,0 +1,92 @@
+"""Photographs of a flat page: from the side, turned, on a desk; and pictures that are no pages."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from rumu.errors import ImageError
+from rumu.pages.flatten import flatten_photo
+from rumu.pages.grids import find_grid
+
+DESK, PAPER, RED, BLACK = (96, 78, 62), (238, 236, 230), (222, 120, 112), (40, 40, 40)
+NOISE = np.random.default_rng(3)
+
+
+def camera(size: tuple[int, int], *, tilt: float, turn: float, spin: float) -> tuple[np.ndarray, int]:
+    """(3, 3) photograph from page, of a camera that looks at its middle, and the photograph's side."""
+    height, width = size
+    longer = max(size)
+    a, b, c = np.radians([tilt, turn, spin])
+    about_x = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
+    about_y = np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
+    about_z = np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]])
+    turned, side = about_x @ about_y @ about_z, int(1.5 * longer)
+    lens = np.array([[1.12 * longer, 0, side / 2], [0, 1.12 * longer, side / 2], [0, 0, 1]])
+    place = np.stack([turned[:, 0], turned[:, 1], [0, 0, 1.5 * longer]], axis=1)
+    return lens @ place @ np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1.0]]), side
+
+
+def page_with_grid() -> tuple[np.ndarray, np.ndarray]:
+    page = np.full((720, 540, 3), PAPER, np.uint8)
+    cells = [(45 + 90 * c, 45 + 90 * r) for r in range(7) for c in range(5)]
+    for x, y in cells:
+        cv2.rectangle(page, (x, y), (x + 90, y + 90), RED, 2)
+        cv2.line(page, (x + 20, y + 30), (x + 70, y + 26), BLACK, 5)
+        cv2.line(page, (x + 45, y + 14), (x + 42, y + 76), BLACK, 5)
+    corners = np.array([[0, 0], [90, 0], [90, 90], [0, 90]])
+    return page, np.array([np.array([x, y]) + corners for x, y in cells], float)
+
+
+def photograph(page: np.ndarray, matrix: np.ndarray, side: int) -> np.ndarray:
+    seen = cv2.warpPerspective(page, matrix, (side, side), borderValue=DESK).astype(np.float32)
+    light = np.linspace(0.7, 1.0, side)[None, :, None]
+    return np.clip(seen * light + NOISE.normal(0, 4, seen.shape), 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize(("tilt", "turn", "spin"), [(25, 0, 0), (30, 10, 3), (36, 0, 0), (28, 28, 5)])
+def test_the_cells_of_a_page_seen_from_the_side_lie_where_they_are(tilt, turn, spin):
+    page, quads = page_with_grid()
+    matrix, side = camera(page.shape[:2], tilt=tilt, turn=turn, spin=spin)
+    flat = flatten_photo(photograph(page, matrix, side))
+    assert flat.found_by == "lines"
+    grid = find_grid(flat.picture)
+    assert grid is not None and len(grid.cells) == 35
+    found = np.array([flat.photo_from_flat(cell.polygon) for cell in grid.cells])
+    true = cv2.perspectiveTransform(quads.reshape(1, -1, 2), matrix).reshape(quads.shape)
+    assert np.linalg.norm(found - true, axis=2).max() < 3
+
+
+def test_a_sheet_on_a_desk_is_found_by_its_edge():
+    page = np.full((800, 600, 3), PAPER, np.uint8)
+    for x, y in NOISE.integers(100, 480, (14, 2)):
+        cv2.ellipse(page, (int(x), int(y)), (24, 14), 40, 0, 250, BLACK, 6)
+    matrix, side = camera(page.shape[:2], tilt=40, turn=8, spin=0)
+    flat = flatten_photo(photograph(page, matrix, side))
+    assert flat.found_by in ("paper", "lines")
+    size = flat.picture.shape
+    corners = cv2.perspectiveTransform(np.array([[[0.0, 0], [600, 0], [600, 800], [0, 800]]]), matrix)[0]
+    back = flat.photo_from_flat(np.array([[0, 0], [size[1], 0], [size[1], size[0]], [0, size[0]]], float))
+    assert np.linalg.norm(back - corners, axis=1).max() < 0.15 * side
+
+
+def test_a_page_that_lies_flat_stays_as_it_is():
+    page, _ = page_with_grid()
+    flat = flatten_photo(page)
+    assert flat.found_by == "picture" and flat.picture is page
+    assert np.array_equal(flat.photo_from_flat(np.array([[3.0, 4.0]])), [[3.0, 4.0]])
+
+
+def test_noise_and_a_plain_picture_stay_as_they_are():
+    for picture in (
+        NOISE.integers(0, 255, (300, 260, 3)).astype(np.uint8),
+        np.full((90, 80, 3), 200, np.uint8),
+    ):
+        assert flatten_photo(picture).found_by == "picture"
+
+
+@pytest.mark.parametrize("picture", [np.zeros((40, 40), np.uint8), np.zeros((40, 40, 3))])
+def test_what_is_no_picture_is_refused(picture):
+    with pytest.raises(ImageError):
+        flatten_photo(picture)
