@@ -43,9 +43,9 @@ def read_page(picture: str | os.PathLike[str] | npt.NDArray[Any], *, text: str |
     Returns
     -------
     Page
-        Its characters in reading order, with their places on the page as it lies flat; on a page with a printed grid, the cells that are
-        written in, and in `cells` all of them. Where nothing on the picture is writing,
-        `characters` is empty.
+        Its characters in reading order, with their places on the page as it lies flat; on a page with a
+        printed grid, the cells that are written in, and in `cells` all of them. Where nothing on the picture
+        is writing, `characters` is empty.
 
     Raises
     ------
