@@ -30,6 +30,7 @@ KEYS = {
     "interval_note",
     "interval_note_zh",
     "script",
+    "character",
     "weights",
     "calibration",
 }
@@ -44,6 +45,7 @@ def test_a_copy_is_marked(rumu, desk):
     assert facts["level"] in ("excellent", "good", "medium", "bad")
     assert set(facts["parts"]) == {"brushwork", "structure", "ink"}
     assert facts["source"] == ["inflation", "inflation"] and facts["refused"] is None
+    assert facts["character"] is None or len(facts["character"]) == 1
 
 
 def test_the_master_itself_beats_a_crooked_copy_and_that_a_half_one(rumu, desk):
