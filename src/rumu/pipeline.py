@@ -132,13 +132,13 @@ class PreparedMaster:
     Each part is computed when it is first needed. A master that cannot be compared with raises
     RegistrationError or SurfaceError then.
 
-    surface: the master itself. character: what is written, None where nobody has said it. named: whether its
-    script has the strokes of copybooks, so that they can be named.
+    surface: the master itself. character: what is written, None where nobody has said it. recognised: whether
+    it is then looked for among the characters of copybooks, which its script must be known to write.
     """
 
     surface: Surface
     character: str | None = None
-    named: bool = True
+    recognised: bool = False
 
     @cached_property
     def canvas(self) -> Canvas:
@@ -176,7 +176,7 @@ class PreparedMaster:
     @cached_property
     def canonical(self) -> CanonicalCharacter | None:
         """The canonical strokes of its character, given or recognised; None where they are not known."""
-        if self.character or not self.named:
+        if self.character or not self.recognised:
             return find_character(self.character or "")
         found = recognise(self.canvas, frame_ink(ink_mask(self.surface), self.points))
         return found.character if found is not None and found.is_certain else None
@@ -226,17 +226,18 @@ def prepare_master(
 ) -> PreparedMaster:
     """A master made ready once for many copies; `assess` takes it in place of the master itself.
 
-    character: what is written, where it is known and the master does not know it yet; else it is recognised
-    when strokes are first named, if that is certain. script: in which; the strokes of seal, clerical and
-    cursive script are not those of copybooks, so they are not named.
+    character: what is written, where it is known and the master does not know it yet. script: in which; the
+    strokes of seal, clerical and cursive script are not those of copybooks, so they are not named. Only of a
+    master that is said to be in regular or running script is the character recognised, where that is certain:
+    what is 水 in seal script is 巛 in another.
     """
-    named = script in _NAMED_SCRIPTS
-    if not named:
+    if script not in _NAMED_SCRIPTS:
         character = None
+    recognised = script is not None and script in _NAMED_SCRIPTS
     if not isinstance(reference, PreparedMaster):
-        return PreparedMaster(surface_of(reference), character, named)
+        return PreparedMaster(surface_of(reference), character, recognised)
     if character and reference.character is None:
-        return PreparedMaster(reference.surface, character, named)
+        return PreparedMaster(reference.surface, character, recognised)
     return reference
 
 
@@ -271,7 +272,8 @@ def assess(
         alone; for the others the interval is wider.
     character
         What is written, where it is known and the master was not prepared with it: the remarks then name its
-        strokes and speak of the parts that it has. Without it, it is recognised where that is certain.
+        strokes and speak of the parts that it has. Without it, in regular
+        and running script, it is recognised where that is certain.
     framed
         Whether the picture of the copy is the cell that it was written in, as with a pen on the page or cut
         out along a printed grid. Only then are size, place and lean the writer's doing and worth a remark;

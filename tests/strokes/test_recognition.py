@@ -19,7 +19,7 @@ from rumu.strokes.recognition import recognise
 
 
 def answer(surface):
-    return pipeline.PreparedMaster(surface).canonical
+    return pipeline.PreparedMaster(surface, recognised=True).canonical
 
 
 @pytest.fixture(scope="module")
@@ -66,15 +66,16 @@ def test_a_given_character_is_not_asked_for(monkeypatch):
     monkeypatch.setattr(pipeline, "recognise", lambda *_: pytest.fail("asked"))
     work = next(work for work in starter_works() if work.id == "regular-shui")
     assert pipeline.prepare_master(work.path, character="水").canonical.character == "水"
-    assert pipeline.prepare_master(work.path, script="cursive").canonical is None
+    for script in (None, "seal", "clerical", "cursive"):
+        assert pipeline.prepare_master(work.path, script=script).canonical is None
     assert pipeline.assess(work.path, work.path, remarks=False).character is None
 
 
 def test_the_mark_says_what_the_master_is_taken_for():
     work = next(work for work in starter_works() if work.id == "regular-shui")
-    mark = rumu.assess(work.path, work.path)
-    assert mark.character == "水"
-    assert rumu.assess(work.path, work.path, script="seal").character is None
+    assert rumu.assess(work.path, work.path, script="regular").character == "水"
+    for script in (None, "seal"):
+        assert rumu.assess(work.path, work.path, script=script).character is None
 
 
 def test_characters_as_copybooks_print_them_are_found(script):
