@@ -148,13 +148,17 @@ class UnfinishedRows:
                 self._lock.acquire()
             except Timeout as error:
                 raise OutputError(f"{target}: another run is writing it; wait for it to end") from error
-            self.path.touch()
-            self._stream = self.path.open("r+b")
-            if self._stream.readline() != head or not self._find_rows():
-                self._at = {}
-                self._stream.seek(0)
-                self._stream.truncate()
-                self._stream.write(head)
+            try:
+                self.path.touch()
+                self._stream = self.path.open("r+b")
+                if self._stream.readline() != head or not self._find_rows():
+                    self._at = {}
+                    self._stream.seek(0)
+                    self._stream.truncate()
+                    self._stream.write(head)
+            except BaseException:
+                self._unlock()
+                raise
 
     def numbers(self) -> set[int]:
         """Numbers of the rows that are kept."""
@@ -179,6 +183,9 @@ class UnfinishedRows:
         self._stream.close()
         if finished or not self._at:
             self.path.unlink(missing_ok=True)
+        self._unlock()
+
+    def _unlock(self) -> None:
         self._lock.release()
         Path(self._lock.lock_file).unlink(missing_ok=True)
 

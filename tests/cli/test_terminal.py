@@ -155,7 +155,7 @@ def test_ctrl_c_twice_ends_a_cleanup_that_hangs():
         "def app(**k):\n    try:\n        time.sleep(30)\n    finally:\n        time.sleep(30)\n"
         "c.app = app\nrumu.cli.main()"
     )
-    assert end_of(script, after=0.7, times=2) == (130, b"")
+    assert end_of(script, after=1.5, times=2) == (130, b"")
 
 
 def test_ctrl_c_while_it_imports():
@@ -167,15 +167,16 @@ def test_ctrl_c_while_it_imports():
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_ctrl_c_at_any_moment_of_a_command_with_workers(desk, jobs):
-    """Before, while and after its processes start; it leaves nothing behind but what it was given."""
+    """Before, while and after its processes start; it leaves no more than the rows that were marked."""
     rows = "copy.png,master.png\n" * 40
     (desk / "pairs.csv").write_text(f"copy,reference\n{rows}")
-    before = sorted(desk.iterdir())
+    before = set(desk.iterdir())
     script = "import rumu.cli\nrumu.cli.main()"
     for number in range(5):
         arguments = ("assess", "--pairs", desk / "pairs.csv", "-o", desk / "out.csv", "--jobs", jobs)
         assert end_of(script, *arguments, after=0.12 + 0.31 * number) == (130, b"")
-    assert sorted(desk.iterdir()) == before
+    left = set(desk.iterdir()) - before
+    assert {path.name for path in left} <= {"out.csv.unfinished"}
 
 
 def test_ctrl_c_stays_ignored_where_it_was():
