@@ -74,5 +74,5 @@ def test_the_demo_ends_in_a_gallery_that_is_ready(tmp_path, own_home):
             assert works["total"] == 30 and client.get(works["items"][0]["thumb"]).status_code == 200
         thumbs = list((own_home / "files" / "derived").rglob("*thumb*"))
         demo.send_signal(signal.SIGINT)
-        assert demo.wait(30) == 130
+        assert demo.wait(120) == 130  # on a busy machine its workers end slowly
     assert "nobody wrote them" in said and len(thumbs) == 60
