@@ -107,8 +107,9 @@ function Header({ path }: { path: string }) {
   );
 }
 
-/** Whether a page belongs to a menu entry: a work to the gallery, a page to write on to the studio. */
-const isWithin = (path: string, href: string): boolean => (href === "/" ? path.startsWith("/works/") : path.startsWith(`${href}/`));
+/** Whether a page belongs to a menu entry: a work to the gallery; a page to write on, or a sheet of paper, to the studio. */
+const isWithin = (path: string, href: string): boolean =>
+  href === "/" ? path.startsWith("/works/") : path.startsWith(`${href}/`) || (href === "/studio" && /^\/sheets(\/|$)/.test(path));
 
 async function logout(): Promise<void> {
   await post("api/logout");

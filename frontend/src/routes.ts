@@ -15,6 +15,7 @@ export const routes: [string, Load][] = [
   ["/add", () => import("./gallery/AddWorkPage")],
   ["/studio", () => import("./studio/ChooseMasterPage")],
   ["/studio/:id", () => import("./studio/WritePage")],
+  ["/sheets/print", () => import("./sheets/PrintPage")],
   ["/attempts/:id", () => import("./studio/AttemptPage")],
   ["/practice", () => import("./studio/PracticePage")],
   ["/classes", () => import("./studio/ClassesPage")],

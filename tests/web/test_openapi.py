@@ -14,7 +14,9 @@ from rumu.web.openapi import example, render_docs
 from rumu.web.settings import RateLimitSettings
 
 UNLIMITED = RateLimitSettings(
-    **dict.fromkeys(("login", "login_name", "marks", "tries", "uploads", "all"), "1000000/second")
+    **dict.fromkeys(
+        ("login", "login_name", "marks", "tries", "uploads", "sheets", "photos", "all"), "1000000/second"
+    )
 )
 NOT_TESTED = ("events",)  # the stream ends with its job, and here no job ends
 

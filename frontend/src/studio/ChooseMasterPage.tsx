@@ -3,11 +3,12 @@
 import { useEffect, useState } from "preact/hooks";
 import { get, query, session } from "../api";
 import { common, localize } from "../i18n";
+import { t as sheets } from "../i18n/sheets";
 import { t } from "../i18n/studio";
 import { type PageProps, replaceQuery } from "../router";
 import { SCRIPTS } from "../gallery/labels";
 import type { Attempt, Page, WorkCard } from "../types";
-import { ErrorMessage, Loading, useLoaded } from "../ui";
+import { ErrorMessage, Loading, useDelayed, useLoaded } from "../ui";
 import { recentWorks } from "./settings";
 import "./studio.css";
 
@@ -18,7 +19,7 @@ export default function ChooseMasterPage({ query: params }: PageProps) {
   const [text, setText] = useState(params.get("q") ?? "");
   const [script, setScript] = useState(params.get("script") ?? "");
   const [limit, setLimit] = useState(PAGE_SIZE);
-  const search = useDebounced(text, TYPING_DELAY_MS);
+  const search = useDelayed(text, TYPING_DELAY_MS);
   const task = params.get("task");
   useEffect(() => replaceQuery(new URLSearchParams(query({ q: search, script, task }).slice(1))), [search, script]);
   const url = `api/works${query({ q: search, script, limit, masters: "true" })}`;
@@ -28,6 +29,9 @@ export default function ChooseMasterPage({ query: params }: PageProps) {
     <div class="choose">
       <h1>{t("chooseTitle")}</h1>
       <p class="lead">{t("chooseLead")}</p>
+      <p class="row on-paper">
+        <a class="button quiet" href="#/sheets/print">{sheets("printSheet")}</a>
+      </p>
       <form class="row find-master" role="search" onSubmit={(event) => event.preventDefault()}>
         <label class="grow">
           <span class="visually-hidden">{t("search")}</span>
@@ -104,13 +108,4 @@ async function recentCards(person: string, signal: AbortSignal): Promise<WorkCar
   const all = [...practised, ...rest.filter((work): work is WorkCard => work !== null)];
   const masters = all.filter((work) => work.character);
   return [...new Map(masters.map((work) => [work.id, work])).values()].slice(0, 8);
-}
-
-function useDebounced<T>(value: T, ms: number): T {
-  const [rested, setRested] = useState(value);
-  useEffect(() => {
-    const timer = setTimeout(() => setRested(value), ms);
-    return () => clearTimeout(timer);
-  }, [value]);
-  return rested;
 }

@@ -3,6 +3,7 @@
 import { useState } from "preact/hooks";
 import { get, query, remove, session } from "../api";
 import { formatDay, localize } from "../i18n";
+import { t as sheets } from "../i18n/sheets";
 import { t } from "../i18n/studio";
 import { navigate, type PageProps } from "../router";
 import type { Attempt, Page } from "../types";
@@ -37,7 +38,7 @@ function TaskView({ id }: { id: string }) {
           <Facts items={[localize(task.work.title), task.due && t("due", { day: formatDay(task.due) })]} />
         </p>
         {task.note && <p>{task.note}</p>}
-        <p class="row">{teaches ? <WithdrawTask task={task} /> : <WriteLink task={task} />}</p>
+        <p class="row">{teaches ? <PrintLink task={task} /> : <WriteLink task={task} />}{teaches && <WithdrawTask task={task} />}</p>
       </MasterHeader>
       {teaches ? <MarksTable data={loaded.value} onChange={loaded.retry} /> : <OwnCopies task={task} />}
     </div>
@@ -47,6 +48,12 @@ function TaskView({ id }: { id: string }) {
 const WriteLink = ({ task }: { task: TaskCard }) => (
   <a class="button" href={`#/studio/${task.work.id}?task=${task.id}`}>
     {t("writeTask")}
+  </a>
+);
+
+const PrintLink = ({ task }: { task: TaskCard & { class_id: string } }) => (
+  <a class="button quiet" href={`#/sheets/print${query({ works: task.work.id, class: task.class_id })}`}>
+    {sheets("printTask")}
   </a>
 );
 

@@ -59,6 +59,16 @@ export function useLoaded<T>(load: (signal: AbortSignal) => Promise<T>, key: str
   return { ...state, fresh: state.key === key, retry: () => setRun((n) => n + 1) };
 }
 
+/** A value as it was `ms` ago, or since when it has not changed: while somebody types, nothing is loaded for each letter. */
+export function useDelayed<T>(value: T, ms: number): T {
+  const [rested, setRested] = useState(value);
+  useEffect(() => {
+    const timer = setTimeout(() => setRested(value), ms);
+    return () => clearTimeout(timer);
+  }, [value]);
+  return rested;
+}
+
 /** The size of an element in pixels of the page; 0 before it is shown. */
 export function useSize(): [(element: Element | null) => void, { width: number; height: number }] {
   const [element, setElement] = useState<Element | null>(null);

@@ -6,22 +6,27 @@ kept in RUMU_HOME under the digest of their pictures, so that a sheet is read ag
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import io
 import json
 import zipfile
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import GalleryError, RumuError
 from rumu.values import SCRIPTS, Script
+
+if TYPE_CHECKING:
+    from rumu.database.tables import Work
+    from rumu.gallery.store import Store
 
 STROKES = "strokes"
 """The name of the strokes that copybooks print, of 9,574 characters."""
@@ -35,15 +40,34 @@ _MOST = 32 * 2**20  # bytes of a file of masters
 _DATE = (1980, 1, 1, 0, 0, 0)  # of every file in it: equal pictures give equal files
 
 Gray = npt.NDArray[np.uint8]
+FindMasters = Callable[[str], "dict[str, SheetMaster]"]
+"""Those masters of a text that a source has, by character."""
+Place = tuple[float, float, float, float]
+SAME_PLACE: Place = (1.0, 1.0, 0.0, 0.0)
+
+
+class MissingMasters(GalleryError):  # noqa: N818
+    """No source has a master of some characters."""
+
+    def __init__(self, characters: str, en: str = "", *, zh: str | None = None) -> None:
+        super().__init__(en, zh=zh)
+        self.characters = characters
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SheetMaster:
-    """What is copied: one character. picture: (SIDE, SIDE) gray, black ink on white, the whole cell."""
+    """What is copied: one character.
+
+    picture: (SIDE, SIDE) gray, black ink on white, the whole cell. work: id of the work that it shows, ""
+    where it is of none. in_work: (sx, sy, tx, ty), by which fractions (x, y) of the cell are fractions
+    (sx x + tx, sy y + ty) of the work's picture.
+    """
 
     character: str
     picture: Gray
     script: Script | None = None
+    work: str = ""
+    in_work: Place = SAME_PLACE
 
     @property
     def ink(self) -> npt.NDArray[np.float32]:
@@ -74,16 +98,26 @@ def choose_masters(text: str, sources: Sequence[str] = (), *, script: Script | N
         a folder of pictures or a labels.csv. script: of fonts and pictures, which do not say it.
     Raises GalleryError that names the characters that no source has.
     """
+    names = tuple(sources) or (STROKES,)
+    return gather_masters(text, {name: functools.partial(_find, name, script=script) for name in names})
+
+
+def gather_masters(text: str, sources: Mapping[str, FindMasters]) -> SheetMasters:
+    """The masters of the characters of a text, from the first source that has each.
+
+    sources: by name, each finds those masters of a text that it has. Raises MissingMasters.
+    """
     chosen: dict[str, SheetMaster] = {}
     wanted = "".join(dict.fromkeys(text))
-    names = tuple(sources) or (STROKES,)
-    for name in names:
+    for find in sources.values():
         left = "".join(character for character in wanted if character not in chosen)
         if left:
-            chosen |= _find(name, left, script=script)
+            chosen |= find(left)
     missing = "".join(character for character in wanted if character not in chosen)
+    names = tuple(sources)
     if missing:
-        raise GalleryError(
+        raise MissingMasters(
+            missing,
             f"no master of {missing} in {', '.join(names)}; --master strokes has 9,574 characters, "
             "and may be given after another",
             zh=f"{'、'.join(names)} 裡沒有「{missing}」的範字。",
@@ -125,9 +159,9 @@ def masters_file(name: str) -> Path:
 def _find(name: str, text: str, *, script: Script | None) -> dict[str, SheetMaster]:
     """Those masters of a text that one source has."""
     if name == STROKES:
-        return _from_strokes(text)
+        return masters_of_strokes(text)
     if name in SCRIPTS:
-        return _from_starter(name, text)
+        return masters_of_starter(name, text)
     path = Path(name)
     if path.suffix.lower() in _FONTS and path.is_file():
         return _from_font(path, text, script)
@@ -139,11 +173,12 @@ def _find(name: str, text: str, *, script: Script | None) -> dict[str, SheetMast
                 f"{name}: expected a sheet of the one character that the picture shows, got {text}; "
                 "give a folder whose pictures are named by their characters"
             )
-        return {text: SheetMaster(text, _centred(path), script)}
+        return {text: _of_picture(text, path, script)}
     return _from_gallery(name, text)
 
 
-def _from_strokes(text: str) -> dict[str, SheetMaster]:
+def masters_of_strokes(text: str) -> dict[str, SheetMaster]:
+    """The characters of a text as the strokes of copybooks, those that are known."""
     import cv2
 
     from rumu.characters.stroke_data import find_character
@@ -162,11 +197,23 @@ def _from_strokes(text: str) -> dict[str, SheetMaster]:
     return masters
 
 
-def _from_starter(script: str, text: str) -> dict[str, SheetMaster]:
+def masters_of_starter(script: str, text: str) -> dict[str, SheetMaster]:
+    """The characters of a text that the starter works of a script have."""
     from rumu.gallery.starter import starter_works
 
     works = {work.character: work for work in starter_works(script=script)}
-    return {c: SheetMaster(c, _centred(works[c].path), works[c].script) for c in text if c in works}
+    return {c: _of_picture(c, works[c].path, works[c].script, works[c].id) for c in text if c in works}
+
+
+def masters_of_works(works: Iterable[Work], store: Store, text: str) -> dict[str, SheetMaster]:
+    """The characters of a text that works of the gallery have, each from the first that has it."""
+    masters: dict[str, SheetMaster] = {}
+    for one in works:
+        if len(one.character) == 1 and one.character in text and one.character not in masters:
+            data = io.BytesIO(store.read(one.picture))
+            script = one.script if one.script in SCRIPTS else None
+            masters[one.character] = _of_picture(one.character, data, script, one.id)  # type: ignore[arg-type]
+    return masters
 
 
 def _from_font(path: Path, text: str, script: Script | None) -> dict[str, SheetMaster]:
@@ -188,7 +235,7 @@ def _from_folder(path: Path, text: str, script: Script | None) -> dict[str, Shee
     pictures: dict[str, Path] = {}
     for master in read_masters(path):
         pictures.setdefault(master.character or master.path.stem, master.path)
-    return {c: SheetMaster(c, _centred(pictures[c]), script) for c in text if c in pictures}
+    return {c: _of_picture(c, pictures[c], script) for c in text if c in pictures}
 
 
 def _from_gallery(name: str, text: str) -> dict[str, SheetMaster]:
@@ -198,20 +245,19 @@ def _from_gallery(name: str, text: str) -> dict[str, SheetMaster]:
     found = works(gallery, collection=name, limit=100_000).items
     if not found:
         found = (work(gallery, name),)
-    masters: dict[str, SheetMaster] = {}
-    for one in found:
-        if one.character in text and one.character not in masters and one.character:
-            data = gallery.store.read(one.picture)
-            masters[one.character] = SheetMaster(
-                one.character,
-                _centred(io.BytesIO(data)),
-                one.script or None,  # type: ignore[arg-type]
-            )
-    return masters
+    return masters_of_works(found, gallery.store, text)
 
 
-def _centred(picture: Path | io.BytesIO) -> Gray:
-    """The ink of a picture, black on white in the middle of the cell, sized as masters are."""
+def _of_picture(
+    character: str, picture: Path | io.BytesIO, script: Script | None, work: str = ""
+) -> SheetMaster:
+    """A master from a picture of it, wherever it stands there."""
+    centred, place = _centred(picture)
+    return SheetMaster(character, centred, script, work, place)
+
+
+def _centred(picture: Path | io.BytesIO) -> tuple[Gray, Place]:
+    """The ink of a picture, black on white in the middle of the cell, sized as masters are; its place."""
     import cv2
     from PIL import Image
 
@@ -237,7 +283,14 @@ def _centred(picture: Path | io.BytesIO) -> Gray:
     if factor < 1:  # area averaging, which a warp does not do
         shown = cv2.GaussianBlur(shown, (0, 0), 0.5 / factor)
     drawn = cv2.warpAffine(shown, place, (SIDE, SIDE), flags=cv2.INTER_CUBIC)
-    return np.asarray(255 - drawn, np.uint8)
+    tall, wide = ink.mask.shape
+    in_work = (
+        SIDE / (factor * wide),
+        SIDE / (factor * tall),
+        (0.5 - (0.5 + place[0, 2]) / factor) / wide,
+        (0.5 - (0.5 + place[1, 2]) / factor) / tall,
+    )
+    return np.asarray(255 - drawn, np.uint8), in_work
 
 
 # --- masters that are kept -------------------------------------------------------------------------
@@ -256,10 +309,13 @@ def _keep(masters: dict[str, SheetMaster]) -> SheetMasters:
         Image.fromarray(master.picture).save(stream, "PNG")
         files[f"{ord(character):x}.png"] = stream.getvalue()
         pixels = hashlib.sha256(master.picture.tobytes()).hexdigest()
-        listed.append({"character": character, "script": master.script, "sha256": pixels})
-    facts = json.dumps(listed, ensure_ascii=False).encode()
-    files["masters.json"] = facts
-    name = "#" + hashlib.sha256(facts).hexdigest()[:8]
+        facts: dict[str, Any] = {"character": character, "script": master.script, "sha256": pixels}
+        if master.work:
+            facts |= {"work": master.work, "in_work": [round(value, 6) for value in master.in_work]}
+        listed.append(facts)
+    table = json.dumps(listed, ensure_ascii=False).encode()
+    files["masters.json"] = table
+    name = "#" + hashlib.sha256(table).hexdigest()[:8]
     path = masters_file(name)
     if not path.is_file():
         with whole_file(path) as part, zipfile.ZipFile(part, "w") as archive:
@@ -282,7 +338,10 @@ def _read_bundle(path: Path) -> dict[str, SheetMaster]:
                 with Image.open(io.BytesIO(archive.read(f"{ord(letter):x}.png")), formats=["PNG"]) as picture:
                     if picture.size != (SIDE, SIDE):
                         raise ValueError(f"a picture of {picture.size}")
-                    masters[letter] = SheetMaster(letter, np.asarray(picture.convert("L")), entry["script"])
+                    shown = np.asarray(picture.convert("L"))
+                sx, sy, tx, ty = map(float, entry.get("in_work", SAME_PLACE))
+                work = str(entry.get("work", ""))
+                masters[letter] = SheetMaster(letter, shown, entry["script"], work, (sx, sy, tx, ty))
             return masters
     except (OSError, ValueError, KeyError, TypeError, RumuError, zipfile.BadZipFile, zlib.error) as error:
         raise GalleryError(f"{path}: expected masters of a sheet, cannot read them ({error})") from error

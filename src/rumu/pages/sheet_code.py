@@ -41,7 +41,8 @@ def code_modules(page: SheetPage) -> BoolArray:
     if len(letters) > _MOST_LETTERS:
         raise RumuError(
             f"expected a page that {_MOST_LETTERS} letters of a code can say, got {len(letters)}; "
-            "print fewer characters on a page"
+            "print fewer characters on a page",
+            zh="這一頁的方塊碼放不下這麼多字；請把格子放大，或少印幾個字。",
         )
     levels = qrencoder.QRErrorCorrectLevel
     codes = []

@@ -125,11 +125,12 @@ class SheetPage:
                 f"{self.paper}, {self.grid}, {self.help}, {self.cell:g} mm, {self.times}"
             )
         if not self.text or any(not sign.isprintable() or sign.isspace() for sign in self.text):
-            raise RumuError(f"expected characters to print, got {self.text!r}")
+            raise RumuError(f"expected characters to print, got {self.text!r}", zh="這裡有印不出來的字。")
         if not 1 <= self.number <= self.count or len(self.pupil) > LONGEST_PUPIL:
             raise RumuError(
                 f"expected a page of {self.count} and a name of at most {LONGEST_PUPIL} characters, "
-                f"got {self.number} and {self.pupil!r}"
+                f"got {self.number} and {self.pupil!r}",
+                zh=f"學生的名字最多 {LONGEST_PUPIL} 個字。",
             )
 
     @property
@@ -266,11 +267,15 @@ def lay_out(whole: SheetPage) -> tuple[SheetPage, ...]:
     if capacity == 0:
         raise RumuError(
             f"expected cells that fit on {whole.paper}, got {whole.group} of {whole.cell:g} mm "
-            "for each character"
+            "for each character",
+            zh="一頁放不下一個字要的格數；請把格子改小，或每字少寫幾格。",
         )
     parts = [whole.text[k : k + capacity] for k in range(0, len(whole.text), capacity)]
     if len(parts) > 99:
-        raise RumuError(f"expected a sheet of at most 99 pages, got {len(parts)}; print its text in parts")
+        raise RumuError(
+            f"expected a sheet of at most 99 pages, got {len(parts)}; print its text in parts",
+            zh=f"一份練習紙最多 99 頁，這裡要 {len(parts)} 頁；請分幾次印。",
+        )
     whole = replace(whole, cell=round(whole.cell, 1))  # as the code says it
     plan = replace(whole, sheet="", number=1, count=1, pupil="")
     sheet = f"{zlib.crc32(repr(plan).encode()):08x}"

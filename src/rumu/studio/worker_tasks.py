@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from rumu.studio import job_handlers, uploads
+from rumu.studio import job_handlers, sheet_printing, uploads
+from rumu.studio.sheet_printing import SheetRequest
 from rumu.studio.storage import Storage
 
 if TYPE_CHECKING:
@@ -55,6 +56,21 @@ def mark(
         calibration=load_calibration_of(storage),
         framed=framed,
     )
+
+
+def plan_sheet(storage: Storage, *, request: SheetRequest) -> dict[str, Any]:
+    """What the pages of a practice sheet hold, see `sheet_printing`."""
+    return sheet_printing.plan_sheet(_open_gallery(storage), request).facts
+
+
+def print_sheet(storage: Storage, *, request: SheetRequest) -> bytes:
+    """Return a practice sheet as a PDF."""
+    return sheet_printing.print_sheet(_open_gallery(storage), request)
+
+
+def preview_sheet(storage: Storage, *, request: SheetRequest, number: int) -> bytes:
+    """Return a page of a practice sheet as a PNG."""
+    return sheet_printing.preview_sheet(_open_gallery(storage), request, number)
 
 
 def derived_file(

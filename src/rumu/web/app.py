@@ -28,6 +28,7 @@ from rumu.web.routes import (
     marks,
     people,
     practice,
+    printing,
     tours,
     works,
 )
@@ -45,7 +46,7 @@ _ABOUT = (
 )
 _ROUTERS = (
     *(people.router, people.people_router, works.router, imports.router, works.annotations_router),
-    *(tours.router, marks.router, attempts.router, practice.router, classes.router),
+    *(tours.router, marks.router, attempts.router, practice.router, printing.router, classes.router),
     *(comparisons.router, jobs.router, iiif.router, characters.router, works.slash_router),
 )
 

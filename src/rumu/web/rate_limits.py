@@ -32,6 +32,7 @@ class RateLimitSettings:
     login: of each address, for logins and invitations; login_name: for each name.
     marks: of each person; tries: of each address without a login.
     uploads: of each person.
+    sheets: that are printed or shown for each address; photos: of sheets, of each person.
     meshes: that are made for each address; those that are there already are not counted.
     all: of each address, whatever it requests.
     """
@@ -41,6 +42,8 @@ class RateLimitSettings:
     marks: str = "120/minute"
     tries: str = "60/minute"
     uploads: str = "60/hour"
+    sheets: str = "120/minute"
+    photos: str = "20/minute"
     meshes: str = "60/minute"
     all: str = "30000/minute"
 

@@ -42,6 +42,12 @@ READING = {
         ("/iiif/image/regular-shui/info.json", "/iiif/image/regular-shui/full/64,/0/default.jpg"), OPEN
     ),
     **dict.fromkeys(("/api/attempts", "/api/practice", "/api/practice.csv", "/api/classes"), LOGIN),
+    **dict.fromkeys(
+        ("/api/practice-sheet?text=水", "/api/practice-sheet.png?text=水", "/api/practice-sheet.pdf?text=水"),
+        OPEN,
+    ),
+    "/api/practice-sheet?works=regular-shui": LOGIN,
+    "/api/practice-sheet.pdf?text=水&class={class}": CLASS_TEACH,
     "/api/comparisons/next": LOGIN,
     **dict.fromkeys((ATTEMPT, f"{ATTEMPT}/picture", f"{ATTEMPT}/viewer", f"{ATTEMPT}/files/thumb"), OWN),
     f"{ATTEMPT}/strokes": OWN,
