@@ -9,6 +9,7 @@ type Load = () => Promise<{ default: ComponentType<PageProps> }>;
 export const routes: [string, Load][] = [
   ["/", () => import("./gallery/GalleryPage")],
   ["/works/:id", () => import("./gallery/WorkPage")],
+  ["/characters/:character", () => import("./gallery/GatherPage")],
   ["/collections", () => import("./gallery/CollectionsPage")],
   ["/tours", () => import("./gallery/ToursPage")],
   ["/tours/:id", () => import("./gallery/TourPage")],

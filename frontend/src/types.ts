@@ -17,6 +17,8 @@ export type WorkCard = {
   dynasty: string;
   period: Bilingual;
   collection: string;
+  /** The page that a character stands on. */
+  parent: string | null;
   kind: "image" | "capture";
   height_source: HeightSource;
   width: number;
@@ -32,6 +34,33 @@ export type CharacterStrokes = {
   strokes: { name: Bilingual; path: string; centre_line: [number, number][] }[];
 };
 
+/** Where a character stands on its page. polygon: fractions of the page, origin top left; register, column, row: from 0. */
+export type Place = {
+  polygon: [number, number][];
+  register: number;
+  column: number;
+  row: number;
+  small: number | null;
+  certainty: number;
+  direction: "vertical" | "horizontal";
+};
+export type CharacterWithin = { id: string; character: string; place: Place };
+
+/** Texts by language, as IIIF has them. */
+export type Languages = Record<string, string[]>;
+/** What a museum says of a work in its IIIF manifest. */
+export type MuseumRecord = {
+  label: Languages;
+  canvas_label: Languages;
+  metadata: { label: Languages; value: Languages }[];
+  statement: { label: Languages; value: Languages } | null;
+  provider: Languages[];
+  rights: string;
+  manifest: string;
+  canvas: string;
+  homepage: string;
+};
+
 export type Annotation = { id: string; x: number; y: number; title: Bilingual; text: Bilingual };
 
 export type Work = WorkCard & {
@@ -45,6 +74,11 @@ export type Work = WorkCard & {
   spacing: number | null;
   previous: string | null;
   next: string | null;
+  /** How many characters stand on it, where it is a page. */
+  characters: number;
+  text: string;
+  within: { id: string; title: Bilingual; place: Place; same: string[] } | null;
+  record: MuseumRecord | null;
 };
 
 export type Facet = { value: string; zh: string; en: string; count: number };
@@ -55,7 +89,8 @@ export type Page<T> = { total: number; items: T[] };
 export type Meaning = "character" | "form" | "reading" | "other_reading" | "hand" | "title" | "script" | "dynasty" | "other";
 /** What a word was taken for. works: how many of those found have this as its best meaning. */
 export type Understood = { word: string; meaning: Meaning; works: number };
-export type FoundWorks = Page<WorkCard> & { understood: Understood[] };
+export type FoundWork = WorkCard & { characters: number };
+export type FoundWorks = Page<FoundWork> & { understood: Understood[] };
 
 /** The viewer's data for a surface, of a work or of a learner's copy. */
 export type ViewerFacts = {

@@ -165,5 +165,5 @@ def test_an_export_that_is_not_whole_is_refused(bare, exported, how, words):
 def test_another_format_is_refused(bare, exported):
     facts = json.loads((exported / "gallery.json").read_text(encoding="utf-8"))
     (exported / "gallery.json").write_text(json.dumps(facts | {"format": 99}), encoding="utf-8")
-    with pytest.raises(GalleryError, match="expected a gallery of format 1"):
+    with pytest.raises(GalleryError, match="expected a gallery of format 2"):
         import_folder(bare, exported)

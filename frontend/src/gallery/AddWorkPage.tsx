@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { get, post, session } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
+import { t as ofWhole } from "../i18n/whole";
 import { navigate, type PageProps } from "../router";
 import type { Job, Work } from "../types";
 import { ErrorMessage, Field, useLoaded } from "../ui";
@@ -11,8 +12,9 @@ import { clearLastList } from "./listState";
 import "./gallery.css";
 import "./work.css";
 
-const SOURCES = ["addImage", "addCapture", "addImport"] as const;
+const SOURCES = ["addImage", "addPage", "addCapture", "addImport", "addMuseum"] as const;
 type Source = (typeof SOURCES)[number];
+const isPicture = (source: Source): boolean => source === "addImage" || source === "addPage";
 const PICTURES = "image/*,.tif,.tiff,.heic,.heif,.avif,.exr,.mpo";
 
 export default function AddWorkPage(_: PageProps) {
@@ -26,16 +28,44 @@ export default function AddWorkPage(_: PageProps) {
         <p class="lead">{t("addLead")}</p>
       </header>
       <div class="segments" role="group" aria-label={t("add")}>
-        {SOURCES.map((name) => (
-          <button key={name} type="button" class="tool" aria-pressed={source === name} onClick={() => setSource(name)}>{t(name)}</button>
+        {SOURCES.filter((name) => name !== "addMuseum" || role === "owner").map((name) => (
+          <button key={name} type="button" class="tool" aria-pressed={source === name} onClick={() => setSource(name)}>{name === "addPage" ? ofWhole("page") : name === "addMuseum" ? ofWhole("museum") : t(name)}</button>
         ))}
       </div>
-      <SendForm key={source} source={source} />
+      {source === "addMuseum" ? <MuseumForm /> : <SendForm key={source} source={source} />}
     </div>
   );
 }
 
-function SendForm({ source }: { source: Source }) {
+/** The address of a manifest, which the service fetches for an owner. */
+function MuseumForm() {
+  const [started, setStarted] = useState<Job | null>(null);
+  const [error, setError] = useState<unknown>(null);
+  const job = useJob(started);
+  const send = async (event: SubmitEvent) => {
+    event.preventDefault();
+    const form = new FormData(event.currentTarget as HTMLFormElement);
+    setError(null);
+    clearLastList();
+    try {
+      setStarted((await post<{ job: Job }>("api/museums", { url: String(form.get("url")).trim(), collection: String(form.get("collection") ?? "") })).job);
+    } catch (problem) {
+      setError(problem);
+    }
+  };
+  return (
+    <form onSubmit={(event) => void send(event)}>
+      <p class="note">{ofWhole("museumNote")}</p>
+      <Field label={ofWhole("museumAddress")} hint={ofWhole("museumHint")}><input type="url" name="url" required maxLength={2000} pattern="https?://.+" placeholder="https://" /></Field>
+      <CollectionField hint={ofWhole("museumCollectionHint")} />
+      <button type="submit" disabled={job !== null && !FINISHED_STATES.has(job.state)}>{ofWhole("fetch")}</button>
+      {error ? <ErrorMessage error={error} /> : null}
+      {job && <JobProgress job={job} />}
+    </form>
+  );
+}
+
+function SendForm({ source }: { source: Exclude<Source, "addMuseum"> }) {
   const [file, setFile] = useState<File | null>(null);
   const [started, setStarted] = useState<Job | null>(null);
   const [sending, setSending] = useState(false);
@@ -46,13 +76,13 @@ function SendForm({ source }: { source: Source }) {
     if (!file) return;
     const form = new FormData(event.currentTarget as HTMLFormElement);
     for (const [name, value] of [...form]) if (value === "") form.delete(name);
-    form.set(source === "addImage" ? "picture" : "zip", file);
+    form.set(isPicture(source) ? "picture" : "zip", file);
     setSending(true);
     setError(null);
     clearLastList();
     try {
       if (source === "addImage") navigate(`/works/${encodeURIComponent((await post<Work>("api/works", form)).id)}`);
-      else setStarted((await post<{ job: Job }>("api/imports", form)).job);
+      else setStarted((await post<{ job: Job }>(source === "addPage" ? "api/pages" : "api/imports", form)).job);
     } catch (problem) {
       setError(problem);
     } finally {
@@ -61,8 +91,9 @@ function SendForm({ source }: { source: Source }) {
   };
   return (
     <form onSubmit={(event) => void send(event)}>
-      <FileDrop label={t(source === "addImage" ? "picture" : source === "addCapture" ? "captureZip" : "importZip")} accept={source === "addImage" ? PICTURES : ".zip,application/zip"} file={file} onFile={setFile} />
-      {source === "addImport" ? <><p class="note">{t("importNote")}</p><CollectionField hint={t("importCollectionHint")} /></> : <FactFields spacing={source === "addImage"}>{source === "addImage" && <Method />}<CollectionField /></FactFields>}
+      <FileDrop label={source === "addPage" ? ofWhole("pagePicture") : t(source === "addImage" ? "picture" : source === "addCapture" ? "captureZip" : "importZip")} accept={isPicture(source) ? PICTURES : ".zip,application/zip"} file={file} onFile={setFile} />
+      {source === "addPage" && <Field label={ofWhole("pageText")} hint={ofWhole("pageTextHint")}><textarea name="text" rows={8} required maxLength={20000} lang="zh-Hant" /></Field>}
+      {source === "addImport" ? <><p class="note">{t("importNote")}</p><CollectionField hint={t("importCollectionHint")} /></> : <FactFields spacing={isPicture(source)}>{source === "addImage" && <Method />}<CollectionField /></FactFields>}
       <button type="submit" disabled={!file || sending || (job !== null && !FINISHED_STATES.has(job.state))}>{t(sending ? "sending" : "send")}</button>
       {error ? <ErrorMessage error={error} /> : null}
       {job && <JobProgress job={job} />}

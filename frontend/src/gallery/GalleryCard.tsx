@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { common, localize } from "../i18n";
 import { t } from "../i18n/gallery";
+import { t as ofWhole } from "../i18n/whole";
 import type { WorkCard } from "../types";
 import { Facts } from "../ui";
 import { lightAt } from "../viewer/state";
@@ -10,7 +11,7 @@ import { dynasties } from "./listState";
 
 const TURN_MS = 1400;
 
-export function GalleryCard({ work }: { work: WorkCard }) {
+export function GalleryCard({ work }: { work: WorkCard & { characters?: number } }) {
   const dynasty = dynasties.value.get(work.dynasty);
   const about = [scriptName(work.script), localize(work.hand), dynasty ? localize(dynasty) : localize(work.period) || work.dynasty].filter((fact) => fact.trim());
   return (
@@ -20,6 +21,7 @@ export function GalleryCard({ work }: { work: WorkCard }) {
         <span class="card-title">{localize(work.title)}</span>
         <span class="card-about"><Facts items={about.slice(0, 2)} /></span>
         {about.length > 2 && <span class="card-about"><Facts items={about.slice(2)} /></span>}
+        {work.characters ? <span class="card-about">{ofWhole("characters", { n: work.characters.toLocaleString() })}</span> : null}
         <HeightMark work={work} />
       </a>
     </li>

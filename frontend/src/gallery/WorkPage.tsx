@@ -3,18 +3,22 @@ import { get, remove, session } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import { navigate, type PageProps, replaceQuery } from "../router";
-import type { Annotation, ViewerFacts, Work, WorkCard } from "../types";
+import type { Annotation, CharacterWithin, ViewerFacts, Work, WorkCard } from "../types";
 import { ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
 import { Icon } from "../viewer/Icon";
 import { type TitledSurface, ViewerPanel } from "../viewer/ViewerPanel";
 import { stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
 import type { SheetPoint, Viewer } from "../viewer/types";
+import { CharacterBoxes } from "./CharacterBoxes";
+import { CharacterCard, CharacterLinks } from "./CharacterFacts";
 import { clearLastList } from "./listState";
+import { MuseumFacts } from "./MuseumFacts";
 import { NoteForm } from "./NoteForm";
 import { hasStrokeOrder, StrokeOrder } from "../strokes/StrokeOrder";
 import { WorkFacts } from "./WorkFacts";
 import { type Edited, WorkForm } from "./WorkForm";
 import { WorkPicker } from "./WorkPicker";
+import { WorkText } from "./WorkText";
 import "./gallery.css";
 import "./work.css";
 
@@ -50,6 +54,7 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
   const surface = useMemo(() => ({ facts, title: work.title }), [facts, work]);
   const owner = session.value?.person?.role === "owner";
   const address = useAddress(initial, viewer, query);
+  const whole = useCharacters(work, query.get("at"), (id) => address.put("at", id));
 
   const choose = (key: string | null) => setChosen(key);
   const saved = (note: Annotation) => {
@@ -71,12 +76,17 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
       <div class="work-stage">
         <ViewerPanel surface={surface} initial={initial} beside={beside} onViewer={setViewer} onState={address.note}
           files={{ ...work.files, page: `${workUrl(work.id)}/export.html` }} pins={{ items: notes, chosen, choose }} link={address.link}
-          onPair={() => (withId ? chooseSecond(null) : setPicking(true))} onPoint={owner ? (point: SheetPoint) => setForm({ x: point.x, y: point.y }) : undefined} />
+          onPair={() => (withId ? chooseSecond(null) : setPicking(true))} onPoint={owner ? (point: SheetPoint) => setForm({ x: point.x, y: point.y }) : undefined}>
+          {viewer && whole.characters.length > 0 && <CharacterBoxes viewer={viewer} {...whole}>{whole.chosen && <CharacterCard one={whole.chosen} />}</CharacterBoxes>}
+        </ViewerPanel>
         {second.error ? <ErrorMessage error={second.error} retry={second.retry} /> : null}
+        {whole.error ? <ErrorMessage error={whole.error} retry={whole.retry} /> : whole.characters.length > 0 && <WorkText {...whole} />}
       </div>
       <aside class="label">
         <WorkFacts work={work} facts={facts} />
         {work.character && <a class="button write" href={`#/studio/${encodeURIComponent(work.id)}`}><Icon name="edit" />{t("write")}</a>}
+        <CharacterLinks work={work} />
+        <MuseumFacts record={work.record} />
         {hasStrokeOrder(work) && <StrokeOrder key={work.character} character={work.character} />}
         <Notes notes={notes} chosen={chosen} choose={choose} owner={owner} edit={setForm} onDelete={(note) => void deleteNote(note)} />
         <nav class="neighbours" aria-label={t("collection")}>
@@ -89,6 +99,32 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
       {picking && <WorkPicker title={t("chooseBeside")} not={work.id} onClose={() => setPicking(false)} onChoose={chooseSecond} />}
     </article>
   );
+}
+
+const NONE: CharacterWithin[] = [];
+
+/** The characters of a whole work, the one that is pointed at and the one that is chosen, in the picture and in the text alike. */
+function useCharacters(work: Work, at: string | null, remember: (id: string | null) => void) {
+  const loaded = useLoaded((signal) => (work.characters ? get<CharacterWithin[]>(`${workUrl(work.id)}/characters`, signal) : Promise.resolve(NONE)), work.id);
+  const [lit, light] = useState<CharacterWithin | null>(null);
+  const [chosenId, setChosenId] = useState(at);
+  const [shown, show] = useState(false);
+  useEffect(() => setChosenId(at), [at]);
+  const characters = loaded.value ?? NONE;
+  return {
+    characters,
+    lit,
+    light,
+    shown,
+    show,
+    error: loaded.error,
+    retry: loaded.retry,
+    chosen: characters.find((one) => one.id === chosenId) ?? null,
+    choose: (one: CharacterWithin | null) => {
+      setChosenId(one?.id ?? null);
+      remember(one?.id ?? null);
+    },
+  };
 }
 
 function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) => void }) {
@@ -108,15 +144,19 @@ function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) =
   );
 }
 
+/** What the address holds besides the view: the work that stands beside, and the character that is chosen. */
+type Extra = { with: string | null; at: string | null };
+const extraOf = (query: URLSearchParams): Extra => ({ with: query.get("with"), at: query.get("at") });
+
 /** Keeps the view in the address, written when the view has been at rest; an address entered by hand changes the view. */
 function useAddress(initial: ViewState, viewer: Viewer | null, query: URLSearchParams) {
   const now = useRef(initial);
   const timer = useRef(0);
-  const extra = useRef({ with: query.get("with") });
+  const extra = useRef(extraOf(query));
   const lastWritten = useRef(query.toString());
   const fullQuery = () => {
     const all = stateToQuery(now.current);
-    if (extra.current.with) all.set("with", extra.current.with);
+    for (const [name, value] of Object.entries(extra.current)) if (value) all.set(name, value);
     return all;
   };
   const write = () => {
@@ -127,7 +167,7 @@ function useAddress(initial: ViewState, viewer: Viewer | null, query: URLSearchP
   useEffect(() => {
     if (query.toString() === lastWritten.current) return;
     lastWritten.current = query.toString();
-    extra.current = { with: query.get("with") };
+    extra.current = extraOf(query);
     viewer?.set(stateFromQuery(query));
   }, [query.toString()]);
   useEffect(() => () => clearTimeout(timer.current), []);
@@ -137,8 +177,8 @@ function useAddress(initial: ViewState, viewer: Viewer | null, query: URLSearchP
       clearTimeout(timer.current);
       timer.current = window.setTimeout(write, WRITE_DELAY_MS);
     },
-    put(name: "with", value: string | null) {
-      extra.current = { [name]: value };
+    put(name: keyof Extra, value: string | null) {
+      extra.current = { ...extra.current, [name]: value };
       write();
     },
     link: () => `${location.href.split("#")[0]}${location.hash.split("?")[0]}?${fullQuery().toString().replaceAll("%2C", ",")}`,

@@ -7,7 +7,19 @@ from typing import Annotated
 import typer
 
 import rumu
-from rumu.cli import assess, calibrate, demo, extensions, find, gallery, page, serve, sheet, surfaces
+from rumu.cli import (
+    assess,
+    calibrate,
+    demo,
+    extensions,
+    find,
+    gallery,
+    gallery_import,
+    page,
+    serve,
+    sheet,
+    surfaces,
+)
 from rumu.cli.terminal import FINE, speak_plainly
 
 app = typer.Typer(
@@ -32,6 +44,7 @@ for command in (
     serve.serve,
 ):
     app.command()(command)
+gallery.app.command("import")(gallery_import.import_works)
 app.add_typer(gallery.app, name="gallery")
 extensions.register(app)
 

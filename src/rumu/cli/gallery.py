@@ -1,4 +1,4 @@
-"""gallery list | show | add | import | export | remove: the works, and how they get in and out."""
+"""gallery list | show | add | export | remove: the works, and how they get in and out."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from rumu.cli.terminal import Outcome, bar, print_outcome, working
 if TYPE_CHECKING:
     from rumu.database.tables import Work
     from rumu.gallery.labels import SharedMetadata
+    from rumu.gallery.metadata import CollectionMetadata, WorkMetadata
+    from rumu.gallery.store import Gallery
 
 Id = Annotated[str, typer.Argument(metavar="ID", help="Id of a work, as `gallery list` prints it.")]
 Collection = Annotated[
@@ -45,6 +47,9 @@ def list_works(
     dynasty: Annotated[str | None, typer.Option(help="Only this dynasty, such as Tang.")] = None,
     hand: Annotated[str | None, typer.Option(help="Only this hand, by its name.")] = None,
     collection: Annotated[str | None, typer.Option(help="Only this collection, by its id.")] = None,
+    within: Annotated[
+        str | None, typer.Option(metavar="ID", help="The characters of this page or scroll, by its id.")
+    ] = None,
     search: Annotated[
         str | None, typer.Option(help="Words in title, character, hand, collection, dynasty or script.")
     ] = None,
@@ -57,7 +62,7 @@ def list_works(
 
     page = works(
         open_gallery(), script=script, character=character, dynasty=dynasty, hand=hand,
-        collection=collection, query=search, offset=offset, limit=limit or 1_000_000,
+        collection=collection, within=within, query=search, offset=offset, limit=limit or 1_000_000,
     )  # fmt: skip
     facts = {"total": page.total, "works": [_facts(work) for work in page.items]}
     if not page.items:
@@ -79,9 +84,11 @@ def show(
 ) -> Outcome:
     """One work: whose hand, from where, under which licence; with -o its picture."""
     from rumu.gallery.catalog import open_gallery, work
+    from rumu.gallery.whole_works import characters_within
 
     gallery = open_gallery()
     found = work(gallery, work_id)
+    within = characters_within(gallery, work_id)
     if out is not None:
         _write_png(gallery.store.read(found.picture), out)
     lines = [
@@ -94,7 +101,15 @@ def show(
         f"  licence: {found.licence}" + (f"; {found.attribution}" if found.attribution else ""),
         f"  picture: {out or gallery.store.path(found.picture) or found.picture}",
     ]
-    return Outcome({**_facts(found), "file": out}, "\n".join(lines))
+    if within:
+        named = sum(one.character != "" for one in within)
+        lines.append(
+            f"  characters: {len(within)}, {named} of them named; `gallery list --within {found.id}`"
+        )
+    if found.parent_id is not None:
+        lines.append(f"  stands on: {found.parent_id}")
+    facts = {**_facts(found), "parent": found.parent_id, "place": found.place, "characters": len(within)}
+    return Outcome({**facts, "file": out}, "\n".join(lines))
 
 
 @app.command()
@@ -108,6 +123,13 @@ def add(
     font: Annotated[Path | None, typer.Option(help="A font (TTF, OTF, WOFF2) to draw from instead.")] = None,
     characters: Annotated[
         str | None, typer.Option(help="With --font: the characters to take, each a work.")
+    ] = None,
+    text: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Of a page or scroll: a text file with what is written; each character becomes a work.",
+        ),
     ] = None,
     character: Annotated[str, typer.Option(help="The character that the picture shows.")] = "",
     title_zh: TitleZh = None,
@@ -126,14 +148,16 @@ def add(
     ] = "inflation",
     as_json: AsJson = False,
 ) -> Outcome:
-    """One work: an image, a capture folder (it is reconstructed), or characters of a font."""
+    """One work: an image, a page with its text, a capture folder (reconstructed), or characters of a font."""
     from rumu.gallery.catalog import open_gallery
 
     if (path is None) == (font is None) or (font is None) != (characters is None):
         raise typer.BadParameter("expected PATH, or --font with --characters")
+    if text is not None and (path is None or path.is_dir() or character):
+        raise typer.BadParameter("expected --text with the picture of a page, and without --character")
     if spacing is not None and not spacing > 0:
         raise typer.BadParameter(f"expected millimetres per pixel above 0, got {spacing}")
-    shared = _shared_metadata(
+    shared = shared_metadata(
         title_zh=title_zh, title_en=title_en, script=script, hand=hand, dynasty=dynasty, material=material,
         source=source, licence=licence, attribution=attribution,
     )  # fmt: skip
@@ -141,6 +165,8 @@ def add(
     from rumu.gallery.add_work import add_capture, add_glyphs, add_picture, named_collection
 
     target, metadata = named_collection(collection), shared.work_metadata(character=character)
+    if text is not None and path is not None:
+        return _add_page(gallery, path, text, _with_title(metadata, path), target, spacing=spacing)
     if font is not None:
         added = add_glyphs(gallery, font, characters or "", metadata=metadata, collection=target)
     elif path is not None and path.is_dir():
@@ -158,52 +184,6 @@ def add(
     lines += [f"  note: {note.en}" for one in added for note in one.notes]
     works = [{"id": one.id, "new": one.new, "notes": [note._asdict() for note in one.notes]} for one in added]
     return Outcome({"works": works}, "\n".join(lines))
-
-
-@app.command("import")
-@print_outcome
-def import_works(
-    folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", help="Folder with labels.csv, or one that export wrote.")
-    ],
-    *,
-    collection: Collection = None,
-    title_zh: TitleZh = None,
-    title_en: TitleEn = None,
-    script: ScriptOf = None,
-    hand: Hand = None,
-    dynasty: Dynasty = None,
-    material: Material = None,
-    source: Source = None,
-    licence: Licence = None,
-    attribution: Attribution = None,
-    as_json: AsJson = False,
-) -> Outcome:
-    """Every work of a folder; run it again to go on where it was ended. Options say what no label says."""
-    from rumu.gallery.archive_import import holds_starter
-    from rumu.gallery.assets import delete_orphans
-    from rumu.gallery.bulk_import import import_folder
-    from rumu.gallery.catalog import open_gallery
-
-    shared = _shared_metadata(
-        title_zh=title_zh, title_en=title_en, script=script, hand=hand, dynasty=dynasty, material=material,
-        source=source, licence=licence, attribution=attribution, id=collection,
-    )  # fmt: skip
-    gallery = open_gallery(starter=not holds_starter(folder))
-    with bar("Importing") as advance:
-        done = import_folder(gallery, folder, shared=shared, progress=advance)
-    delete_orphans(gallery)
-    lines = [f"{done.added} works added, {done.existing} were there already: {', '.join(done.collections)}"]
-    if done.left_out:
-        lines.append(
-            f"{len(done.left_out)} left out, such as {done.left_out[0][0]}: {done.left_out[0][1].en}"
-        )
-    if done.read_as:
-        lines.append(f"labels.csv read as {done.read_as.en}")
-    left_out = [{"file": file, "reason": reason.en} for file, reason in done.left_out]
-    facts = {"collections": list(done.collections), "added": done.added, "there": done.existing}
-    facts |= {"read_as": done.read_as.en if done.read_as else ""}
-    return Outcome({**facts, "left_out": left_out}, "\n".join(lines))
 
 
 @app.command()
@@ -267,6 +247,30 @@ _HEIGHTS = {
 }
 
 
+def _add_page(
+    gallery: Gallery,
+    path: Path,
+    text: Path,
+    metadata: WorkMetadata,
+    collection: CollectionMetadata,
+    *,
+    spacing: float | None,
+) -> Outcome:
+    """A page with its text, and the characters on it as works."""
+    from rumu.gallery.add_page import add_page
+    from rumu.gallery.page_import import read_text_file
+
+    words = read_text_file(text)
+    with working("Reading the page"):
+        added = add_page(gallery, path, text=words, metadata=metadata, collection=collection, spacing=spacing)
+    lines = [
+        f"{added.id}: {'added' if added.new else 'was there already'}",
+        f"  {added.characters} characters within it, {added.named} of them named by the text",
+    ]
+    work = {"id": added.id, "new": added.new, "characters": added.characters, "named": added.named}
+    return Outcome({"works": [work | {"notes": []}]}, "\n".join(lines))
+
+
 def _page(work_id: str, out: Path) -> Outcome:
     from importlib import resources
 
@@ -278,7 +282,8 @@ def _page(work_id: str, out: Path) -> Outcome:
     return Outcome({"id": work_id, "out": out, "bytes": size}, f"{work_id}: {out} ({size / 1e6:.1f} MB)")
 
 
-def _shared_metadata(**given: str | None) -> SharedMetadata:
+def shared_metadata(**given: str | None) -> SharedMetadata:
+    """The metadata that options of a command give, for all works of it."""
     from rumu.gallery.labels import SharedMetadata
     from rumu.values import Bilingual
 

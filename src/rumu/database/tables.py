@@ -99,17 +99,21 @@ class Collection(Base):
 
 
 class Work(Base):
-    """One work: a character, or a sheet.
+    """One work: a character, a whole page or scroll, or a character within one.
 
-    id: ASCII slug. character: '' for a sheet of several. script: seal, clerical, regular, running, cursive,
-    or '' if unknown. hand: its writer. dynasty: key for browsing, e.g. 'Tang', '' if unknown; period: in
-    words. kind: 'image' (one picture; its height is computed) or 'capture' (photographs under several lamps).
-    height_source: 'photometric', 'inflation' or 'density'. picture: store key of the picture as uploaded;
-    surface: store key of the folder of a reconstructed surface, None if it is computed from the picture.
-    capture: store key of the photographs of a capture, None for an image. digest: SHA-256 of content and
-    label, so that the same picture with the same label is stored once. origin: where it was imported from,
-    within its collection. spacing: mm per pixel, None if unknown. search_character to search_more: the texts
-    that searches look through; search_version: of the rules that they were made by, 0 when they were not.
+    id: ASCII slug. parent_id: of a character within a page or scroll, that page; its position is its place in
+    the reading order, and `place` where it stands there (rows.PlaceRow). occurrence: how many times the same
+    character stands before it on that page. character: '' for a sheet of several. script: seal, clerical,
+    regular, running, cursive, or '' if unknown. hand: its writer. dynasty: key for browsing, e.g. 'Tang', ''
+    if unknown; period: in words. kind: 'image' (one picture; its height is computed) or 'capture'
+    (photographs under several lamps). height_source: 'photometric', 'inflation' or 'density'. picture: store
+    key of the picture as uploaded; surface: store key of the folder of a reconstructed surface, None if it is
+    computed from the picture. capture: store key of the photographs of a capture, None for an image. digest:
+    SHA-256 of content and label, so that the same picture with the same label is stored once. origin: where
+    it was imported from, within its collection. text: what is written on a page or scroll, as it was given.
+    record: what a museum says of it, in the museum's words and languages (rows.RecordRow), None otherwise.
+    spacing: mm per pixel, None if unknown. search_character to search_more: the texts that searches look
+    through; search_version: of the rules that they were made by, 0 when they were not.
     """
 
     __tablename__ = "works"
@@ -117,10 +121,14 @@ class Work(Base):
         Index(None, "script", "position"),
         Index(None, "character"),
         Index(None, "collection_id", "position"),
+        Index(None, "parent_id", "position"),
     )
 
     id: Mapped[str] = mapped_column(Id, primary_key=True)
     collection_id: Mapped[str] = mapped_column(ForeignKey("collections.id", ondelete="CASCADE"))
+    parent_id: Mapped[str | None] = mapped_column(ForeignKey("works.id"), default=None)
+    occurrence: Mapped[int] = mapped_column(Integer, default=0)
+    place: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True), default=None)
     position: Mapped[int] = mapped_column(Integer, default=0)
     title_zh: Mapped[str] = mapped_column(String(200))
     title_en: Mapped[str] = mapped_column(String(200))
@@ -146,6 +154,8 @@ class Work(Base):
     width: Mapped[int] = mapped_column(Integer)
     height: Mapped[int] = mapped_column(Integer)
     spacing: Mapped[float | None] = mapped_column(Float, default=None)
+    text: Mapped[str] = mapped_column(Text, default="")
+    record: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True), default=None)
     search_character: Mapped[str] = mapped_column(Text, default="")
     search_title: Mapped[str] = mapped_column(Text, default="")
     search_hand: Mapped[str] = mapped_column(Text, default="")

@@ -184,17 +184,26 @@ def add_glyphs(
 
 
 def add_stored_work(
-    gallery: Gallery, metadata: WorkMetadata, files: StoredFiles, *, collection: CollectionMetadata
+    gallery: Gallery,
+    metadata: WorkMetadata,
+    files: StoredFiles,
+    *,
+    collection: CollectionMetadata,
+    **more: Any,
 ) -> AddedWork:
-    """Add the row of a work whose files are stored, at the end of its collection, unless it exists."""
+    """Add the row of a work whose files are stored, at the end of its collection, unless it exists.
+
+    more: further columns.
+    """
     with gallery.database.writing() as session:
         insert_works(session, collection, [])
         existing = session.scalar(select(Work.id).where(Work.digest == files.digest))
         if existing is not None:
             return AddedWork(existing, new=False)
         after_last = select(func.coalesce(func.max(Work.position) + 1, 0))
-        position = session.execute(after_last.where(Work.collection_id == collection.id)).scalar_one()
-        row = work_row(metadata, files, collection=collection, position=position)
+        wholes = (Work.collection_id == collection.id, Work.parent_id.is_(None))
+        position = session.execute(after_last.where(*wholes)).scalar_one()
+        row = work_row(metadata, files, collection=collection, position=position, **more)
         return AddedWork(row["id"], new=bool(insert_works(session, collection, [row])))
 
 

@@ -35,7 +35,7 @@ Progress = Callable[[int, int], None]
 Item = TypeVar("Item")
 
 MANIFEST, WORKS, FILES = "gallery.json", "works.jsonl", "files"
-KIND, FORMAT = "rumu gallery", 1
+KIND, FORMAT = "rumu gallery", 2  # since 2 works may stand within others
 BATCH = 250  # works of one transaction
 _FOLDERS = ("pictures", "captures", "surfaces")
 NOT_EXPORTED = {"author_id", "search_version", *COLUMNS}  # users; texts for searches, which are made again

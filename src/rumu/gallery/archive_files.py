@@ -82,7 +82,9 @@ class ArchiveFiles:
         except RumuError as error:
             raise GalleryError(f"{work.id}: {error}", zh=error.zh and f"{work.id}：{error.zh}") from error
         if self._only_add:
-            label = (work.character, work.script, work.hand_zh, work.hand_en, work.title_zh)
+            label = [work.character, work.script, work.hand_zh, work.hand_en, work.title_zh]
+            if work.parent_id is not None:  # the same ink may stand on two pages
+                label += ["within", work.parent_id, str(work.position)]
             time = now()
             row |= {"digest": work_digest(content, *label), "created": time, "changed": time}
         return row

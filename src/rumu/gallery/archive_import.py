@@ -26,10 +26,12 @@ from rumu.gallery.search_text import search_columns
 from rumu.gallery.store import Gallery
 from rumu.values import Bilingual
 
+_FOLLOWING = ("collection_id", "occurrence", "text", "record")
 _MAX_LINE = 8 * 2**20  # bytes of a work with its annotations
 _MAX_MANIFEST = 64 * 2**20  # bytes
 _THREADS = 4  # read and decode; both release the interpreter's lock
 _TAKEN = Bilingual("別的作品已用這個編號。", "another work has this id")
+_WITHOUT_PAGE = Bilingual("它所在的整頁作品不在這裡。", "the page that it stands on is not in the gallery")
 _OWNERS_ONLY = Bilingual("導覽只有館主能收入。", "only an owner can add tours")
 _TOUR_WITHOUT_WORKS = Bilingual("導覽所經的作品不全。", "works of this tour are not in the gallery")
 
@@ -145,6 +147,15 @@ def _check_ids(manifest: ExportManifest, works: Sequence[ExportedWork], *, any_c
                 f"{work.id}: expected a collection of {MANIFEST}, got {work.collection_id!r}",
                 zh=f"{work.id}：{MANIFEST} 裡沒有集子 {work.collection_id}。",
             )
+    pages = {work.id: work for work in works if work.parent_id is None}
+    for work in works:
+        page = pages.get(work.parent_id) if work.parent_id is not None else None
+        if work.parent_id is not None and (page is None or page.collection_id != work.collection_id):
+            raise GalleryError(
+                f"{work.id}: expected a page of the same collection in {WORKS} that it stands on, "
+                f"got {work.parent_id!r}",
+                zh=f"{work.id}：{WORKS} 裡沒有它所在的整頁作品 {work.parent_id}。",
+            )
 
 
 def _existing_works(gallery: Gallery, works: Sequence[ExportedWork]) -> dict[str, _Existing]:
@@ -197,7 +208,10 @@ def _insert(
         complete = [
             row | search_columns(row, collection=titles[row["collection_id"]]) for row in rows.values()
         ]
-        added = insert_rows(session, Work, complete)
+        added = insert_rows(session, Work, [row for row in complete if row["parent_id"] is None])
+        pages = added if only_add else added | (set(existing) - conflicts)
+        within = [row for row in complete if row["parent_id"] is not None]
+        added |= insert_rows(session, Work, [row for row in within if row["parent_id"] in pages])
         of_added = [work for work in works if work.id in added]
         if not only_add:
             if collection is None:
@@ -208,20 +222,27 @@ def _insert(
             annotations = [row | {"created": now()} for row in annotations]
         insert_rows(session, Annotation, annotations)
         left_out = [(work.id, _TAKEN) for work in works if work.id in conflicts]
-        left_out += _insert_tours(session, manifest.tours, only_add=only_add)
+        left_out += [(row["id"], _WITHOUT_PAGE) for row in within if row["parent_id"] not in pages]
+        tours_left_out = _insert_tours(session, manifest.tours, only_add=only_add)
         named = [collection.id] if collection is not None else [one["id"] for one in collections]
-    number_there = len(works) - len(added) - len(conflicts)
-    return ImportResult(tuple(named), len(added), number_there, tuple(left_out))
+        number_there = len(works) - len(added) - len(left_out)
+    return ImportResult(tuple(named), len(added), number_there, (*left_out, *tours_left_out))
 
 
 def _move_to_end(session: Session, rows: Any) -> None:
-    """Let the rows follow the works that their collections have, in the order of the export."""
+    """Let the rows follow the works that their collections have, in the order of the export.
+
+    Characters keep their places on their pages.
+    """
     following: dict[str, int] = {}
     for row in sorted(rows, key=lambda row: (row["collection_id"], row["position"], row["id"])):
         name = row["collection_id"]
+        if row["parent_id"] is not None:
+            continue
         if name not in following:
-            last = select(func.coalesce(func.max(Work.position) + 1, 0)).where(Work.collection_id == name)
-            following[name] = session.scalar(last) or 0
+            last = select(func.coalesce(func.max(Work.position) + 1, 0))
+            wholes = (Work.collection_id == name, Work.parent_id.is_(None))
+            following[name] = session.scalar(last.where(*wholes)) or 0
         row["position"] = following[name]
         following[name] += 1
 
@@ -238,7 +259,7 @@ def _update_unchanged(
         if there is None or not there.unchanged or there.digest != work.digest:
             continue
         row = work.columns()
-        values = {name: row[name] for name in (*CHANGEABLE, "collection_id", "created", "changed")}
+        values = {name: row[name] for name in (*CHANGEABLE, *_FOLLOWING, "created", "changed")}
         values |= search_columns(row, collection=titles[work.collection_id])
         session.execute(update(Work).where(Work.id == work.id).values(values))
 

@@ -1,4 +1,4 @@
-"""Import of many works: of a folder with pictures and labels.csv, or of an exported archive.
+"""Import of many works: a folder with pictures and labels.csv, pages with texts, or an exported archive.
 
 Works are added in batches: first their files, then their rows in one transaction. If an import is interrupted
 between two batches, the works that were confirmed stay, and none is incomplete. A second run continues,
@@ -24,6 +24,7 @@ from rumu.gallery.assets import picture_key
 from rumu.gallery.labels import LabelledPicture, SharedMetadata, collection_of, read_description, read_labels
 from rumu.gallery.masters import LABELS, read_label_table
 from rumu.gallery.metadata import CollectionMetadata, StoredFiles, insert_works, work_row
+from rumu.gallery.page_import import LabelledPage, find_pages, import_pages, part_pages
 from rumu.gallery.store import Gallery
 from rumu.gallery.vocabulary import file_in_other_characters
 from rumu.values import Bilingual
@@ -43,7 +44,8 @@ def import_folder(
 ) -> ImportResult:
     """Add all works of a folder; those that exist are counted and left as they are.
 
-    folder: with a labels.csv (see rumu.gallery.labels), or written by `export_gallery`. shared: metadata for
+    folder: with a labels.csv (see rumu.gallery.labels), with pages and their texts (see
+        rumu.gallery.page_import), or written by `export_gallery`. shared: metadata for
         all works, which take effect where the labels say nothing and before those of collection.json; for an
         archive only the id counts: the collection that works are added to, instead of their own. only_add: of
         an archive, see `import_archive`. progress: called with (done, total) when a batch is stored.
@@ -54,28 +56,49 @@ def import_folder(
     if (folder / MANIFEST).is_file():
         collection = collection_of(folder, shared) if shared is not None and shared.text("id") else None
         return import_archive(gallery, folder, collection=collection, only_add=only_add, progress=progress)
-    if not (folder / LABELS).is_file():
-        raise GalleryError(
-            f"{folder}: expected a folder with {LABELS}, or one that `rumu gallery export` wrote; "
-            "one picture or one capture folder is for `rumu gallery add`"
-        )
     shared = (shared or SharedMetadata()).with_defaults(read_description(folder))
-    labels, collection = read_labels(folder, shared), collection_of(folder, shared)
+    labels, pages, read_as = _find_works(folder, shared)
+    collection = collection_of(folder, shared)
     collection.row()  # refused before a file is stored, if it is
-    read_as = read_label_table(folder / LABELS).description
-    result, done = ImportResult((collection.id,), read_as=read_as), 0
+    result, done, total = ImportResult((collection.id,), read_as=read_as), 0, len(labels) + len(pages)
     for batch in _read_batches(folder, labels):
         result = result.and_then(_import_batch(gallery, batch, collection))
         done += len(batch)
         if progress is not None:
-            progress(done, len(labels))
-    if labels and len(result.left_out) == len(labels):
+            progress(done, total)
+
+    def advance(pages_done: int, _: int) -> None:
+        if progress is not None:
+            progress(len(labels) + pages_done, total)
+
+    result = result.and_then(import_pages(gallery, folder, pages, collection, progress=advance))
+    if total and len(result.left_out) == total:
         first = result.left_out[0][1]
         raise GalleryError(
-            f"{folder}: none of {len(labels)} pictures can be read; the first: {first.en}",
-            zh=f"{len(labels)} 張圖片都讀不出來；第一張：{first.zh}",
+            f"{folder}: none of {total} pictures can be read; the first: {first.en}",
+            zh=f"{total} 張圖片都讀不出來；第一張：{first.zh}",
         )
     return result
+
+
+def _find_works(
+    folder: Path, shared: SharedMetadata
+) -> tuple[list[LabelledPicture], list[LabelledPage], Bilingual | None]:
+    """The single pictures and the pages of a folder, and how its labels.csv was read, if it has one.
+
+    Raises GalleryError when there is neither.
+    """
+    if (folder / LABELS).is_file():
+        read_as = read_label_table(folder / LABELS).description
+        return *part_pages(folder, read_labels(folder, shared)), read_as
+    pages = find_pages(folder, shared)
+    if not pages:
+        raise GalleryError(
+            f"{folder}: expected a folder with {LABELS}, with pages and a text beside each (a.jpg, a.txt), "
+            "or one that `rumu gallery export` wrote; one picture or one capture folder is for "
+            "`rumu gallery add`"
+        )
+    return [], pages, None
 
 
 @dataclass(frozen=True, slots=True)

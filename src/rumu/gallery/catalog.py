@@ -18,12 +18,13 @@ from rumu.database.engine import open_database
 from rumu.database.tables import Collection, Work
 from rumu.errors import GalleryError
 from rumu.gallery.assets import delete_files
-from rumu.gallery.filters import Filters, check_script, conditions
+from rumu.gallery.filters import Filters, check_script, conditions, level
 from rumu.gallery.query import MEANINGS, Found, count_meanings, find_works, understand
 from rumu.gallery.search_text import SEARCH_VERSION, search_columns
 from rumu.gallery.seed import add_starter_works
 from rumu.gallery.starter import suggest
 from rumu.gallery.store import Gallery, Store
+from rumu.gallery.whole_works import INHERITED, delete_with_characters, pass_on, recount
 from rumu.homes import database_place, files_place
 from rumu.values import Bilingual
 
@@ -106,7 +107,7 @@ def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: Any)
     asked, columns = Filters(**filters), Work.__table__.c
     with gallery.database.reading() as session:
         search = understand(session, asked.query)
-        where = tuple(conditions(asked, columns, search).values())
+        where = (*conditions(asked, columns, search).values(), level(asked, columns, search))
         found: list[tuple[str, tuple[int, ...]]] = []
         if search.words:
             found = find_works(session, search, where, _ORDER)
@@ -132,9 +133,10 @@ def work(gallery: Gallery, work_id: str) -> Work:
 
 
 def neighbours(gallery: Gallery, work_id: str) -> tuple[str | None, str | None]:
-    """The ids of the works before and after one in its collection."""
+    """The ids of the works before and after one in its collection, or of a character on its page."""
     row = work(gallery, work_id)
-    ids = select(Work.id).where(Work.collection_id == row.collection_id).limit(1)
+    siblings = (Work.collection_id == row.collection_id, Work.parent_id == row.parent_id)
+    ids = select(Work.id).where(*siblings).limit(1)
     same_position = Work.position == row.position
     before = ids.where(or_(Work.position < row.position, and_(same_position, Work.id < row.id)))
     after = ids.where(or_(Work.position > row.position, and_(same_position, Work.id > row.id)))
@@ -146,12 +148,15 @@ def neighbours(gallery: Gallery, work_id: str) -> tuple[str | None, str | None]:
 
 
 def collections(gallery: Gallery) -> tuple[tuple[Collection, int], ...]:
-    """All collections with their numbers of works, the starter gallery first."""
+    """All collections with their numbers of works, the starter gallery first.
+
+    The characters within a page are not counted.
+    """
     count = func.count(Work.id)
     with gallery.database.reading() as session:
         rows = session.execute(
             select(Collection, count)
-            .outerjoin(Work, Work.collection_id == Collection.id)
+            .outerjoin(Work, and_(Work.collection_id == Collection.id, Work.parent_id.is_(None)))
             .group_by(Collection.id)
             .order_by(Collection.id != "starter", Collection.id)
         )
@@ -177,18 +182,25 @@ CHANGEABLE = frozenset(
 
 
 def change_work(gallery: Gallery, work_id: str, changes: Mapping[str, Any]) -> Work:
-    """Change columns of a work, those of CHANGEABLE. Raises GalleryError for others, or an unknown work."""
+    """Change columns of a work, those of CHANGEABLE; the characters within it follow, see `pass_on`.
+
+    Raises GalleryError for others, or an unknown work.
+    """
     unknown = sorted(set(changes) - CHANGEABLE)
     if unknown:
         raise GalleryError(f"expected facts among {', '.join(sorted(CHANGEABLE))}, got {', '.join(unknown)}")
     check_script(changes.get("script"))
     with gallery.database.writing() as session:
         row = _find(session, work_id)
+        before = {name: getattr(row, name) for name in (*INHERITED, "title_zh", "title_en", "character")}
         for name, value in changes.items():
             setattr(row, name, value)
+        if row.parent_id is not None and row.character != before["character"]:
+            recount(session, row.parent_id)
         collection = session.get_one(Collection, row.collection_id)
-        for name, value in _search_columns(row, collection.title).items():
-            setattr(row, name, value)
+        for one in (row, *pass_on(session, row, before)):
+            for name, value in _search_columns(one, collection.title).items():
+                setattr(one, name, value)
         return row
 
 
@@ -225,18 +237,24 @@ def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str
 
 
 def delete_work(gallery: Gallery, work_id: str) -> None:
-    """Delete a work with its annotations and attempts, and its files that no other work shares.
+    """Delete a work with its annotations and attempts, the characters within it, and their files.
+
+    Files that another work shares stay.
 
     Raises GalleryError when there is no such work.
     """
     row = work(gallery, work_id)
     with gallery.database.writing() as session:
-        session.execute(delete(Work).where(Work.id == work_id))
-    delete_files(gallery, row)
+        deleted = delete_with_characters(session, row)
+    for one in deleted:
+        delete_files(gallery, one)
 
 
 def delete_collection(gallery: Gallery, collection_id: str) -> int:
-    """Delete a collection and its works; the number of works. Raises GalleryError when there is none."""
+    """Delete a collection and its works; the number of works, without the characters within them.
+
+    Raises GalleryError when there is none.
+    """
     collection(gallery, collection_id)
     with gallery.database.writing() as session:
         rows = session.scalars(select(Work).where(Work.collection_id == collection_id)).all()
@@ -244,12 +262,14 @@ def delete_collection(gallery: Gallery, collection_id: str) -> int:
         session.execute(delete(Collection).where(Collection.id == collection_id))
     for row in rows:
         delete_files(gallery, row)
-    return len(rows)
+    return sum(row.parent_id is None for row in rows)
 
 
 _ORDER: Sequence[ColumnElement[Any]] = (
     Work.collection_id != "starter",
     Work.collection_id.expression,
+    Work.parent_id.is_not(None),
+    Work.parent_id.expression,
     Work.position.expression,
     Work.id.expression,
 )

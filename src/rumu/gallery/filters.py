@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, cast
 
 from sqlalchemy import ColumnElement, and_, func, literal, or_, select, union_all
 
@@ -18,6 +18,7 @@ from rumu.values import SCRIPTS
 
 FACETS = ("script", "dynasty", "hand", "character", "collection")
 MOST_VALUES = 500  # of one facet: nobody reads a longer list
+ANY = "*"  # stands for any character
 NONE = "none"  # asks for works whose script, dynasty or hand is unknown
 
 
@@ -27,7 +28,8 @@ class Filters:
 
     script, dynasty, hand: 'none' asks for works where it is unknown. hand: as a facet gives it, in Chinese or
     English. character: in any of its variants, traditional or simplified. query: words that must all be met,
-    see `gallery.query`. masters: only works that are a character to copy.
+    see `gallery.query`. masters: only works that are a character to copy. within: only the characters of
+    this page or scroll.
     """
 
     script: str | None = None
@@ -37,6 +39,7 @@ class Filters:
     collection: str | None = None
     query: str | None = None
     masters: bool = False
+    within: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +87,21 @@ def conditions(filters: Filters, columns: Any, search: Search) -> dict[str, Colu
     return found
 
 
+def level(filters: Filters, columns: Any, search: Search) -> ColumnElement[bool]:
+    """The SQL condition by which a whole work is not drowned beneath its characters.
+
+    Characters within a page appear where characters are asked for: by a word of the search that is one, by
+    the filter `character`, as masters, or within their page. Outside their page the first of each is enough.
+    """
+    if filters.within:
+        return cast("ColumnElement[bool]", columns.parent_id == filters.within)
+    whole, first = columns.parent_id.is_(None), columns.occurrence == 0
+    if filters.character or filters.masters:
+        return or_(whole, first)
+    named = search.names_character(columns)
+    return whole if named is None else or_(whole, and_(first, named))
+
+
 def count_facets(gallery: Gallery, filters: Filters) -> dict[str, tuple[FacetValue, ...]]:
     """The values of each of FACETS, those with most works first, at most MOST_VALUES.
 
@@ -105,8 +123,12 @@ def _facet_query(filters: Filters, search: Search) -> Any:
     searched = search.condition(columns)
     if searched is not None:
         names = ("script", "dynasty", "hand_zh", "hand_en", "character", "collection_id", *COLUMNS)
-        columns = select(*(columns[name] for name in names)).where(searched).cte("found").c
+        found = select(*(columns[name] for name in names))
+        columns = found.where(searched, level(filters, columns, search)).cte("found").c
     others = conditions(filters, columns, Search())
+    levels = {name: None if searched is not None else level(filters, columns, search) for name in FACETS}
+    if searched is None:  # a character that stands only within pages can be chosen, too
+        levels["character"] = level(replace(filters, character=ANY), columns, search)
     group_by = {
         "script": (columns.script,),
         "dynasty": (columns.dynasty,),
@@ -114,12 +136,17 @@ def _facet_query(filters: Filters, search: Search) -> Any:
         "character": (columns.character,),
         "collection": (columns.collection_id,),
     }
-    return union_all(*(select(_count_by(name, group_by[name], others).subquery()) for name in FACETS))
+    counts = (_count_by(name, group_by[name], others, levels[name]) for name in FACETS)
+    return union_all(*(select(one.subquery()) for one in counts))
 
 
-def _count_by(name: str, columns: Sequence[Any], filters: dict[str, Any]) -> Any:
+def _count_by(
+    name: str, columns: Sequence[Any], filters: dict[str, Any], level_of: ColumnElement[bool] | None
+) -> Any:
     count = func.count().label("works")
     others = [condition for of, condition in filters.items() if of != name]
+    if level_of is not None:
+        others.append(level_of)
     if name == "character":  # a sheet of several characters is no value to choose
         others.append(columns[0] != "")
     second = columns[1] if len(columns) > 1 else literal("")

@@ -6,6 +6,7 @@ Both are built from iiif-prezi3's models, which refuse what the specification do
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 from sqlalchemy import select
@@ -14,17 +15,13 @@ from rumu.database.tables import Annotation, Collection, Work
 from rumu.gallery import catalog
 from rumu.gallery.annotations import annotations_of
 from rumu.gallery.iiif_image import MAX_SIDE
+from rumu.gallery.iiif_text import PagePlaces, places_of, text_annotations, text_ranges
+from rumu.gallery.rights import is_address, rights_address
 from rumu.gallery.store import Gallery
 from rumu.gallery.vocabulary import HEIGHT_SOURCES, dynasty_name, script_name
+from rumu.gallery.whole_works import CharacterWithin, characters_within
 
 _CHINESE, _ENGLISH = "zh-Hant", "en"
-_RIGHTS = {
-    "CC-BY-ND-3.0-TW": "http://creativecommons.org/licenses/by-nd/3.0/tw/",
-    "public domain": "http://creativecommons.org/publicdomain/mark/1.0/",
-    "CC0-1.0": "http://creativecommons.org/publicdomain/zero/1.0/",
-    "CC-BY-4.0": "http://creativecommons.org/licenses/by/4.0/",
-    "CC-BY-SA-4.0": "http://creativecommons.org/licenses/by-sa/4.0/",
-}
 
 
 def manifest(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
@@ -68,10 +65,39 @@ def manifest(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
         "partOf": [{"id": f"{base}/iiif/collections/{collection.id}.json", "type": "Collection"}],
         "items": [_canvas(row, annotations_of(gallery, work_id), canvas=f"{url}/canvas", base=base)],
     }
-    rights = next((url for name, url in _RIGHTS.items() if row.licence.startswith(name)), None)
+    if row.parent_id is not None:
+        facts["partOf"].insert(
+            0, {"id": f"{base}/iiif/works/{row.parent_id}/manifest.json", "type": "Manifest"}
+        )
+    if row.record is not None and row.record["provider"] and is_address(row.record["manifest"]):
+        facts["provider"] = [_provider(one, row.record) for one in row.record["provider"]]
+    within = characters_within(gallery, work_id)
+    if within:
+        places = places_of(row, base=base)
+        facts["items"][0].setdefault("annotations", []).append(text_annotations(within, places))
+        facts["structures"] = [_contents(url, within, places)]
+        facts["service"] = [{"id": f"{url}/search", "type": "SearchService2"}]
+    rights = rights_address(row.licence)
     model = Manifest(**facts | ({"rights": rights} if rights else {}))
     plain: dict[str, Any] = json.loads(model.json())
     return plain
+
+
+def _contents(url: str, within: Sequence[CharacterWithin], places: PagePlaces) -> dict[str, Any]:
+    """The table of contents of a whole work."""
+    return {
+        "id": f"{url}/range/text",
+        "type": "Range",
+        "label": _label("釋文", "Text"),
+        "items": text_ranges(within, places),
+    }
+
+
+def _provider(name: dict[str, list[str]], record: dict[str, Any]) -> dict[str, Any]:
+    """The museum that a work came from, as it names itself."""
+    home = record["homepage"] if is_address(record.get("homepage", "")) else record["manifest"]
+    page = {"id": home, "type": "Text", "label": name, "format": "text/html"}
+    return {"id": record["manifest"], "type": "Agent", "label": name, "homepage": [page]}
 
 
 def collection_manifest(gallery: Gallery, collection_id: str, *, base: str) -> dict[str, Any]:
@@ -86,7 +112,7 @@ def collection_manifest(gallery: Gallery, collection_id: str, *, base: str) -> d
     with gallery.database.reading() as session:
         rows = session.execute(
             select(Work.id, Work.title_zh, Work.title_en)
-            .where(Work.collection_id == collection_id)
+            .where(Work.collection_id == collection_id, Work.parent_id.is_(None))
             .order_by(Work.position, Work.id)
         ).all()
     items = [

@@ -2,7 +2,8 @@
 
 Known columns: file, character, script, calligrapher_zh and calligrapher (or hand_zh, hand, hand_en), work (or
 title, title_zh, title_en), dynasty, period, medium (or material), polarity_guess, source, licence,
-attribution. A collection.json beside it may give what holds for all works, where their rows say nothing:
+attribution, text (of a page, or the name of its text file). A collection.json beside it may give what holds
+for all works, where their rows say nothing:
 
     {"id": "caoshu", "title": {"zh": "...", "en": "..."}, "source": "...", "licence": "...", "dynasty":
     "Tang", ...}
@@ -38,11 +39,15 @@ _MATERIALS = {
 
 @dataclass(frozen=True, slots=True)
 class LabelledPicture:
-    """A picture of a labels.csv. number: of its row, from 1. file: relative to the folder."""
+    """A picture of a labels.csv. number: of its row, from 1. file: relative to the folder.
+
+    text: of a page, what is written on it, or the name of a text file; '' where the row does not say.
+    """
 
     number: int
     file: str
     metadata: WorkMetadata
+    text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +158,7 @@ def _labelled_picture(table: Table, number: int, row: TableRow, shared: SharedMe
         attribution=column("attribution") or default.attribution,
         origin=column("file")[:500],
     )
-    return LabelledPicture(number, column("file"), metadata)
+    return LabelledPicture(number, column("file"), metadata, column("text"))
 
 
 def _hand(column: Callable[..., str]) -> Bilingual | None:

@@ -32,6 +32,7 @@ NAMES = {
     "source": ("來源", "来源", "出處", "出处"),
     "licence": ("license", "授權", "授权", "許可", "许可"),
     "attribution": ("credit", "署名", "標示", "标示"),
+    "text": ("釋文", "释文"),
 }
 """Column of a labels.csv -> its other names."""
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp"})

@@ -89,9 +89,11 @@ def work_row(
     collection: CollectionMetadata,
     position: int,
     work_id: str | None = None,
+    **more: Any,
 ) -> dict[str, Any]:
     """The columns of tables.Work. work_id: by default it is made of the collection and the digest.
 
+    more: further columns, or others than the metadata give, such as those of a character within a page.
     Raises GalleryError when one of them is not as rumu.gallery.rows has it, such as with control characters.
     """
     plain = ("character", "script", "dynasty", "source", "licence", "attribution", "origin")
@@ -108,6 +110,8 @@ def work_row(
         | {name: getattr(metadata, name) for name in plain}
         | {"dynasty": metadata.dynasty[:40], "licence": metadata.licence[:200]}
         | asdict(files)
+        | {"parent_id": None, "occurrence": 0, "place": None, "text": "", "record": None}
+        | more
     )
     time = now()  # the same for both columns: an archive's import sees by it that nobody has changed the work
     row |= search_columns(row, collection=collection.title) | {"created": time, "changed": time}

@@ -29,6 +29,7 @@ MEANINGS = (
 )  # fmt: skip
 """What a word is, by its rank; the first 'hand' and 'title' are whole names, the second parts of them."""
 
+_LAST_OF_CHARACTER = 3
 _WHOLE_HAND, _PART_OF_HAND, _PART_OF_TITLE = 4, 6, 7
 MAX_QUERY = 200  # characters
 _MOST_WORDS = 24
@@ -133,6 +134,16 @@ class Search:
         if not self.words:
             return None
         return and_(*(or_(*word.broadest(columns)) for word in self.words))
+
+    def names_character(self, columns: Any) -> ColumnElement[bool] | None:
+        """Whether a word is the character of a work, by its form or its reading; None where none can be."""
+        found = [
+            condition
+            for word in self.words
+            for rank, condition in word.meanings(columns)
+            if rank <= _LAST_OF_CHARACTER
+        ]
+        return or_(*found) if found else None
 
     def ranks(self, columns: Any) -> list[ColumnElement[int]]:
         """The best rank of a work for each word."""

@@ -20,6 +20,7 @@ from pydantic import (
     ValidationError,
     model_validator,
 )
+from typing_extensions import TypedDict  # pydantic reads no other one before Python 3.12
 
 from rumu.database.tables import ID_PATTERN, reject_control_characters
 from rumu.errors import GalleryError
@@ -104,6 +105,58 @@ class TourRow(_Row):
     created: Time
 
 
+Point = Annotated[list[Fraction], Field(min_length=2, max_length=2)]
+
+
+class PlaceRow(TypedDict):
+    """Where a character stands on its page.
+
+    polygon: x and y of its outline, fractions of the page, origin top left. register, column, row, small,
+    certainty: see pages.page.PageCharacter. direction: how its column runs.
+    """
+
+    __pydantic_config__ = ConfigDict(extra="forbid", strict=True)  # type: ignore[misc]
+
+    polygon: Annotated[list[Point], Field(min_length=4, max_length=200)]
+    register: Position
+    column: Position
+    row: Position
+    small: Literal[0, 1] | None
+    certainty: Fraction
+    direction: Literal["vertical", "horizontal"]
+
+
+Languages = Annotated[
+    dict[Annotated[str, StringConstraints(max_length=40)], Annotated[list[Passage], Field(max_length=50)]],
+    Field(max_length=50),
+]
+
+
+class StatedFact(_Row):
+    """A label with its value, each a list of texts by language, as IIIF has them."""
+
+    label: Languages
+    value: Languages
+
+
+class RecordRow(_Row):
+    """What a museum says of a work in its IIIF manifest: texts by language, addresses of its pages.
+
+    label, canvas_label: of the manifest and of the leaf. statement: that must be shown. provider: names by
+    language. rights, manifest, canvas, homepage: addresses.
+    """
+
+    label: Languages
+    canvas_label: Languages = {}
+    metadata: Annotated[list[StatedFact], Field(max_length=200)] = []
+    statement: StatedFact | None = None
+    provider: Annotated[list[Languages], Field(max_length=20)] = []
+    rights: Annotated[str, StringConstraints(max_length=2000), _clean] = ""
+    manifest: Annotated[str, StringConstraints(max_length=2000), _clean] = ""
+    canvas: Annotated[str, StringConstraints(max_length=2000), _clean] = ""
+    homepage: Annotated[str, StringConstraints(max_length=2000), _clean] = ""
+
+
 class WorkRow(_Row):
     """A row of tables.Work, without the text that searches look through.
 
@@ -112,6 +165,9 @@ class WorkRow(_Row):
 
     id: RowId
     collection_id: RowId
+    parent_id: RowId | None = None
+    occurrence: Position = 0
+    place: PlaceRow | None = None
     position: Position = 0
     title_zh: Line
     title_en: Line
@@ -137,11 +193,15 @@ class WorkRow(_Row):
     width: Pixels
     height: Pixels
     spacing: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
+    text: Passage = ""
+    record: RecordRow | None = None
     created: Time
     changed: Time
 
     @model_validator(mode="after")
     def _check_kind(self) -> Self:
+        if (self.parent_id is None) != (self.place is None):
+            raise ValueError("expected a parent and a place within it, or neither")
         of_capture = (self.surface is not None, self.capture is not None, self.height_source == "photometric")
         if of_capture != (self.kind == "capture",) * 3:
             raise ValueError(
@@ -177,7 +237,7 @@ class ExportManifest(_Row):
     """The gallery.json of an export. works: the number of its lines."""
 
     kind: Literal["rumu gallery"]
-    format: Literal[1]
+    format: Literal[1, 2]
     works: Annotated[int, Field(ge=0)]
     collections: list[CollectionRow]
     tours: list[TourRow]

@@ -93,6 +93,7 @@ def search_columns(row: Mapping[str, Any], *, collection: Bilingual) -> dict[str
             [
                 *_more_lines(row["period_zh"], row["period_en"], row["dynasty"], collection),
                 *_Text(row["id"]).plain_lines(),
+                *_Text(row.get("text") or "").joined,
             ]
         ),
         "search_version": SEARCH_VERSION,

@@ -18,7 +18,7 @@ from rumu.gallery.store import Gallery
 from rumu.studio.attempts import add_attempt
 from rumu.studio.job_queue import CancelledError, Progress, failure_values, update_running
 from rumu.studio.storage import Storage
-from rumu.studio.uploads import import_zip
+from rumu.studio.uploads import add_page_upload, import_from_museum, import_zip
 
 Handler = Callable[[Gallery, Mapping[str, Any], Progress, Storage], dict[str, Any]]
 
@@ -102,7 +102,31 @@ def import_upload(
         )
 
 
-HANDLERS: dict[str, Handler] = {"prepare": prepare, "import": import_upload}
+def add_page(
+    gallery: Gallery, payload: Mapping[str, Any], progress: Progress, storage: Storage
+) -> dict[str, Any]:
+    """Add an uploaded page with its characters; payload: upload (its key), facts, text, spacing."""
+    progress(0, 0, "讀字 Reading the page")
+    with gallery.store.local(payload["upload"]) as picture:
+        return add_page_upload(
+            gallery, picture, payload["facts"], text=payload["text"], spacing=payload["spacing"]
+        )
+
+
+def import_museum(
+    gallery: Gallery, payload: Mapping[str, Any], progress: Progress, storage: Storage
+) -> dict[str, Any]:
+    """Import a museum's manifest; payload: url, collection (its name, '' for that of the museum)."""
+    progress(0, 0, "讀取清單 Reading the manifest")
+    return import_from_museum(gallery, payload["url"], payload.get("collection", ""), progress)
+
+
+HANDLERS: dict[str, Handler] = {
+    "prepare": prepare,
+    "import": import_upload,
+    "page": add_page,
+    "museum": import_museum,
+}
 
 
 def missing_samples(gallery: Gallery) -> list[tuple[Sample, Work]]:

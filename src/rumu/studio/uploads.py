@@ -10,13 +10,16 @@ from typing import Any
 
 from rumu.capture.folder import check_capture_files
 from rumu.errors import DiskFull
+from rumu.gallery.add_page import add_page
 from rumu.gallery.add_work import SUFFIXES, add_capture, add_picture, named_collection
-from rumu.gallery.archive import MANIFEST
+from rumu.gallery.archive import MANIFEST, ImportResult
 from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import collections
+from rumu.gallery.iiif_import import import_manifest
 from rumu.gallery.labels import SharedMetadata
 from rumu.gallery.masters import LABELS
 from rumu.gallery.metadata import NO_LICENCE, CollectionMetadata, WorkMetadata
+from rumu.gallery.page_import import find_pages
 from rumu.gallery.store import Gallery
 from rumu.studio.errors import Unusable, without_folders
 from rumu.studio.job_queue import Progress
@@ -61,6 +64,55 @@ def add_work(gallery: Gallery, data: bytes, facts: Mapping[str, str], *, spacing
         return add_picture(
             gallery, path, metadata=metadata_of(facts), collection=collection, method=method, spacing=spacing
         ).id
+
+
+def add_page_upload(
+    gallery: Gallery, picture: Path, facts: Mapping[str, str], *, text: str, spacing: float | None
+) -> dict[str, Any]:
+    """Add a page with its characters; what was added, as `import_zip` says it.
+
+    Raises ImageError, RefusedImage or GalleryError when it is no page with writing.
+    """
+    added = add_page(
+        gallery,
+        picture,
+        text=text,
+        metadata=metadata_of(facts),
+        collection=find_or_name_collection(gallery, facts.get("collection", "")),
+        spacing=spacing,
+    )
+    note = Bilingual(
+        zh=f"頁上找到 {added.characters} 個字，其中 {added.named} 個對上了釋文。",
+        en=f"{added.characters} characters were found on the page; {added.named} are named by the text.",
+    )
+    counts = {"added": int(added.new), "there": int(not added.new)}
+    return {"work": added.id, **counts, "notes": [note._asdict()]}
+
+
+def import_from_museum(gallery: Gallery, url: str, collection: str, progress: Progress) -> dict[str, Any]:
+    """Import a IIIF manifest or collection from its address; what was done, as `import_zip` says it.
+
+    Only public machines are asked. Raises GalleryError for others, and for what is no manifest.
+    """
+    shared = _shared_metadata(gallery, {"collection": collection})
+    done = import_manifest(gallery, url, shared=shared, progress=progress)
+    return {
+        "collections": list(done.collections),
+        "added": done.added,
+        "there": done.existing,
+        **_left_out(done),
+    }
+
+
+def _left_out(done: ImportResult) -> dict[str, Any]:
+    """What an import left out: the first ones with the reason, and how many."""
+    return {
+        "left_out": [
+            [file, without_folders(reason.en), without_folders(reason.zh)]
+            for file, reason in done.left_out[:_MAX_LISTED]
+        ],
+        "left_out_count": len(done.left_out),
+    }
 
 
 def find_or_name_collection(gallery: Gallery, name: str) -> CollectionMetadata:
@@ -126,11 +178,7 @@ def import_zip(
                 "added": done.added,
                 "there": done.existing,
                 "read_as": done.read_as._asdict() if done.read_as else None,
-                "left_out": [
-                    [file, without_folders(reason.en), without_folders(reason.zh)]
-                    for file, reason in done.left_out[:_MAX_LISTED]
-                ],
-                "left_out_count": len(done.left_out),
+                **_left_out(done),
             }
         progress(0, 0, "重建表面 Reconstructing")
         collection = find_or_name_collection(gallery, facts.get("collection", ""))
@@ -158,6 +206,8 @@ def _find_content(top: Path) -> tuple[Path, bool]:
         if tables or any(map(_LAMPS.fullmatch, lower)):
             depth = len(Path(folder).relative_to(top).parts)
             found.setdefault(depth, []).append((Path(folder), not tables))
+    if not found and find_pages(top, SharedMetadata()):
+        return top, False
     if not found:
         raise _nothing_to_import(names)
     outermost = found[min(found)]
@@ -186,13 +236,14 @@ def _nothing_to_import(names: list[str]) -> Unusable:
         return Unusable(
             "no_labels",
             zh="zip 檔裡有圖片，卻沒有 labels.csv，"
-            "也沒有燈位檔（.lp、light_directions.txt 或 capture.json）。"
+            "也沒有燈位檔（.lp、light_directions.txt 或 capture.json）或同名的釋文（.txt）。"
             "要收入多件作品，請附上 labels.csv，第一行寫 file,character,script，以下每張圖片一行；"
-            "同一張紙在多盞燈下的照片，請附上燈位檔。",
-            en="The zip holds pictures, but neither a labels.csv nor a file of lamps (.lp, "
-            "light_directions.txt or capture.json). For many works, add a labels.csv: file,character,script "
-            "in its first line, then a line for each picture. For photographs of one sheet under several "
-            "lamps, add the file of lamps.",
+            "同一張紙在多盞燈下的照片，請附上燈位檔；整頁的字，請附上與圖片同名的釋文。",
+            en="The zip holds pictures, but no labels.csv, no file of lamps (.lp, light_directions.txt or "
+            "capture.json) and no text of the same name (.txt). For many works, add a labels.csv: "
+            "file,character,script in its first line, then a line for each picture. For photographs of one "
+            "sheet under several lamps, add the file of lamps. For whole pages, add the text of each, named "
+            "as its picture.",
         )
     return Unusable(
         "no_works",

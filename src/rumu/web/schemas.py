@@ -8,7 +8,7 @@ from datetime import datetime
 from typing import Annotated, Any, Literal
 from urllib.parse import quote
 
-from pydantic import AliasPath, BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import AliasPath, BaseModel, ConfigDict, Field, model_validator
 
 from rumu.database.tables import Work
 from rumu.gallery.assets import VERSION
@@ -191,7 +191,7 @@ def _usable_numbers(work: Any) -> dict[str, Any]:
 
 
 class WorkSummary(Schema):
-    """A work in a list. thumb, thumb_normals: URLs of pictures."""
+    """A work in a list. thumb, thumb_normals: URLs of pictures. parent: the page that it stands on."""
 
     id: str = Field(examples=["regular-shui"])
     title: BilingualText
@@ -201,6 +201,7 @@ class WorkSummary(Schema):
     dynasty: str
     period: BilingualText
     collection: str = Field(validation_alias="collection_id", examples=["starter"])
+    parent: str | None = Field(validation_alias="parent_id")
     kind: str = Field(examples=["image"])
     height_source: Literal["photometric", "inflation", "density"]
     width: int = Field(examples=[512])
@@ -243,8 +244,47 @@ class AnnotationUpdate(Schema):
     text: BilingualInput | None = None
 
 
+class PlaceRead(Schema):
+    """Where a character stands on its page.
+
+    polygon: fractions of the page's width and height, origin top left. register, column, row: from 0 in
+    reading order. small: 0 or 1 in the right or left line of a double row, null in the main text.
+    certainty: 0 to 1, that it is one whole character under its right name.
+    """
+
+    polygon: list[list[float]]
+    register_: int = Field(alias="register")
+    column: int
+    row: int
+    small: int | None
+    certainty: float
+    direction: Literal["vertical", "horizontal"]
+
+
+class CharacterWithinRead(Schema):
+    """A character of a page, in reading order: the id of its own work, and its place."""
+
+    id: str
+    character: str = Field(examples=["永"])
+    place: PlaceRead
+
+
+class WithinRead(Schema):
+    """The page that a character stands on, and how often it stands there, with this one."""
+
+    id: str
+    title: BilingualText
+    place: PlaceRead
+    same: list[str] = Field(description="Ids of the works of the same character there, in reading order.")
+
+
 class WorkRead(WorkSummary):
-    """All that is known of a work. files: URLs. previous, next: ids in the same collection."""
+    """All that is known of a work. files: URLs.
+
+    previous, next: ids in the same collection, or on the same page. characters: how many stand on this page;
+    text: what is written on it; within: the page that this character stands on. record: what a museum says
+    of it in its IIIF manifest, by language.
+    """
 
     material: BilingualText
     source: str
@@ -257,6 +297,10 @@ class WorkRead(WorkSummary):
     created: datetime
     previous: str | None
     next: str | None
+    characters: int
+    text: str
+    within: WithinRead | None
+    record: dict[str, Any] | None
 
     @model_validator(mode="before")
     @classmethod
@@ -332,46 +376,3 @@ class SurfaceRead(Schema):
     mask: str
     three_lamps: dict[str, Any] | None
     glb: str
-
-
-class TourStep(Schema):
-    """view: the query of the viewer's permalink."""
-
-    work: Id = Field(examples=["regular-shui"])
-    view: Annotated[ShortText, Field(max_length=500)] = ""
-    title: ShortBilingualInput = ShortBilingualInput()
-    text: BilingualInput = BilingualInput()
-
-
-class TourCreate(Schema):
-    """A walk through works."""
-
-    title: ShortBilingualInput
-    steps: list[TourStep] = Field(max_length=100)
-
-
-class TourUpdate(Schema):
-    """Fields that are left out stay as they are."""
-
-    title: ShortBilingualInput | None = None
-    steps: list[TourStep] | None = Field(default=None, max_length=100)
-
-
-class TourRead(Schema):
-    """A guided walk through works."""
-
-    id: str
-    title: BilingualText
-    steps: list[dict[str, Any]]
-
-    @field_validator("steps", mode="before")
-    @classmethod
-    def _join_languages(cls, steps: list[dict[str, str]]) -> list[dict[str, Any]]:
-        return [
-            {"work": step["work"], "view": step.get("view", "")}
-            | {
-                name: {language: step.get(f"{name}_{language}", "") for language in ("zh", "en")}
-                for name in ("title", "text")
-            }
-            for step in steps
-        ]

@@ -14,8 +14,12 @@ Meaning = Literal[
 
 
 class WorkFound(WorkSummary):
-    """A work in a list of works found. meanings: of each word of the search, what it is of this work."""
+    """A work in a list of works found. meanings: of each word of the search, what it is of this work.
 
+    characters: how many stand on it, where it is a page.
+    """
+
+    characters: int = 0
     meanings: list[Meaning] = Field(default_factory=list)
 
 

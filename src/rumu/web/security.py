@@ -35,7 +35,11 @@ SECURITY_HEADERS = {
     "Permissions-Policy": "camera=(self), microphone=(), geolocation=(), payment=(), usb=()",
     "Cross-Origin-Opener-Policy": "same-origin",
 }
-_LARGE_UPLOADS = ("/api/works", "/api/imports")  # by teachers only, who are known before the body is read
+_LARGE_UPLOADS = (
+    "/api/works",
+    "/api/pages",
+    "/api/imports",
+)  # by teachers only, who are known before the body is read
 
 
 _HSTS = "max-age=31536000"  # a year, for this host alone: others of its domain may be without HTTPS
@@ -126,7 +130,8 @@ class SecurityMiddleware:
 
     def _max_body(self, path: str) -> int:
         limits = self._service.settings.body_limits
-        sizes = {"/api/marks": limits.mark, "/api/works": limits.work, "/api/imports": limits.zip}
+        sizes = {"/api/marks": limits.mark, "/api/works": limits.work, "/api/pages": limits.work}
+        sizes["/api/imports"] = limits.zip
         return sizes.get(path, limits.default)
 
 

@@ -34,6 +34,8 @@ READING = {
         ("/api/collections/starter", "/api/works/regular-shui/viewer", "/api/tours/{tour}"), OPEN
     ),
     **dict.fromkeys(("/api/invitations/{token}", "/api/characters/永"), OPEN),
+    **dict.fromkeys(("/api/works/regular-shui/characters", "/api/characters/永/works"), OPEN),
+    "/iiif/works/regular-shui/search?q=永": OPEN,
     **dict.fromkeys(
         ("/iiif/works/regular-shui/canvas", "/iiif/collections/starter.json", "/api/invitations/{token}"),
         OPEN,
@@ -88,6 +90,8 @@ CHANGING = {
     ("POST", "/api/invitations/0123456789ab", '{"name": "a", "password": "tiger bamboo"}'): (404,) * 6,
     ("POST", "/api/works", ""): (401, 403, 403, 422, 422, 422),
     ("POST", "/api/imports", ""): (401, 403, 403, 422, 422, 422),
+    ("POST", "/api/pages", ""): (401, 403, 403, 422, 422, 422),
+    ("POST", "/api/museums", "{}"): (401, 403, 403, 403, 403, 422),
     ("PATCH", "/api/works/regular-shui/annotations/none", "{}"): (*OWNER[:5], 404),
     ("DELETE", "/api/works/regular-shui/annotations/none", ""): (*OWNER[:5], 404),
     ("PATCH", "/api/tours/none", "{}"): (*OWNER[:5], 404),

@@ -1,4 +1,4 @@
-"""Routes of characters: their strokes as copybooks print them."""
+"""Routes of characters: their strokes as copybooks print them, and all hands that wrote them."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from fastapi import APIRouter, Path
 from pydantic import Field, model_validator
 
 from rumu.characters.stroke_data import CanonicalCharacter, find_character
+from rumu.gallery.hands import CharacterHands, hands_of
 from rumu.studio.errors import Missing
-from rumu.web.schemas import BilingualText, Extended, Schema
+from rumu.web.dependencies import CleanText, ServiceDep
+from rumu.web.schemas import BilingualText, Extended, Schema, WorkSummary
 
 router = APIRouter(tags=["characters"])
 
@@ -33,6 +35,38 @@ class CharacterRead(Schema):
     character: str = Field(examples=["永"])
     structure: str | None = Field(examples=["left-right"])
     strokes: list[CharacterStrokeRead]
+
+
+class HandRead(Schema):
+    """A writer with all works of the character by this hand. time: the dynasty's name, '' if not known."""
+
+    hand: BilingualText
+    time: BilingualText
+    works: list[WorkSummary]
+
+
+class ScriptHandsRead(Schema):
+    """The hands of one script, the earliest first. script: '' where it is not known."""
+
+    script: str = Field(examples=["running"])
+    hands: list[HandRead]
+
+
+class CharacterHandsRead(Schema):
+    """A character by all hands. total: of its works; hands: how many writers."""
+
+    character: str = Field(examples=["永"])
+    total: int
+    hands: int
+    scripts: list[ScriptHandsRead]
+
+
+@router.get("/api/characters/{character}/works", response_model=CharacterHandsRead)
+def list_hands(
+    service: ServiceDep, character: Annotated[CleanText, Path(min_length=1, max_length=8)]
+) -> CharacterHands:
+    """All works of a character, in any of its forms: by script, then by time, then by hand."""
+    return hands_of(service.gallery, character)
 
 
 @router.get("/api/characters/{character}", response_model=CharacterRead)

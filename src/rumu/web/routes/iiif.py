@@ -5,16 +5,17 @@ from __future__ import annotations
 import hashlib
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Request, Response
+from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.responses import JSONResponse, RedirectResponse
 
 from rumu.errors import GalleryError
 from rumu.gallery.iiif import collection_manifest, manifest
 from rumu.gallery.iiif_image import BadImageRequest, image_info
+from rumu.gallery.iiif_text import search_text
 from rumu.studio import worker_tasks
 from rumu.studio.errors import Missing
 from rumu.web.addresses import base_url, service_url
-from rumu.web.dependencies import PathId, ServiceDep
+from rumu.web.dependencies import CleanText, PathId, ServiceDep
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
 from rumu.web.routes.works import find_work
@@ -28,6 +29,20 @@ def get_manifest(request: Request, service: ServiceDep, work_id: PathId) -> Resp
     """The manifest of a work."""
     find_work(service, work_id)
     return _iiif_response(manifest(service.gallery, work_id, base=base_url(request)), "presentation")
+
+
+@router.get("/iiif/works/{work_id}/search", response_class=JSONResponse)
+def search_in_work(
+    request: Request,
+    service: ServiceDep,
+    work_id: PathId,
+    q: Annotated[CleanText, Query(max_length=200)] = "",
+) -> Response:
+    """Where words stand in the text of a whole work: the Content Search API 2. q: words, parted by spaces."""
+    find_work(service, work_id)
+    return _iiif_response(
+        search_text(service.gallery, work_id, q, base=base_url(request)), "search", version=2
+    )
 
 
 @router.get("/iiif/works/{work_id}/{part:path}", response_class=JSONResponse)
@@ -105,7 +120,7 @@ def _find_part(facts: Any, part_id: str) -> dict[str, Any] | None:
     return next((part for value in values if (part := _find_part(value, part_id)) is not None), None)
 
 
-def _iiif_response(facts: dict[str, Any], api: str) -> Response:
-    """api: 'presentation' or 'image'."""
-    profile = f"http://iiif.io/api/{api}/3/context.json"
+def _iiif_response(facts: dict[str, Any], api: str, *, version: int = 3) -> Response:
+    """api: 'presentation', 'image' or 'search'."""
+    profile = f"http://iiif.io/api/{api}/{version}/context.json"
     return JSONResponse(facts, media_type=f'application/ld+json;profile="{profile}"')

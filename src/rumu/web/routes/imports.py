@@ -5,16 +5,18 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, File, Form, UploadFile
+from pydantic import Field, StringConstraints
 
 from rumu.database.tables import new_id
+from rumu.gallery.add_page import MAX_TEXT, check_text
 from rumu.studio import job_queue, worker_tasks
 from rumu.studio.job_handlers import upload_folder, upload_key
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import HEAD, check_zip, folder_name
 from rumu.studio.uploads import check_capture
-from rumu.web.dependencies import CleanText, ServiceDep, ShortText, TeacherUser
+from rumu.web.dependencies import CleanText, OwnerUser, ServiceDep, ShortText, TeacherUser
 from rumu.web.routes.works import get_work
-from rumu.web.schemas import Extended, ScriptName, Spacing, WorkRead
+from rumu.web.schemas import Extended, Schema, ScriptName, Spacing, WorkRead
 from rumu.web.studio_schemas import JobStarted
 
 router = APIRouter(tags=["imports"])
@@ -68,6 +70,58 @@ def add_work(
     return get_work(service, work_id)
 
 
+@router.post("/api/pages", response_model=JobStarted, status_code=202)
+def add_page(
+    *,
+    service: ServiceDep,
+    user: TeacherUser,
+    facts: WorkFacts,
+    picture: Annotated[UploadFile, File(description="A page or scroll: JPEG, PNG, TIFF, WebP, HEIC, ...")],
+    text: Annotated[CleanText, Form(min_length=1, max_length=MAX_TEXT)],
+    spacing: Annotated[Spacing | None, Form()] = None,
+) -> dict[str, Any]:
+    """Add a page or scroll with its text: the whole as a work, and each character on it as a work within it.
+
+    text: what is written on it, in reading order. The page is read as a job.
+    """
+    service.rate_limiter.hit(service.settings.rate_limits.uploads, "uploads", user.id)
+    ending = format_of(picture.file.read())
+    check_text(text)
+    picture.file.seek(0)
+    job_id = new_id()
+    key = upload_key(job_id, f".{ending}")
+    payload = {"upload": key, "facts": facts, "text": text, "spacing": spacing, "person": user.id}
+    with service.gallery.store.whole_folder(upload_folder(job_id)):
+        service.gallery.store.write(key, picture.file)
+        with service.gallery.database.writing() as session:
+            job = job_queue.add(session, "page", payload, person_id=user.id, job_id=job_id)
+    service.runner.wake()
+    return {"job": job}
+
+
+class MuseumImportCreate(Schema):
+    """url: of a IIIF manifest or collection. collection: where its works go; '' for one of its own."""
+
+    url: Annotated[CleanText, StringConstraints(max_length=2000, pattern=r"^https?://")] = Field(
+        examples=["https://example.org/manifest.json"]
+    )
+    collection: Annotated[ShortText, Field(max_length=100)] = ""
+
+
+@router.post("/api/museums", response_model=JobStarted, status_code=202)
+def import_museum(service: ServiceDep, user: OwnerUser, wanted: MuseumImportCreate) -> dict[str, Any]:
+    """Import the works of a museum from the address of a IIIF manifest or collection, as a job.
+
+    Each canvas becomes a work, with what the museum says of it. Only public machines are asked. One that
+    ended early goes on when it is sent again.
+    """
+    service.rate_limiter.hit(service.settings.rate_limits.uploads, "uploads", user.id)
+    with service.gallery.database.writing() as session:
+        job = job_queue.add(session, "museum", wanted.model_dump(), person_id=user.id, job_id=new_id())
+    service.runner.wake()
+    return {"job": job}
+
+
 @router.post("/api/imports", response_model=JobStarted, status_code=202)
 def import_zip(
     service: ServiceDep,
@@ -75,7 +129,7 @@ def import_zip(
     facts: WorkFacts,
     archive: Annotated[UploadFile, File(alias="zip", description="A zip, 1 GB at most.")],
 ) -> dict[str, Any]:
-    """Import a zip of a folder with labels.csv, of one that `rumu gallery export` wrote, or of a capture.
+    """Import a zip: a folder with labels.csv, pages with texts, an export of `rumu`, or a capture.
 
     collection: where the works go, by its name; else where collection.json, the export or the name of the zip
     say. The other facts are those of a capture. The zip is stored before the response, so that a restart

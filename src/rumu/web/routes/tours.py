@@ -13,7 +13,7 @@ from rumu.gallery import tours
 from rumu.studio.errors import Missing
 from rumu.web.dependencies import OwnerUser, PathId, ServiceDep
 from rumu.web.routes.works import to_columns
-from rumu.web.schemas import TourCreate, TourRead, TourUpdate
+from rumu.web.tour_schemas import TourCreate, TourRead, TourUpdate
 
 router = APIRouter(tags=["tours"])
 

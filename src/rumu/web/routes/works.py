@@ -17,6 +17,7 @@ from rumu.gallery import catalog
 from rumu.gallery.derived import KINDS, MESHES, PLAIN, MeshShape, viewer_facts
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.single_page import single_page
+from rumu.gallery.whole_works import CharacterWithin, characters_within, count_characters
 from rumu.studio.errors import Missing, Unusable
 from rumu.values import SCRIPTS
 from rumu.web.addresses import client_address, service_url
@@ -27,6 +28,7 @@ from rumu.web.schemas import (
     AnnotationCreate,
     AnnotationRead,
     AnnotationUpdate,
+    CharacterWithinRead,
     CollectionRead,
     CollectionUpdate,
     Extended,
@@ -75,12 +77,15 @@ def work_filters(
     collection: SearchText = None,
     q: SearchText = None,
     masters: Annotated[bool, Query(description="Only works that are a character to copy.")] = False,
+    within: Annotated[
+        str | None, Query(max_length=200, description="Only the characters of this page or scroll.")
+    ] = None,
 ) -> dict[str, Any]:
     """What works must match, by the names of `gallery.filters.Filters`."""
     if script not in (None, "", "none", *SCRIPTS):
         raise Unusable("script", zh="沒有這種書體。", en=f"Expected a script among {', '.join(SCRIPTS)}.")
     filters = {"script": script, "dynasty": dynasty, "hand": hand, "character": character}
-    return filters | {"collection": collection, "query": q, "masters": masters}
+    return filters | {"collection": collection, "query": q, "masters": masters, "within": within}
 
 
 WorkFilters = Annotated[dict[str, Any], Depends(work_filters)]
@@ -96,7 +101,12 @@ def list_works(
     dynasty, in Chinese or in Latin letters; works must match every word.
     """
     page = catalog.works(service.gallery, **filters, offset=offset, limit=limit)
-    items = tuple(Extended(work, meanings=list(page.meanings.get(work.id, ()))) for work in page.items)
+    with service.gallery.database.reading() as session:
+        counts = count_characters(session, (work.id for work in page.items))
+    items = tuple(
+        Extended(work, meanings=list(page.meanings.get(work.id, ())), characters=counts.get(work.id, 0))
+        for work in page.items
+    )
     return catalog.Page(items, page.total, page.understood)
 
 
@@ -144,13 +154,30 @@ def get_work(service: ServiceDep, work_id: WorkId) -> Extended:
     """All that is known of a work."""
     work = find_work(service, work_id)
     previous, following = catalog.neighbours(service.gallery, work_id)
+    page = None if work.parent_id is None else catalog.work(service.gallery, work.parent_id)
+    beside = characters_within(service.gallery, work_id if page is None else page.id)
     return Extended(
         work,
+        characters=len(beside) if page is None else 0,
+        within=page
+        and {
+            "id": page.id,
+            "title": page.title,
+            "place": work.place,
+            "same": [one.id for one in beside if work.character and one.character == work.character],
+        },
         collection_title=catalog.collection(service.gallery, work.collection_id).title,
         annotations=gallery_annotations.annotations_of(service.gallery, work_id),
         previous=previous,
         next=following,
     )
+
+
+@router.get("/api/works/{work_id}/characters", response_model=list[CharacterWithinRead])
+def list_characters(service: ServiceDep, work_id: WorkId) -> Sequence[CharacterWithin]:
+    """The characters of a page or scroll in reading order; none of any other work."""
+    find_work(service, work_id)
+    return characters_within(service.gallery, work_id)
 
 
 @router.get("/api/works/{work_id}/viewer", response_model=SurfaceRead)

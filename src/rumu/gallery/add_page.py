@@ -1,0 +1,264 @@
+"""Add a page or a scroll with its text: the whole as a work, and each character on it as a work within it.
+
+The page is read by `rumu.read_page`. It is stored as it came where it lies flat already, else as it was laid
+flat, since places are told on the flat page. Each character's picture is a part of the page's pixels. All
+rows appear in one transaction, so that a page is there with all of its characters or not at all.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from rumu.database.tables import Collection, Work
+from rumu.errors import GalleryError, RefusedImage
+from rumu.gallery.add_work import OWN_WORKS, store_suffix
+from rumu.gallery.assets import decode_picture, picture_key
+from rumu.gallery.metadata import (
+    CollectionMetadata,
+    StoredFiles,
+    WorkMetadata,
+    insert_rows,
+    insert_works,
+    work_digest,
+    work_row,
+)
+from rumu.gallery.store import Gallery
+from rumu.gallery.whole_works import INHERITED, occurrences, title_within
+from rumu.values import Bilingual
+
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
+
+    from rumu.pages.page import Page, PageCharacter
+
+MAX_TEXT = 20_000  # characters of a page's text
+_MARGIN = 0.06  # around a character that is cut out, as a share of its longer side
+_THREADS = 4  # pack and store pictures; both release the interpreter's lock
+
+
+@dataclass(frozen=True, slots=True)
+class AddedPage:
+    """A page that was added. new: False when it was there before, with its characters.
+
+    characters: how many works it has within it; named: how many of those have a name.
+    """
+
+    id: str
+    new: bool
+    characters: int
+    named: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _ReadPage:
+    """A page as it is stored. data: its file. size: (width, height) of it."""
+
+    page: Page
+    data: bytes
+    suffix: str
+    size: tuple[int, int]
+
+
+def add_page(
+    gallery: Gallery,
+    path: str | Path,
+    *,
+    text: str,
+    metadata: WorkMetadata,
+    collection: CollectionMetadata = OWN_WORKS,
+    spacing: float | None = None,
+    position: int | None = None,
+) -> AddedPage:
+    """Add a page, and each character on it as a work within it.
+
+    text: what is written on it, in reading order; see `rumu.read_page`. spacing: millimetres per pixel, None
+    if unknown. position: in its collection; the last by default.
+    A picture that is there already is cut only where it has no characters yet. Raises ImageError for a file
+    that is no picture, RefusedImage where nothing on it is writing, GalleryError for a text that is empty or
+    too long.
+    """
+    path, text = Path(path), check_text(text)
+    original = path.read_bytes()
+    metadata = replace(metadata, character="", origin=metadata.origin or path.name)
+    digest = metadata.digest(original)
+    there = _existing(gallery, digest)
+    if there is not None and there.characters:
+        return there
+    read = _read(path, original, text)
+    key = picture_key(read.data, suffix=read.suffix)
+    gallery.store.write(key, read.data)
+    files = StoredFiles(picture=key, digest=digest, width=read.size[0], height=read.size[1], spacing=spacing)
+    cut = _store_characters(gallery, read)
+    with gallery.database.writing() as session:
+        row = _insert_page(session, metadata, files, text, collection=collection, position=position)
+        title = session.get_one(Collection, row["collection_id"]).title
+        home = replace(collection, id=row["collection_id"], title=title)
+        rows = list(_character_rows(row, read, cut, home))
+        insert_rows(session, Work, rows)
+    named = sum(row["character"] != "" for row in rows)
+    return AddedPage(row["id"], there is None, len(rows), named)
+
+
+def check_text(text: str) -> str:
+    """The text of a page without what surrounds it. Raises GalleryError when it is empty or too long."""
+    text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\ufeff", "").strip()
+    if not text:
+        raise GalleryError("expected the text of the page, got none", zh="沒有這一頁的釋文。")
+    if len(text) > MAX_TEXT:
+        raise GalleryError(
+            f"expected a text of at most {MAX_TEXT} characters, got {len(text)}",
+            zh=f"釋文最多 {MAX_TEXT} 字，這裡有 {len(text)} 字。",
+        )
+    return text
+
+
+def _existing(gallery: Gallery, digest: str) -> AddedPage | None:
+    with gallery.database.reading() as session:
+        work_id = session.scalar(select(Work.id).where(Work.digest == digest))
+        if work_id is None:
+            return None
+        counts = select(func.count(), func.sum(Work.character != "")).where(Work.parent_id == work_id)
+        count, named = session.execute(counts).one()
+    return AddedPage(work_id, False, count, int(named or 0))
+
+
+def _read(path: Path, original: bytes, text: str) -> _ReadPage:
+    """Read a page; where it lies flat its file is kept, else the flat picture becomes one."""
+    from PIL import Image
+
+    from rumu.capture.formats import decode
+    from rumu.capture.image import image_of
+    from rumu.capture.stored import eight_bits
+    from rumu.pages.reading import READ_SIZE, read_page
+
+    stored = decode(path, reduction=READ_SIZE)
+    plain = stored.alpha is None and stored.values.dtype == np.uint8
+    samples = stored.values if plain else eight_bits(image_of(stored, name=path))
+    samples = np.ascontiguousarray(np.dstack([samples] * 3) if samples.ndim == 2 else samples)
+    page = read_page(samples, text=text)
+    if not page.characters:
+        raise RefusedImage(
+            "expected a page with writing, found no characters on it",
+            reason="blank",
+            name=path.name,
+            zh="這張圖上找不到字。",
+        )
+    if page.picture.shape == samples.shape and np.array_equal(page.picture, samples):
+        width, height = stored.whole
+        return _ReadPage(page, original, store_suffix(path), (width, height))
+    png = io.BytesIO()
+    Image.fromarray(page.picture).save(png, "PNG")
+    return _ReadPage(page, png.getvalue(), ".png", page.picture.shape[1::-1])
+
+
+def _store_characters(gallery: Gallery, read: _ReadPage) -> list[tuple[str, str, tuple[int, int]]]:
+    """(key, digest of the content, size) of the picture of each character, in reading order."""
+    whole = decode_picture(read.data)
+
+    def store(one: PageCharacter) -> tuple[str, str, tuple[int, int]]:
+        part = _cut(whole, one, read)
+        packed = io.BytesIO()
+        part.save(packed, "PNG")
+        data = packed.getvalue()
+        key = picture_key(data, suffix=".png")
+        gallery.store.write(key, data)
+        return key, hashlib.sha256(data).hexdigest(), part.size
+
+    with ThreadPoolExecutor(_THREADS) as threads:
+        return list(threads.map(store, read.page.characters))
+
+
+def _cut(whole: Picture, one: PageCharacter, read: _ReadPage) -> Picture:
+    """The part of the page around a character, with a margin."""
+    scale = np.array(whole.size) / read.page.picture.shape[1::-1]
+    left, top, right, bottom = np.array(one.box) * np.tile(scale, 2)
+    margin = _MARGIN * max(right - left, bottom - top)
+    box = np.array([left - margin, top - margin, right + margin, bottom + margin]).round().astype(int)
+    x0, y0 = np.clip(box[:2], 0, np.array(whole.size) - 1).tolist()
+    x1, y1 = np.clip(box[2:], [x0 + 1, y0 + 1], whole.size).tolist()
+    return whole.crop((x0, y0, x1, y1))
+
+
+def _insert_page(
+    session: Session,
+    metadata: WorkMetadata,
+    files: StoredFiles,
+    text: str,
+    *,
+    collection: CollectionMetadata,
+    position: int | None,
+) -> Mapping[str, Any]:
+    """The row of the page: a new one, or the one that was there without characters, with its text."""
+    insert_works(session, collection, [])
+    existing = session.scalar(select(Work).where(Work.digest == files.digest))
+    if existing is not None:
+        existing.text, existing.picture = text, files.picture
+        existing.width, existing.height = files.width, files.height
+        session.flush()
+        return {column.name: getattr(existing, column.name) for column in Work.__table__.columns}
+    if position is None:
+        after_last = select(func.coalesce(func.max(Work.position) + 1, 0))
+        of_collection = (Work.collection_id == collection.id, Work.parent_id.is_(None))
+        position = session.execute(after_last.where(*of_collection)).scalar_one()
+    row = work_row(metadata, files, collection=collection, position=position, text=text)
+    insert_works(session, collection, [row])
+    return row
+
+
+def _character_rows(
+    parent: Mapping[str, Any],
+    read: _ReadPage,
+    cut: list[tuple[str, str, tuple[int, int]]],
+    collection: CollectionMetadata,
+) -> Iterator[dict[str, Any]]:
+    found = read.page.characters
+    numbers = occurrences(one.character or "" for one in found)
+    title = Bilingual(parent["title_zh"], parent["title_en"])
+    for position, (one, (key, content, size)) in enumerate(zip(found, cut, strict=True)):
+        character = one.character or ""
+        files = StoredFiles(
+            picture=key,
+            digest=work_digest(content, "within", parent["digest"], str(position)),
+            width=size[0],
+            height=size[1],
+            height_source=parent["height_source"],
+            spacing=parent["spacing"],
+        )
+        metadata = WorkMetadata(
+            title=title_within(title, character), character=character, origin=parent["origin"]
+        )
+        yield work_row(
+            metadata,
+            files,
+            collection=collection,
+            position=position,
+            work_id=f"{parent['id'][:58]}-{position + 1:04d}",
+            parent_id=parent["id"],
+            occurrence=numbers[position],
+            place=_place(one, read.page),
+            **{name: parent[name] for name in INHERITED if name != "spacing"},
+        )
+
+
+def _place(one: PageCharacter, page: Page) -> dict[str, Any]:
+    height, width = page.picture.shape[:2]
+    polygon = np.clip(one.polygon / [width, height], 0, 1).round(5)
+    return {
+        "polygon": polygon.tolist(),
+        "register": one.register,
+        "column": one.column,
+        "row": one.row,
+        "small": one.small,
+        "certainty": round(float(one.certainty), 3),
+        "direction": page.direction,
+    }

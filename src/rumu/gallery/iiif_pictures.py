@@ -1,0 +1,295 @@
+"""The picture of an Image API service, versions 1 to 3: whole where the server gives it, else from its tiles.
+
+Servers of level 0 give only the sizes and tiles that they list; others give the whole picture smaller than it
+is (`maxWidth`). So the whole is asked for first, and what comes is believed only when it has the size that
+info.json says; else the picture is put together of tiles.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from rumu.errors import GalleryError, ImageError
+from rumu.gallery.assets import decode_picture
+from rumu.gallery.iiif_reading import CanvasPicture
+from rumu.gallery.museum_web import MuseumWeb, NotThere
+
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
+
+MAX_PIXELS = 40_000_000
+"""Pixels of a picture that is brought in, unless told otherwise; a larger one comes at half, a quarter..."""
+_TILE = 512  # pixels: side of the parts that are asked for where a server lists no tiles
+_MOST_TILES = 4000
+_QUALITY = 95  # of the JPEG that tiles become
+
+
+@dataclass(frozen=True, slots=True)
+class ImageService:
+    """What info.json says. version: 1, 2 or 3. level: 0, 1 or 2. tile: (width, height), None if none listed.
+
+    factors: by which tiles are reduced. sizes: (width, height) that are served. limit: the most pixels of one
+    answer's width, height and area, None where there is none.
+    """
+
+    base: str
+    version: int
+    level: int
+    width: int
+    height: int
+    tile: tuple[int, int] | None
+    factors: tuple[int, ...]
+    sizes: tuple[tuple[int, int], ...]
+    limit: tuple[int | None, int | None, int | None]
+
+
+@dataclass(frozen=True, slots=True)
+class FetchedPicture:
+    """A picture as it is stored. reduced: whether the museum has it larger. urls: that it was made of."""
+
+    data: bytes
+    suffix: str
+    width: int
+    height: int
+    reduced: bool
+    urls: tuple[str, ...]
+
+
+def fetch_picture(
+    web: MuseumWeb, canvas: CanvasPicture, *, near: str, max_pixels: int = MAX_PIXELS
+) -> FetchedPicture:
+    """The picture on a canvas. near: the address of its manifest.
+
+    Raises NotThere where there is none, NotNow where the server cannot be reached now, ImageError for what is
+    no picture.
+    """
+    if canvas.service:
+        try:
+            service = read_info(web.json_bytes(f"{canvas.service}/info.json", near=near), canvas.service)
+        except NotThere:
+            if not canvas.picture:
+                raise
+        else:
+            found = _of_service(web, service, canvas, near=near, max_pixels=max_pixels)
+            return _within(found, max_pixels)
+    return _within(_single(web, canvas.picture, near), max_pixels)
+
+
+def read_info(data: bytes, base: str) -> ImageService:
+    """An info.json of any version. Raises NotThere for what is none."""
+    try:
+        facts = json.loads(data.decode("utf-8-sig"))
+        width, height = int(facts["width"]), int(facts["height"])
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise NotThere(
+            f"{base}/info.json: expected the description of a picture", zh="圖像說明讀不懂。"
+        ) from error
+    if not (0 < width < 1_000_000 and 0 < height < 1_000_000):
+        raise NotThere(f"{base}/info.json: expected a size, got {width} x {height}", zh="圖像尺寸不對。")
+    told = f"{facts.get('@context', '')} {facts.get('type', '')} {facts.get('profile', '')}".lower()
+    version = 3 if "image/3" in told or "imageservice3" in told else 2 if "image/2" in told else 1
+    if version == 1 and ("tiles" in facts or "sizes" in facts):
+        version = 2
+    level = next((n for n in (2, 1, 0) if f"level{n}" in told), 0)
+    tile, factors = _tiles(facts)
+    return ImageService(
+        base=base,
+        version=version,
+        level=level,
+        width=width,
+        height=height,
+        tile=tile,
+        factors=factors,
+        sizes=tuple(sorted(_sizes(facts))),
+        limit=_limit(facts),
+    )
+
+
+def _tiles(facts: dict[str, Any]) -> tuple[tuple[int, int] | None, tuple[int, ...]]:
+    tiles = facts.get("tiles")
+    if isinstance(tiles, list) and tiles and isinstance(tiles[0], dict):
+        width = _number(tiles[0].get("width"))
+        height = _number(tiles[0].get("height")) or width
+        factors = tiles[0].get("scaleFactors")
+    else:  # version 1
+        width, factors = _number(facts.get("tile_width")), facts.get("scale_factors")
+        height = _number(facts.get("tile_height")) or width
+    known = sorted({n for n in factors if _number(n)}) if isinstance(factors, list) else []
+    return ((width, height) if width and height else None), tuple(known or [1])
+
+
+def _sizes(facts: dict[str, Any]) -> Iterator[tuple[int, int]]:
+    sizes = facts.get("sizes")
+    for one in sizes if isinstance(sizes, list) else ():
+        if isinstance(one, dict) and _number(one.get("width")) and _number(one.get("height")):
+            yield one["width"], one["height"]
+
+
+def _limit(facts: dict[str, Any]) -> tuple[int | None, int | None, int | None]:
+    profile = facts.get("profile")
+    told_apart = profile if isinstance(profile, list) else []
+    places = [facts, *(one for one in told_apart if isinstance(one, dict))]
+    told = {
+        name: number
+        for place in places
+        for name in ("maxWidth", "maxHeight", "maxArea")
+        if (number := _number(place.get(name)))
+    }
+    width = told.get("maxWidth")
+    return width, told.get("maxHeight", width), told.get("maxArea")
+
+
+def _number(value: Any) -> int:
+    return value if isinstance(value, int) and not isinstance(value, bool) and 0 < value < 10**9 else 0
+
+
+# --- fetching --------------------------------------------------------------------------------------
+
+
+def _of_service(
+    web: MuseumWeb, service: ImageService, canvas: CanvasPicture, *, near: str, max_pixels: int
+) -> FetchedPicture:
+    factor = 1
+    while -(-service.width // factor) * -(-service.height // factor) > max_pixels:
+        factor *= 2
+    if factor == 1 and not _is_limited(service):
+        try:
+            whole = _single(web, _whole_url(service), near)
+        except (NotThere, ImageError):
+            pass
+        else:
+            if (whole.width, whole.height) == (service.width, service.height):
+                return whole
+    try:
+        return _of_tiles(web, service, factor, near)
+    except (NotThere, ImageError):
+        return _smaller(web, service, canvas, near=near, max_pixels=max_pixels)
+
+
+def _is_limited(service: ImageService) -> bool:
+    """Whether the whole picture is larger than the server gives at once."""
+    width, height, area = service.limit
+    return (
+        (width is not None and service.width > width)
+        or (height is not None and service.height > height)
+        or (area is not None and service.width * service.height > area)
+    )
+
+
+def _whole_url(service: ImageService) -> str:
+    size, quality = (
+        ("max" if service.version == 3 else "full"),
+        ("native" if service.version == 1 else "default"),
+    )
+    return f"{service.base}/full/{size}/0/{quality}.jpg"
+
+
+def _of_tiles(web: MuseumWeb, service: ImageService, factor: int, near: str) -> FetchedPicture:
+    """The picture put together of tiles, each side reduced by at least `factor`."""
+    from PIL import Image
+
+    if service.tile is None and service.level < 1:
+        raise NotThere(f"{service.base}: lists no tiles", zh="伺服器沒有列出圖塊。")
+    tile = service.tile or (_TILE, _TILE)
+    if service.level == 0 or service.tile is not None:
+        factor = next((n for n in service.factors if n >= factor), service.factors[-1])
+    width, height = -(-service.width // factor), -(-service.height // factor)
+    columns, rows = -(-width // tile[0]), -(-height // tile[1])
+    if columns * rows > _MOST_TILES:
+        raise NotThere(f"{service.base}: {columns * rows} tiles are too many", zh="圖塊太多。")
+    whole = Image.new("RGB", (width, height))
+    urls = []
+    for row in range(rows):
+        for column in range(columns):
+            url, (x, y) = _tile_url(service, factor, tile, (column, row)), (column * tile[0], row * tile[1])
+            part = decode_picture(web.picture_bytes(url, near=near)).convert("RGB")
+            expected = min(tile[0], width - x), min(tile[1], height - y)
+            if max(abs(part.width - expected[0]), abs(part.height - expected[1])) > 1:
+                raise NotThere(
+                    f"{url}: expected a tile of {expected[0]} x {expected[1]}, "
+                    f"got {part.width} x {part.height}",
+                    zh="圖塊的尺寸不對。",
+                )
+            whole.paste(part, (x, y))
+            urls.append(url)
+    return FetchedPicture(_packed(whole), ".jpg", width, height, factor > 1, tuple(urls))
+
+
+def _tile_url(service: ImageService, factor: int, tile: tuple[int, int], at: tuple[int, int]) -> str:
+    """The canonical address of a tile: what a server of level 0 has as a file."""
+    x, y = at[0] * tile[0] * factor, at[1] * tile[1] * factor
+    wide, high = min(tile[0] * factor, service.width - x), min(tile[1] * factor, service.height - y)
+    listed = service.tile is not None  # else the server computes: it may have given the whole smaller
+    whole = listed and (wide, high) == (service.width, service.height)
+    region = "full" if whole else f"{x},{y},{wide},{high}"
+    width, height = -(-wide // factor), -(-high // factor)
+    if whole and factor == 1:
+        size = "max" if service.version == 3 else "full"
+    else:
+        size = f"{width},{height}" if service.version == 3 else f"{width},"
+    quality = "native" if service.version == 1 else "default"
+    return f"{service.base}/{region}/{size}/0/{quality}.jpg"
+
+
+def _smaller(
+    web: MuseumWeb, service: ImageService, canvas: CanvasPicture, *, near: str, max_pixels: int
+) -> FetchedPicture:
+    """The largest listed size, else whatever the server gives as the whole."""
+    fitting = [one for one in service.sizes if one[0] * one[1] <= max_pixels]
+    urls = []
+    for width, height in reversed(fitting):
+        size = f"{width},{height}" if service.version == 3 else f"{width},"
+        urls.append(f"{service.base}/full/{size}/0/{'native' if service.version == 1 else 'default'}.jpg")
+    urls += [_whole_url(service), *([canvas.picture] if canvas.picture else [])]
+    last: GalleryError | ImageError | None = None
+    for url in dict.fromkeys(urls):
+        try:
+            found = _single(web, url, near)
+        except (NotThere, ImageError) as error:
+            last = error
+        else:
+            smaller = (found.width, found.height) != (service.width, service.height)
+            return FetchedPicture(found.data, found.suffix, found.width, found.height, smaller, found.urls)
+    raise last or NotThere(f"{service.base}: gives no picture", zh="伺服器不給圖。")
+
+
+def _single(web: MuseumWeb, url: str, near: str) -> FetchedPicture:
+    """A picture as the server gives it. Raises ImageError when it cannot be read."""
+    data = web.picture_bytes(url, near=near)
+    picture: Picture = decode_picture(data)
+    return FetchedPicture(data, _suffix(data), picture.width, picture.height, False, (url,))
+
+
+def _within(found: FetchedPicture, max_pixels: int) -> FetchedPicture:
+    """The picture, reduced where a server gives only one that is too large."""
+    factor = 1
+    while -(-found.width // factor) * -(-found.height // factor) > max_pixels:
+        factor *= 2
+    if factor == 1:
+        return found
+    small = decode_picture(found.data).convert("RGB").reduce(factor)
+    return replace(
+        found, data=_packed(small), suffix=".jpg", width=small.width, height=small.height, reduced=True
+    )
+
+
+def _packed(picture: Picture) -> bytes:
+    packed = io.BytesIO()
+    picture.save(packed, "JPEG", quality=_QUALITY, subsampling=0)
+    return packed.getvalue()
+
+
+def _suffix(data: bytes) -> str:
+    heads = {
+        b"\xff\xd8": ".jpg",
+        b"\x89P": ".png",
+        b"RI": ".webp",
+        b"GI": ".gif",
+        b"II": ".tif",
+        b"MM": ".tif",
+    }
+    return heads.get(data[:2], ".image")

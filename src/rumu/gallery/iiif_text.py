@@ -1,0 +1,177 @@
+"""The text of a whole work for IIIF viewers: annotations, a table of contents, and a search within it.
+
+Each character is an annotation (`supplementing`) on its place; each column is a range with a range for each
+of its characters; and a Content Search API 2 service finds words in the text, also across columns.
+"""
+
+from __future__ import annotations
+
+import math
+import unicodedata
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from rumu.database.tables import Work
+from rumu.gallery.catalog import work
+from rumu.gallery.store import Gallery
+from rumu.gallery.vocabulary import fold
+from rumu.gallery.whole_works import UNKNOWN_CHARACTER, CharacterWithin, characters_within, text_lines
+
+SEARCH_CONTEXT = "http://iiif.io/api/search/2/context.json"
+_LANGUAGE = "zh-Hant"
+_CONTEXT = 8  # characters before and after a match that are shown with it
+_MOST_MATCHES = 500
+
+
+@dataclass(frozen=True, slots=True)
+class PagePlaces:
+    """Where characters lie on a canvas. canvas: its id. width, height: in pixels."""
+
+    canvas: str
+    width: int
+    height: int
+
+    def target(self, characters: Sequence[CharacterWithin]) -> str:
+        """The part of the canvas around characters, in whole pixels."""
+        points = [point for one in characters for point in one.place["polygon"]]
+        left = math.floor(min(x for x, _ in points) * self.width)
+        top = math.floor(min(y for _, y in points) * self.height)
+        right = math.ceil(max(x for x, _ in points) * self.width)
+        bottom = math.ceil(max(y for _, y in points) * self.height)
+        return f"{self.canvas}#xywh={left},{top},{max(1, right - left)},{max(1, bottom - top)}"
+
+
+def text_annotations(characters: Sequence[CharacterWithin], places: PagePlaces) -> dict[str, Any]:
+    """The page of annotations with the text of a work: one for each character."""
+    return {
+        "id": f"{places.canvas}/text",
+        "type": "AnnotationPage",
+        "label": {_LANGUAGE: ["釋文"], "en": ["Text"]},
+        "items": [
+            _text_annotation(f"{places.canvas}/text/{one.id}", one.character, places.target([one]), places)
+            for one in characters
+            if one.character
+        ],
+    }
+
+
+def _text_annotation(name: str, text: str, target: Any, places: PagePlaces) -> dict[str, Any]:
+    return {
+        "id": name,
+        "type": "Annotation",
+        "motivation": "supplementing",
+        "body": {"type": "TextualBody", "value": text, "language": _LANGUAGE, "format": "text/plain"},
+        "target": target,
+    }
+
+
+def text_ranges(characters: Sequence[CharacterWithin], places: PagePlaces) -> list[dict[str, Any]]:
+    """The table of contents: a range for each column, in it one for each character."""
+    base = places.canvas.rpartition("/")[0]
+    return [
+        {
+            "id": f"{base}/range/{line[0].place['register']}-{line[0].place['column']}",
+            "type": "Range",
+            "label": {_LANGUAGE: ["".join(one.character or UNKNOWN_CHARACTER for one in line)]},
+            "items": [
+                {
+                    "id": f"{base}/range/{one.id}",
+                    "type": "Range",
+                    "label": {_LANGUAGE: [one.character or UNKNOWN_CHARACTER]},
+                    "items": [{"type": "Canvas", "id": places.target([one])}],
+                }
+                for one in line
+            ],
+        }
+        for line in text_lines(characters)
+    ]
+
+
+# --- search ----------------------------------------------------------------------------------------
+
+
+def search_text(gallery: Gallery, work_id: str, query: str, *, base: str) -> dict[str, Any]:
+    """What a search finds in the text of a work: an annotation page of the Content Search API 2.
+
+    query: words, parted by spaces; each is found wherever it stands, in any form of its characters.
+    base: of the service. Raises GalleryError when there is no such work.
+    """
+    row = work(gallery, work_id)
+    places = places_of(row, base=base)
+    characters = characters_within(gallery, work_id)
+    name = f"{base.rstrip('/')}/iiif/works/{row.id}/search"
+    items, contexts = [], []
+    for number, match in enumerate(_matches(characters, query)):
+        parts = [list(some) for _, some in groupby(match.characters, lambda one: one.line)]
+        for part, members in enumerate(parts):
+            text = "".join(one.character for one in members)
+            items.append(_text_annotation(f"{name}/{number}-{part}", text, places.target(members), places))
+        contexts.append(_context(f"{name}/{number}", match, items[-len(parts)]["id"]))
+    page: dict[str, Any] = {
+        "@context": SEARCH_CONTEXT,
+        "id": f"{name}?{_encoded(query)}",
+        "type": "AnnotationPage",
+        "items": items,
+    }
+    if contexts:
+        page["annotations"] = [{"type": "AnnotationPage", "items": contexts}]
+    return page
+
+
+def places_of(row: Work, *, base: str) -> PagePlaces:
+    """The canvas of a work. base: of the service."""
+    return PagePlaces(f"{base.rstrip('/')}/iiif/works/{row.id}/canvas", row.width, row.height)
+
+
+@dataclass(frozen=True, slots=True)
+class _Match:
+    """Characters that a word of a search is, with the text before and after them."""
+
+    characters: tuple[CharacterWithin, ...]
+    before: str
+    after: str
+
+
+def _matches(characters: Sequence[CharacterWithin], query: str) -> Iterator[_Match]:
+    """All places of each word, in reading order; characters that are not known match nothing."""
+    folded = [fold(one.character) if one.character else "\n" for one in characters]
+    shown = [one.character or UNKNOWN_CHARACTER for one in characters]
+    count = 0
+    for word in dict.fromkeys(_words(query)):
+        wanted = [fold(character) for character in word]
+        for at in range(len(folded) - len(wanted) + 1):
+            if folded[at : at + len(wanted)] == wanted:
+                end = at + len(wanted)
+                before, after = shown[max(0, at - _CONTEXT) : at], shown[end : end + _CONTEXT]
+                yield _Match(tuple(characters[at:end]), "".join(before), "".join(after))
+                count += 1
+                if count == _MOST_MATCHES:
+                    return
+
+
+def _words(query: str) -> Iterator[str]:
+    """The words of a search, without punctuation."""
+    for word in query.split():
+        kept = "".join(one for one in word if unicodedata.category(one)[0] in "LN")
+        if kept:
+            yield kept
+
+
+def _context(name: str, match: _Match, annotation: str) -> dict[str, Any]:
+    """An annotation that says what stands around a match."""
+    exact = "".join(one.character for one in match.characters)
+    selector = {"type": "TextQuoteSelector", "prefix": match.before, "exact": exact, "suffix": match.after}
+    return {
+        "id": f"{name}/context",
+        "type": "Annotation",
+        "motivation": "contextualizing",
+        "target": {"type": "SpecificResource", "source": annotation, "selector": [selector]},
+    }
+
+
+def _encoded(query: str) -> str:
+    from urllib.parse import urlencode
+
+    return urlencode({"q": query})
