@@ -19,6 +19,7 @@ from rumu.assessment.remarks import Review, write_remarks
 from rumu.capture.folder import read_capture
 from rumu.characters.stroke_data import CanonicalCharacter, find_character
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
+from rumu.image_stack import Progress
 from rumu.registration.icp import IcpSettings, register_points
 from rumu.registration.points import Canvas, canvas_of, ink_mask, sample_points
 from rumu.registration.quaternion import Rotation
@@ -36,7 +37,12 @@ _NAMED_SCRIPTS = (None, "regular", "running")
 
 
 def reconstruct(
-    capture: Capture | str | Path, *, solver: str = "robust", integrator: str = "auto", rectify: str = "none"
+    capture: Capture | str | Path,
+    *,
+    solver: str = "robust",
+    integrator: str = "auto",
+    rectify: str = "none",
+    progress: Progress | None = None,
 ) -> Surface:
     """Reconstruct the surface of a capture by photometric stereo.
 
@@ -51,6 +57,8 @@ def reconstruct(
     rectify
         How uneven lamplight is evened out first: 'none', 'masked' (recommended for a flat sheet), 'bands' or
         'svd' (the paper's).
+    progress
+        Called with what is done, how many parts of it are done and how many there are.
 
     Returns
     -------
@@ -73,10 +81,10 @@ def reconstruct(
     from rumu.surface.photometric import photometric
 
     if not isinstance(capture, Capture):
-        capture = read_capture(capture)
+        capture = read_capture(capture, progress=progress)
     if rectify != "none":
         capture = rectify_capture(capture, method=rectify)  # type: ignore[arg-type]
-    return photometric(capture, solver=solver, integrator=integrator)
+    return photometric(capture, solver=solver, integrator=integrator, progress=progress)
 
 
 def surface_of(thing: SurfaceLike) -> Surface:

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import CaptureError, RegistrationError, SurfaceError
+from rumu.image_stack import ImageStack, KeepsPhotographs
 
 FloatArray = npt.NDArray[np.floating[Any]]
 BoolArray = npt.NDArray[np.bool_]
@@ -60,14 +61,15 @@ def _require_unit_range(error: type[Exception], array: FloatArray, name: str) ->
     _require(error, low >= 0 and high <= 1 + 1e-5, f"{name} in [0, 1]", (low, high))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Capture:
+@dataclass(frozen=True, eq=False)
+class Capture(KeepsPhotographs):
     """N photographs of one sheet from one camera, each lit by one lamp.
 
     Parameters
     ----------
     images
-        (N, H, W) or (N, H, W, 3) float32, N >= 3, linear in light, 0 or more; 1 is the sensor's white.
+        (N, H, W) or (N, H, W, 3) float32, N >= 3, linear in light, 0 or more; 1 is the sensor's white. May be
+        given as an ImageStack, whose photographs keep their own bits; `photographs` has that of any capture.
     lights
         (N, 3) float64, unit vectors from the sheet toward each lamp (x right, y up, z toward the camera),
         not all in one plane.
@@ -86,7 +88,7 @@ class Capture:
         When photographs, lamps and mask do not belong together; the message names the one that does not.
     """
 
-    images: FloatArray
+    images: FloatArray  # type: ignore[assignment]
     lights: FloatArray
     mask: BoolArray
     strengths: FloatArray | None = None
@@ -98,16 +100,17 @@ class Capture:
 
     def __post_init__(self) -> None:
         require = partial(_require, CaptureError)
-        images, lights, mask, spacing = self.images, self.lights, self.mask, self.spacing
+        images, lights, mask, spacing = self.__dict__["images"], self.lights, self.mask, self.spacing
         n, shape = images.shape[0], images.shape[1:3]
-        gray_or_colour = images.ndim == 3 or (images.ndim == 4 and images.shape[3] == 3)
+        gray_or_colour = len(images.shape) in (3, 4) and images.shape[3:] in ((), (3,))
         require(gray_or_colour, "images of shape (N, H, W) or (N, H, W, 3)", images.shape)
         require(n >= 3, "at least 3 images", n)
         require(lights.shape == (n, 3), f"lights of shape ({n}, 3)", lights.shape)
         is_mask = mask.shape == shape and mask.dtype == np.bool_ and bool(mask.any())
         require(is_mask, f"a bool mask of shape {shape}, not empty", f"{mask.dtype} {mask.shape}")
-        _require_finite(CaptureError, images, "images")
-        require(images.min() >= 0, "images of 0 or more", images.min())
+        if not isinstance(images, ImageStack):  # which was checked when it was decoded
+            _require_finite(CaptureError, images, "images")
+            require(images.min() >= 0, "images of 0 or more", images.min())
         require(spacing is None or (np.isfinite(spacing) and spacing > 0), "spacing > 0", spacing)
         _require_finite(CaptureError, lights, "lights")
         require(np.allclose(np.linalg.norm(lights, axis=1), 1, atol=1e-6), "unit light vectors", lights)
@@ -116,11 +119,6 @@ class Capture:
         if self.strengths is not None:
             right = self.strengths.shape == (n,) and bool((self.strengths > 0).all())
             require(right, f"{n} positive strengths", self.strengths)
-
-    @property
-    def gray(self) -> FloatArray:
-        """(N, H, W) float32: mean of the colour channels."""
-        return self.images if self.images.ndim == 3 else self.images.mean(axis=3)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,11 +15,9 @@ import tifffile
 from PIL import Image
 
 from rumu.capture.decoded_size import MEMORY_VARIABLE, Reduction
-from rumu.capture.folder import read_capture
 from rumu.capture.formats import decode, read_header
 from rumu.capture.image import read_image
 from rumu.errors import ImageError, RumuError
-from rumu.values import BoolArray
 
 RNG = np.random.default_rng(3)
 SMOOTH = np.add.outer(np.arange(90), np.arange(120))[:, :, None] * np.array([0.6, 0.9, 1.1]) % 256
@@ -290,18 +288,6 @@ def test_memory_that_is_no_number(tmp_path: Path, text: str, monkeypatch: pytest
     monkeypatch.setenv(MEMORY_VARIABLE, text)
     with pytest.raises(RumuError, match=f"{MEMORY_VARIABLE}: expected a whole number of megabytes"):
         read_image(tmp_path / "a.png")
-
-
-def test_frames_of_a_capture_count_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for quarters, name in enumerate("abc"):
-        picture(400, 400).rotate(90 * quarters).save(tmp_path / f"{name}.png")
-    (tmp_path / "capture.json").write_text('{"slant": 45}')
-    monkeypatch.setenv(MEMORY_VARIABLE, "5")
-    with pytest.raises(ImageError, match="at most 5 MB once decoded, 3 pictures would take 6 MB"):
-        read_capture(tmp_path)
-    monkeypatch.setenv(MEMORY_VARIABLE, "6")
-    mask: BoolArray = read_capture(tmp_path).mask
-    assert mask.shape == (400, 400)
 
 
 @needs_proc

@@ -22,6 +22,27 @@ def test_reconstruct_says_what_came_out(rumu, capture, tmp_path):
     assert ended.code == 0 and "40 x 40 pixels" in ended.out and "report.html" in ended.out
 
 
+@pytest.mark.parametrize(
+    ("wanted", "files"),
+    [
+        ("report", {"report.html"}),
+        ("height, mesh", {"height.tif", "height.png", "surface.glb"}),
+        ("normals.png,Albedo.tif", {"normals.png", "albedo.tif"}),
+        ("pictures", {"height.png", "normals.png", "albedo.png", "confidence.png"}),
+    ],
+)
+def test_reconstruct_writes_what_is_asked_for(rumu, capture, tmp_path, wanted, files):
+    ended = rumu("reconstruct", capture, "-o", tmp_path / "out", "--write", wanted, "--json")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {*files, "mask.png", "surface.json"}
+    assert (ended.facts["report"] is not None) == ("report.html" in files)
+
+
+@pytest.mark.parametrize("wanted", ["colour", "", "height,normals.jpg"])
+def test_reconstruct_writes_nothing_that_it_does_not_know(rumu, capture, tmp_path, wanted):
+    assert rumu("reconstruct", capture, "-o", tmp_path / "out", "--write", wanted).code == 2
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_known_scale_gives_millimetres(rumu, capture, tmp_path):
     facts = rumu("reconstruct", capture, "-o", tmp_path / "out", "--mm-per-pixel", "0.05", "--json").facts
     assert (facts["unit"], facts["spacing"]) == ("mm", 0.05)

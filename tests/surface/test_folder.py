@@ -11,7 +11,7 @@ import tifffile
 from PIL import Image
 
 from rumu.errors import OutputError, SurfaceError
-from rumu.surface.folder import read_surface, write_surface
+from rumu.surface.folder import FLOATS, MESH, PICTURES, read_surface, write_surface
 from rumu.surface.relief import relief
 from rumu.values import Surface
 
@@ -168,7 +168,7 @@ def test_without_float_files_it_comes_back_from_its_pictures(tmp_path):
     gray[20:60, 40:55] = 0.1
     for image in (gray, np.stack([gray, gray * 0.9, gray * 0.7], axis=-1)):
         surface = relief(image)
-        write_surface(surface, tmp_path / "out", floats=False)
+        write_surface(surface, tmp_path / "out", files=(*PICTURES, MESH))
         assert not list((tmp_path / "out").glob("*.tif"))
         back = read_surface(tmp_path / "out")
         assert back.albedo.shape == surface.albedo.shape
@@ -184,10 +184,49 @@ def test_without_float_files_it_comes_back_from_its_pictures(tmp_path):
 def test_a_picture_that_is_needed_is_named(tmp_path, name):
     gray = np.full((80, 100), 0.8, np.float32)
     gray[20:60, 40:55] = 0.1
-    write_surface(relief(gray), tmp_path / "out", floats=False)
+    write_surface(relief(gray), tmp_path / "out", files=(*PICTURES, MESH))
     (tmp_path / "out" / name).write_bytes(b"no picture")
     with pytest.raises(SurfaceError, match=rf"{name}: expected a PNG"):
         read_surface(tmp_path / "out")
     (tmp_path / "out" / name).unlink()
     with pytest.raises(SurfaceError, match=rf"{name}: expected a file"):
         read_surface(tmp_path / "out")
+
+
+def test_only_what_is_asked_for_is_written_and_floats_are_read_where_they_are(tmp_path):
+    before = surface()
+    files = ("normals.tif", "height.png", "albedo.tif", "confidence.png")
+    write_surface(before, tmp_path / "out", files=files)
+    assert {p.name for p in (tmp_path / "out").iterdir()} == {*files, "mask.png", "surface.json"}
+    after = read_surface(tmp_path / "out")
+    assert np.array_equal(after.normals, before.normals) and np.array_equal(after.albedo, before.albedo)
+    assert np.abs(after.height - before.height).max() < np.ptp(before.height) / 60000
+    write_surface(before, tmp_path / "few", files=("height.tif",))
+    with pytest.raises(SurfaceError, match=r"normals\.png: expected a file"):
+        read_surface(tmp_path / "few")
+    with pytest.raises(SurfaceError, match=r"expected files among .*, got height\.jpg"):
+        write_surface(before, tmp_path / "other", files=("height.jpg",))
+
+
+def test_float_files_are_tiled_and_packed_and_others_read_them(tmp_path):
+    before = surface(h=256, w=512)
+    write_surface(before, tmp_path / "out", files=("normals.tif", "height.tif"))
+    for name in ("normals", "height"):
+        with tifffile.TiffFile(tmp_path / "out" / f"{name}.tif") as tiff:
+            page = tiff.pages[0]
+            assert page.is_tiled and page.compression == tifffile.COMPRESSION.ADOBE_DEFLATE
+            assert sum(page.databytecounts) < 0.95 * getattr(before, name).nbytes
+        theirs = cv2.imread(str(tmp_path / "out" / f"{name}.tif"), cv2.IMREAD_UNCHANGED)
+        wanted = getattr(before, name)
+        assert np.array_equal(theirs[..., ::-1] if theirs.ndim == 3 else theirs, wanted)
+
+
+def test_a_folder_of_an_earlier_version_is_read(tmp_path):
+    before = surface()
+    for files, floats in ((FLOATS, None), (PICTURES, False)):
+        write_surface(before, tmp_path / "out", files=files)
+        marker = tmp_path / "out" / "surface.json"
+        facts = json.loads(marker.read_text())
+        del facts["files"]
+        marker.write_text(json.dumps(facts | ({} if floats is None else {"floats": floats})))
+        assert np.allclose(read_surface(tmp_path / "out").height, before.height, atol=1e-3)

@@ -139,3 +139,22 @@ def test_bad_input_is_refused():
     n[2, 3, 0] = np.nan
     with pytest.raises(SurfaceError, match="1 pixels that hold NaN"):
         integrate(n)
+
+
+@pytest.mark.parametrize("masked", [False, True])
+def test_bands_do_not_show(masked, monkeypatch):
+    shape = bump((57, 91), peak=5.0, sigma=8.0)
+    mask = disc(91)[17:74] if masked else None
+    whole = integrate(shape.normals, mask=mask)
+    monkeypatch.setattr("rumu.surface.integrate._BAND", 91 * 7)
+    monkeypatch.setattr("rumu.surface.integrate._ROWS_IN_CACHE", 91 * 5)
+    assert np.abs(integrate(shape.normals, mask=mask) - whole).max() < 1e-4
+
+
+def test_a_corner_of_a_large_sheet_is_integrated_where_it_lies():
+    shape = bump((40, 53), peak=5.0, sigma=8.0)
+    mask, normals = np.zeros((150, 160), bool), np.full((150, 160, 3), np.nan)
+    mask[31:71, 90:143], normals[31:71, 90:143] = True, shape.normals
+    height = integrate(normals, mask=mask)
+    assert off(height, np.pad(shape.height, ((31, 79), (90, 17))), mask) < 1e-3
+    assert (height[~mask] == 0).all()

@@ -8,7 +8,8 @@ import pytest
 from rumu.capture.folder import read_capture
 from rumu.errors import CaptureError, SurfaceError
 from rumu.surface.photometric import photometric, surface_normals
-from rumu.surface.robust import SOLVERS, solve
+from rumu.surface.robust import SOLVERS
+from rumu.surface.solve import solve
 from rumu.surface.strengths import estimate_photometry
 from rumu.values import Capture
 from rumu_lab.simulation.lamps import Gloss, Sensor, photographs

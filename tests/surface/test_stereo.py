@@ -7,7 +7,7 @@ import pytest
 
 from rumu.errors import SurfaceError
 from rumu.surface.integrate import integrate
-from rumu.surface.robust import Solution, solve
+from rumu.surface.solve import Solution, solve
 from rumu.surface.stereo import gradients_from_normals, normals_from_gradients, three_lamps
 from rumu_lab.simulation.lamps import Sensor, photographs
 from rumu_lab.simulation.shapes import bump, plane

@@ -28,6 +28,7 @@ from rumu.capture.lights import direction
 from rumu.capture.masks import mask_file, read_folder_mask
 from rumu.capture.photographs import FolderImages, capture_error, files, place
 from rumu.errors import CaptureError
+from rumu.image_stack import Progress
 from rumu.values import Bilingual, Capture, FloatArray
 
 Choice = TypeVar("Choice", bound=str)
@@ -58,6 +59,7 @@ def read_capture(
     encoding: Encoding = "auto",
     orientation: Orientation = "auto",
     within: Path | None = None,
+    progress: Progress | None = None,
 ) -> Capture:
     """Read a capture folder.
 
@@ -76,13 +78,16 @@ def read_capture(
     within : path, optional
         A folder that holds the capture and every file that may be read, such as that of an upload. Without it
         an .lp and capture.json may name files anywhere.
+    progress : callable, optional
+        Called with what is done, how many parts of it are done and how many there are.
 
     Returns
     -------
     Capture
-        images: (N, H, W) or (N, H, W, 3) float32, linear, in [0, 1]; lights: (N, 3) unit vectors toward the
-        lamps; mask: (H, W) bool, all True where no mask was found; spacing: millimetres per pixel or None;
-        notes: what was read otherwise than it was written.
+        images: (N, H, W) or (N, H, W, 3) float32, linear, in [0, 1], kept in the bits of their files until
+        they are asked for; lights: (N, 3) unit vectors toward the lamps; mask: (H, W) bool, all True where no
+        mask was found; spacing: millimetres per pixel or None; notes: what was read otherwise than it was
+        written.
 
     Raises
     ------
@@ -112,9 +117,10 @@ def read_capture(
         ambient=images.by_stem("ambient"),
         encoding=chosen,
         orientation=turned,
+        progress=progress,
     )
     return Capture(
-        images=frames.images,
+        images=frames.stack,  # type: ignore[arg-type]
         lights=lamps.lights,
         mask=read_folder_mask(images, description, frames),
         strengths=lamps.strengths,

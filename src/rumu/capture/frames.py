@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, get_args
 
 import numpy as np
 
-from rumu.capture.decoded_size import check_memory
 from rumu.capture.description import DESCRIPTION
 from rumu.capture.formats import Encoding, read_header
-from rumu.capture.image import read_frame
+from rumu.capture.image import read_photograph
+from rumu.capture.memory_plan import MemoryPlan, plan_memory
 from rumu.capture.photographs import capture_error
 from rumu.capture.stored import turn
 from rumu.errors import ImageError
-from rumu.values import Bilingual, BoolArray, FloatArray
+from rumu.image_stack import ImageStack, Photograph, Progress, ScratchFile
+from rumu.values import Bilingual, FloatArray
 
 _AMBIENT_MARGIN = 0.01  # of white, by which the picture without lamps may be brighter: noise, JPEG
+_LOOKED_AT = 500_000  # about how many pixels of a photograph its median is taken of
 
 Orientation = Literal["auto", "stored", "exif"]
 ORIENTATIONS: tuple[Orientation, ...] = get_args(Orientation)
@@ -27,11 +31,11 @@ ORIENTATIONS: tuple[Orientation, ...] = get_args(Orientation)
 class Frames:
     """The photographs of a capture.
 
-    images: (N, H, W) or (N, H, W, 3). upright: whether they were turned as EXIF says. orientation: the same
-    in words, None where EXIF says nothing. notes: what a person should know.
+    stack: N photographs in their own bits. upright: whether they were turned as EXIF says. orientation: the
+    same in words, None where EXIF says nothing. notes: what a person should know.
     """
 
-    images: FloatArray
+    stack: ImageStack
     upright: bool
     orientation: Literal["stored", "exif"] | None
     notes: tuple[Bilingual, ...]
@@ -44,82 +48,108 @@ def read_frames(
     ambient: Path | None,
     encoding: Encoding,
     orientation: Orientation,
+    progress: Progress | None = None,
 ) -> Frames:
     """The photographs as one stack, less the ambient frame, all turned the same way or none.
 
     as_shown: whether the lamps are told by how the pictures look on a screen; then 'auto' turns them.
-    Raises CaptureError where they differ in size, ImageError where one cannot be read.
+    Raises CaptureError where they differ in size, and before anything is decoded where there is too little
+    memory for them; ImageError where one cannot be read.
     """
     upright = orientation == "exif" or (orientation == "auto" and as_shown)
-    images, told = _read_images(
-        paths, ambient=ambient, encoding=encoding, upright=upright, alike=orientation == "auto"
-    )
-    if images is None:  # they say different things
+    files = paths if ambient is None else (*paths, ambient)
+    plan = plan_memory([read_header(path) for path in files], paths[0].parent)
+    reader = _Reader(plan, encoding, progress)
+    read = reader.read(files, upright=upright, alike=orientation == "auto")
+    if read is None:  # they say different things
         upright = False
-        images, told = _read_images(paths, ambient=ambient, encoding=encoding, upright=False, alike=False)
-    assert images is not None
-    _check_alike(paths, images)
+        read = reader.read(files, upright=False, alike=False)
+    assert read is not None
+    photographs, told = [one for one, _ in read], [orientation for _, orientation in read][: len(paths)]
+    for path, one in zip(files, photographs, strict=True):
+        _check_same_size(path, one, paths[0], photographs[0])
+    dark = None if ambient is None else photographs.pop()
+    if ambient is not None and dark is not None:
+        _check_ambient(ambient, dark, paths, photographs)
+    _check_alike(paths, photographs)
     notes = _orientation_notes(paths, told, upright=upright)
-    return Frames(images, upright, ("exif" if upright else "stored") if notes else None, notes)
+    stack = ImageStack(photographs, dark=dark, peak=max(1.0, _peak(photographs, dark)))
+    return Frames(stack, upright, ("exif" if upright else "stored") if notes else None, notes)
 
 
-def _read_images(
-    paths: tuple[Path, ...], *, ambient: Path | None, encoding: Encoding, upright: bool, alike: bool
-) -> tuple[FloatArray | None, list[int]]:
-    """The stack, and the EXIF orientation of each frame, by which it was turned if `upright`.
+@dataclass(frozen=True, slots=True)
+class _Reader:
+    """Decodes photographs, several at a time."""
 
-    None for the stack where all were to be turned `alike` and their orientations differ.
-    """
-    check_memory([read_header(path).image_memory() for path in paths], paths[0].parent)
-    first, told = _read_one(paths[0], encoding=encoding)
-    orientations = [told]
-    first = np.ascontiguousarray(turn(first, told)) if upright else first
-    dark = None
-    if ambient is not None:
-        dark, told = _read_one(ambient, encoding=encoding)
-        dark = turn(dark, told) if upright else dark
-        _check_same_size(ambient, dark, paths[0], first)
-    images = np.empty((len(paths), *first.shape), dtype=np.float32)
-    for i, path in enumerate(paths):
-        if i:
-            image, told = _read_one(path, encoding=encoding)
-            orientations.append(told)
-            if upright and alike and told != orientations[0]:
-                return None, orientations
-            image = turn(image, told) if upright else image
-        else:
-            image = first
-        _check_same_size(path, image, paths[0], first)
-        if ambient is not None and dark is not None:
-            _check_ambient(ambient, dark, path, image)
-        images[i] = image if dark is None else np.maximum(image - dark, 0)
-    peak = float(images.max())
-    if peak > 1:
-        images /= np.float32(peak)
-    return images, orientations
+    plan: MemoryPlan
+    encoding: Encoding
+    progress: Progress | None
+
+    def read(
+        self, paths: tuple[Path, ...], *, upright: bool, alike: bool
+    ) -> list[tuple[Photograph, int]] | None:
+        """Each photograph, and its EXIF orientation, by which it was turned if `upright`.
+
+        None where all were to be turned `alike` and their orientations differ.
+        """
+        read: list[tuple[Photograph, int]] = []
+        # A decoder sets the filters of warnings for its own time, which threads do for each other, too.
+        with warnings.catch_warnings(), ThreadPoolExecutor(self.plan.threads) as pool:
+            waiting = [pool.submit(self._read_one, path, upright=upright) for path in paths]
+            try:
+                for job in waiting:
+                    read.append(job.result())
+                    if self.progress is not None:
+                        self.progress("Reading photographs", len(read), len(paths))
+                    if upright and alike and read[-1][1] != read[0][1]:
+                        return None
+            finally:
+                pool.shutdown(wait=True, cancel_futures=True)
+        return read
+
+    def _read_one(self, path: Path, *, upright: bool) -> tuple[Photograph, int]:
+        try:
+            photograph, told = read_photograph(path, encoding=self.encoding)
+        except ImageError as error:
+            raise with_file_name(error, path) from error
+        assert isinstance(photograph.samples, np.ndarray)
+        samples = np.ascontiguousarray(turn(photograph.samples, told) if upright else photograph.samples)
+        return replace(photograph, samples=ScratchFile(samples) if self.plan.on_disk else samples), told
 
 
-def _check_ambient(ambient: Path, dark: FloatArray, path: Path, image: FloatArray) -> None:
+def _some(photograph: Photograph) -> FloatArray:
+    """(P[, 3]) linear light of some pixels of a photograph, all over it."""
+    count = photograph.samples.shape[0] * photograph.samples.shape[1]
+    return photograph.at(np.arange(0, count, max(1, count // _LOOKED_AT)))
+
+
+def _check_ambient(
+    ambient: Path, dark: Photograph, paths: tuple[Path, ...], photographs: list[Photograph]
+) -> None:
     """Raise CaptureError where a frame is no brighter than without its lamp."""
-    if float(np.median(dark)) > float(np.median(image)) + _AMBIENT_MARGIN:
-        raise capture_error(
-            path,
-            en=f"darker than {ambient.name}, which should show the sheet with all lamps off; was this "
-            f"lamp off, or one on in {ambient.name}, or the exposure another one?",
-            zh=f"比 {ambient.name} 還暗；{ambient.name} 應是關掉所有燈拍的。是這張的燈沒開，"
-            f"還是 {ambient.name} 開著燈，或曝光不同",
-        )
+    level = float(np.median(_some(dark)))
+    for path, photograph in zip(paths, photographs, strict=True):
+        if level > float(np.median(_some(photograph))) + _AMBIENT_MARGIN:
+            raise capture_error(
+                path,
+                en=f"darker than {ambient.name}, which should show the sheet with all lamps off; was this "
+                f"lamp off, or one on in {ambient.name}, or the exposure another one?",
+                zh=f"比 {ambient.name} 還暗；{ambient.name} 應是關掉所有燈拍的。是這張的燈沒開，"
+                f"還是 {ambient.name} 開著燈，或曝光不同",
+            )
 
 
-def _check_alike(paths: tuple[Path, ...], images: FloatArray) -> None:
+def _check_alike(paths: tuple[Path, ...], photographs: list[Photograph]) -> None:
     """Raise CaptureError when one picture stands under several names: no two photographs are equal.
 
     Frames that are black or white all over are told later for what they are.
     """
     seen: dict[bytes, int] = {}
-    for i, image in enumerate(images):
-        first = seen.setdefault(image[image.shape[0] // 2].tobytes(), i)  # a row tells most frames apart
-        if first != i and np.ptp(image) > 0 and np.array_equal(image, images[first]):
+    for i, photograph in enumerate(photographs):
+        height, width = photograph.samples.shape[:2]
+        row = photograph.range(height // 2 * width, (height // 2 + 1) * width)
+        first = seen.setdefault(row.tobytes(), i)  # a row tells most frames apart
+        if first != i and _shows_something(photograph) and _equal(photograph, photographs[first]):
             raise capture_error(
                 paths[i],
                 en=f"the same picture as {paths[first].name}, to the last pixel; each lamp needs a "
@@ -128,11 +158,20 @@ def _check_alike(paths: tuple[Path, ...], images: FloatArray) -> None:
             )
 
 
-def _read_one(path: Path, *, encoding: Encoding) -> tuple[FloatArray, int]:
-    try:
-        return read_frame(path, encoding=encoding)
-    except ImageError as error:
-        raise with_file_name(error, path) from error
+def _shows_something(photograph: Photograph) -> bool:
+    bounds = [(float(part.min()), float(part.max())) for part in photograph.parts()]
+    return max(high for _, high in bounds) > min(low for low, _ in bounds)
+
+
+def _equal(photograph: Photograph, other: Photograph) -> bool:
+    return all(np.array_equal(a, b) for a, b in zip(photograph.parts(), other.parts(), strict=True))
+
+
+def _peak(photographs: list[Photograph], dark: Photograph | None) -> float:
+    """The brightest value of photographs of floats, less the ambient frame; at most 1 of all others."""
+    floats = [one for one in photographs if one.samples.dtype.kind == "f"]
+    stacks = [ImageStack([one], dark=dark) for one in floats]
+    return max((float(stack.frame(0).max()) for stack in stacks), default=1.0)
 
 
 def with_file_name(error: ImageError, path: Path) -> ImageError:
@@ -166,22 +205,23 @@ def _orientation_notes(paths: tuple[Path, ...], told: list[int], *, upright: boo
     return (note,)
 
 
-def _check_same_size(path: Path, image: FloatArray, first_path: Path, first: FloatArray) -> None:
-    if image.shape[:2] != first.shape[:2]:
+def _check_same_size(path: Path, image: Photograph, first_path: Path, first: Photograph) -> None:
+    shape, wanted = image.samples.shape, first.samples.shape
+    if shape[:2] != wanted[:2]:
         raise capture_error(
             path,
-            en=f"expected {size_of(first)} pixels as in {first_path.name}, got {size_of(image)}",
-            zh=f"應與 {first_path.name} 一樣是 {size_of(first)} 像素，卻是 {size_of(image)}",
+            en=f"expected {size_of(wanted)} pixels as in {first_path.name}, got {size_of(shape)}",
+            zh=f"應與 {first_path.name} 一樣是 {size_of(wanted)} 像素，卻是 {size_of(shape)}",
         )
-    if image.ndim != first.ndim:
+    if len(shape) != len(wanted):
         kinds = {2: Bilingual("灰階", "gray"), 3: Bilingual("彩色", "colour")}
         raise capture_error(
             path,
-            en=f"expected {kinds[first.ndim].en} as in {first_path.name}, got {kinds[image.ndim].en}",
-            zh=f"應與 {first_path.name} 一樣是{kinds[first.ndim].zh}，卻是{kinds[image.ndim].zh}",
+            en=f"expected {kinds[len(wanted)].en} as in {first_path.name}, got {kinds[len(shape)].en}",
+            zh=f"應與 {first_path.name} 一樣是{kinds[len(wanted)].zh}，卻是{kinds[len(shape)].zh}",
         )
 
 
-def size_of(image: FloatArray | BoolArray) -> str:
-    """Width and height as messages tell them."""
-    return f"{image.shape[1]} x {image.shape[0]}"
+def size_of(shape: tuple[int, ...]) -> str:
+    """Width and height of (H, W, ...) as messages tell them."""
+    return f"{shape[1]} x {shape[0]}"

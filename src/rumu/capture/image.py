@@ -13,6 +13,7 @@ from rumu.capture.decoded_size import FULL_SIZE, Reduction, check_size
 from rumu.capture.formats import ENCODINGS, Encoding, decode
 from rumu.capture.stored import Samples, Stored, over_white, turn
 from rumu.errors import ImageError
+from rumu.image_stack import Photograph
 from rumu.values import BoolArray
 
 Image = npt.NDArray[np.float32]
@@ -64,11 +65,30 @@ def read_frame(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> 
 
     encoding, the values and errors: as of `read_linear`.
     """
+    photograph, orientation = read_photograph(path, encoding=encoding)
+    height, width = photograph.samples.shape[:2]
+    return photograph.range(0, height * width).reshape(photograph.samples.shape), orientation
+
+
+def read_photograph(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> tuple[Photograph, int]:
+    """An image in its own bits with the curve that makes linear light of them, and its EXIF orientation.
+
+    encoding and errors: as of `read_linear`. What has alpha or floats is linear light of 32 bits.
+    """
     if encoding not in ENCODINGS:
         raise ImageError(f"encoding: expected one of {', '.join(ENCODINGS)}, got {encoding!r}")
-    stored = decode(path, upright=False, encoding=encoding)
-    values = _linear(stored, name=path, encoding=encoding)
-    return over_white(values, stored.alpha), stored.orientation
+    stored = decode(path, upright=False, encoding=encoding, floats=False)
+    values = _check_values(stored.values, name=path)
+    curve = None
+    if values.dtype.kind == "f":
+        values = np.maximum(values, 0).astype(np.float32, copy=False)
+    elif encoding == "srgb" or (encoding == "auto" and stored.display):
+        curve = to_linear(_scale(np.arange(np.iinfo(values.dtype).max + 1, dtype=values.dtype)))
+    if stored.alpha is not None:
+        height, width = values.shape[:2]
+        linear = Photograph(values, curve).range(0, height * width).reshape(values.shape)
+        return Photograph(over_white(linear, stored.alpha)), stored.orientation
+    return Photograph(values, curve), stored.orientation
 
 
 def read_mask(path: str | os.PathLike[str], *, upright: bool = True) -> BoolArray:
@@ -146,17 +166,6 @@ def _scale(samples: Samples) -> Image:
     values = samples.astype(np.float32)  # one conversion, then in place: numpy casts slowly while dividing
     values /= np.float32(full)
     return values
-
-
-def _linear(stored: Stored, *, name: object, encoding: Encoding) -> Image:
-    values = _check_values(stored.values, name=name)
-    if values.dtype.kind == "f":
-        return np.maximum(values, 0).astype(np.float32, copy=False)
-    if encoding == "linear" or (encoding == "auto" and not stored.display):
-        return _scale(values)
-    if values.dtype == np.uint8:  # 256 powers instead of one for each pixel
-        return to_linear(_scale(np.arange(256, dtype=np.uint8)))[values]
-    return to_linear(_scale(values))
 
 
 def shrink(picture: Bytes, *, side: int) -> Bytes:

@@ -19,7 +19,7 @@ def read_folder_mask(images: FolderImages, description: Description, frames: Fra
 
     Raises CaptureError for a mask that cannot be read, of another size, or black all over.
     """
-    shape = frames.images.shape[1:3]
+    shape = frames.stack.shape[1:3]
     path = mask_file(images, description)
     if path is None:
         return np.ones(shape, dtype=bool)
@@ -31,8 +31,8 @@ def read_folder_mask(images: FolderImages, description: Description, frames: Fra
     if mask.shape != shape:
         raise capture_error(
             path,
-            en=f"expected a mask of {shape[1]} x {shape[0]} pixels, got {size_of(mask)}",
-            zh=f"遮罩應是 {shape[1]} x {shape[0]} 像素，卻是 {size_of(mask)}",
+            en=f"expected a mask of {shape[1]} x {shape[0]} pixels, got {size_of(mask.shape)}",
+            zh=f"遮罩應是 {shape[1]} x {shape[0]} 像素，卻是 {size_of(mask.shape)}",
         )
     if not mask.any():
         raise capture_error(

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from rumu.cli.options import AsJson, check_writable, finite, not_an_input
-from rumu.cli.terminal import Outcome, print_outcome, working
+from rumu.cli.terminal import Outcome, print_outcome, stages, working
 from rumu.errors import GalleryError, SurfaceError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
+    from rumu.image_stack import Progress
     from rumu.values import Bilingual, Surface
 
 Solver = Literal["robust", "least_squares", "trimmed", "l1"]
@@ -22,6 +23,7 @@ Rectify = Literal["none", "bands", "svd", "masked"]
 Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
 
+REPORT = "report.html"
 _STL_VERTICES = 250_000  # of a solid for a printer: half a million triangles, 25 MB
 
 Folder = Annotated[
@@ -49,27 +51,59 @@ def reconstruct(
         bool,
         typer.Option("--lamps-as-given", help="Take the lamps as they are, though others fit better."),
     ] = False,
+    write: Annotated[
+        str,
+        typer.Option(
+            help="What is written, separated by commas: all, floats, pictures, mesh, report, height..."
+        ),
+    ] = "all",
     as_json: AsJson = False,
 ) -> Outcome:
     """Photographs of one sheet under three or more lamps -> albedo, normals, height, mesh, report."""
-    from dataclasses import replace
-
     from rumu import pipeline
     from rumu.capture.folder import read_capture
     from rumu.outputs import whole_folder
     from rumu.surface.folder import MARKER
     from rumu.surface.frame_check import exposure_notes
 
+    files = _files_to_write(write)
     check_writable(whole_folder(out, marker=MARKER))
-    with working("Reconstructing"):
-        capture = read_capture(capture_dir)
+    with stages() as progress:
+        capture = read_capture(capture_dir, progress=progress)
         if mm_per_pixel is not None:
-            capture = replace(capture, spacing=finite(mm_per_pixel))
+            capture = capture.changed(spacing=finite(mm_per_pixel))
         if lamps_as_given:
-            capture = replace(capture, lamps_as_given=True)
-        surface = pipeline.reconstruct(capture, solver=solver, integrator=integrator, rectify=rectify)
-        notes = (*capture.notes, *exposure_notes(capture, surface))
-        return _write_surface(surface, out, title=capture_dir.resolve().name, notes=notes)
+            capture = capture.changed(lamps_as_given=True)
+        surface = pipeline.reconstruct(
+            capture, solver=solver, integrator=integrator, rectify=rectify, progress=progress
+        )
+        notes, title = (*capture.notes, *exposure_notes(capture, surface)), capture_dir.resolve().name
+        del capture  # its photographs
+        return _write_surface(surface, out, title=title, notes=notes, files=files, progress=progress)
+
+
+def _files_to_write(wanted: str) -> list[str]:
+    """The files that `--write` asks for: by groups, by arrays, or by their names."""
+    from rumu.surface.array_files import ARRAYS
+    from rumu.surface.folder import FILES, FLOATS, MESH, PICTURES
+
+    groups: dict[str, tuple[str, ...]] = {
+        "all": (*FILES, REPORT),
+        "floats": FLOATS,
+        "pictures": PICTURES,
+        "mesh": (MESH,),
+        "report": (REPORT,),
+        **{name: (f"{name}.tif", f"{name}.png") for name in ARRAYS},
+        **{name: (name,) for name in (*FILES, REPORT)},
+    }
+    found: list[str] = []
+    for one in filter(None, (part.strip().lower() for part in wanted.split(","))):
+        if one not in groups:
+            raise typer.BadParameter(f"{one!r} is none of {', '.join(groups)}", param_hint="'--write'")
+        found += [name for name in groups[one] if name not in found]
+    if not found:
+        raise typer.BadParameter("expected something to write", param_hint="'--write'")
+    return found
 
 
 @print_outcome
@@ -89,14 +123,15 @@ def relief(
 ) -> Outcome:
     """One image of ink -> a surface computed from the ink (not measured relief)."""
     from rumu.outputs import whole_folder
-    from rumu.surface.folder import MARKER
+    from rumu.surface.folder import FLOATS, MARKER, MESH, PICTURES
     from rumu.surface.relief import relief as raised
 
     check_writable(whole_folder(out, marker=MARKER))
     with working("Raising the ink"):
         surface = raised(image, method=method, mode=mode)
         notes = _reduction_notes(surface)
-        return _write_surface(surface, out, title=image.stem, notes=notes, floats=floats)
+        files = (*PICTURES, MESH, REPORT, *(FLOATS if floats else ()))
+        return _write_surface(surface, out, title=image.stem, notes=notes, files=files)
 
 
 def _reduction_notes(surface: Surface) -> list[Bilingual]:
@@ -228,17 +263,24 @@ def _surface_of(source: str) -> Surface:
 
 
 def _write_surface(
-    surface: Surface, out: Path, *, title: str, notes: Sequence[Bilingual] = (), floats: bool = True
+    surface: Surface,
+    out: Path,
+    *,
+    title: str,
+    notes: Sequence[Bilingual] = (),
+    files: Collection[str],
+    progress: Progress | None = None,
 ) -> Outcome:
     from rumu.report.pages import surface_page
     from rumu.report.wording import SOURCES
     from rumu.surface.folder import write_surface
 
-    page = surface_page(surface, title=title, notes=notes)
-    write_surface(surface, out, floats=floats, extra={"report.html": page})
+    report = {REPORT: surface_page(surface, title=title, notes=notes)} if REPORT in files else {}
+    written = [name for name in files if name != REPORT]
+    write_surface(surface, out, files=written, extra=report, progress=progress)
     facts = {
         "out": out,
-        "report": out / "report.html",
+        "report": out / REPORT if report else None,
         "source": surface.source,
         "shape": surface.height.shape,
         "spacing": surface.spacing,
@@ -253,6 +295,6 @@ def _write_surface(
     quality = "".join(f"\n  {name}: {value:.4g}" for name, value in surface.quality.items())
     text = (
         f"{out}: {columns} x {rows} pixels, height {low:.3g} to {high:.3g} {surface.unit}\n"
-        f"  {SOURCES[surface.source].en}{quality}\n  report: {out / 'report.html'}"
+        f"  {SOURCES[surface.source].en}{quality}" + (f"\n  report: {out / REPORT}" if report else "")
     )
     return Outcome(facts, text + "".join(f"\n  note: {note.en}" for note in notes))

@@ -189,6 +189,37 @@ def bar(label: str) -> Iterator[Advance]:
 
 
 @contextlib.contextmanager
+def stages() -> Iterator[Callable[[str, int, int], None]]:
+    """Yield a function of (what, done, total): a bar that says what is done, how far, and for how long yet.
+
+    Each `what` begins a bar of its own, below those that are full. Silent when stderr is no terminal.
+    """
+    if not sys.stderr.isatty():
+        yield lambda what, done, total: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(elapsed_when_finished=True),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        tasks: dict[str, Any] = {}
+
+        def show(what: str, done: int, total: int) -> None:
+            if what not in tasks:
+                for task in tasks.values():
+                    progress.update(task, completed=progress.tasks[task].total)
+                tasks[what] = progress.add_task(what, total=total)
+            progress.update(tasks[what], completed=done, total=total)
+
+        yield show
+
+
+@contextlib.contextmanager
 def working(label: str) -> Iterator[None]:
     """A turning sign beside `label` while one long step runs; silent when stderr is no terminal."""
     if not sys.stderr.isatty():

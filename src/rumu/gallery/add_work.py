@@ -37,15 +37,13 @@ from rumu.workspaces import temporary_folder
 
 if TYPE_CHECKING:
     from rumu.gallery.fonts import Face
-    from rumu.values import Capture, Surface
+    from rumu.values import Capture
 
 SUFFIXES = (
     ".png", ".jpg", ".jpeg", ".mpo", ".webp", ".heic", ".heif", ".avif", ".tif", ".tiff", ".bmp", ".gif",
     ".pgm", ".ppm", ".exr",
 )  # fmt: skip
 OWN_WORKS = CollectionMetadata(id="own", title=Bilingual(zh="自己收入", en="Added here"))
-
-_SURFACE_FILES = ("height.tif", "normals.tif", "albedo.tif", "confidence.tif", "mask.png", "surface.json")
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +107,7 @@ def add_capture(
     """
     from rumu.capture.folder import read_capture
     from rumu.pipeline import reconstruct
+    from rumu.surface.folder import FLOATS, write_surface
     from rumu.surface.frame_check import exposure_notes
 
     path = Path(path)
@@ -118,7 +117,8 @@ def add_capture(
         photographs, reconstructed = temporary / "capture", temporary / "surface"
         capture_digest = _copy_capture(capture, folder, photographs)
         surface = reconstruct(read_capture(photographs, within=photographs), solver=solver, rectify=rectify)
-        _write_surface(surface, reconstructed)
+        # what read_surface needs; pictures and meshes are derived when they are requested
+        write_surface(surface, reconstructed, files=FLOATS)
         surface_digest = hashlib.sha256(f"{capture_digest} {solver} {rectify}".encode()).hexdigest()
         capture_key = f"captures/{capture_digest[:2]}/{capture_digest}"
         surface_key = f"surfaces/{surface_digest[:2]}/{surface_digest}"
@@ -307,23 +307,15 @@ def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
     return folder_digest({file.name: file for file in target.iterdir()})
 
 
-def _write_surface(surface: Surface, folder: Path) -> None:
-    """Write the files that `read_surface` needs; pictures and meshes are derived when they are requested."""
-    from rumu.surface.folder import write_surface
-
-    write_surface(surface, folder)
-    for file in folder.iterdir():
-        if file.name not in _SURFACE_FILES:
-            file.unlink()
-
-
 def _mean_photograph(capture: Capture) -> bytes:
     import numpy as np
     from PIL import Image
 
     from rumu.surface.mesh import albedo_srgb
 
-    mean = capture.images.mean(axis=0)
+    mean = np.zeros(capture.photographs.shape[1:], np.float32)
+    for photograph in capture.photographs:
+        mean += photograph / np.float32(len(capture.photographs))
     bright = float(np.percentile(mean[capture.mask], 99.5)) or 1.0
     png = io.BytesIO()
     Image.fromarray(albedo_srgb(np.clip(mean / bright, 0, 1))).save(png, "PNG", optimize=True)

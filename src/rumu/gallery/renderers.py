@@ -70,7 +70,7 @@ def render_photograph(assets: Assets, *, number: int) -> bytes:
         raise GalleryError(
             "expected a work with photographs under the paper's three lamps, this one has none"
         )
-    light = _reduce(capture.images[lamps.order[number]], MAP)
+    light = _reduce(capture.photographs.frame(lamps.order[number]), MAP)
     return _webp(_image(albedo_srgb(np.clip(light, 0, 1))), quality=95)
 
 

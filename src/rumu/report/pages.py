@@ -28,6 +28,7 @@ from rumu.report.pictures import (
     share_picture,
 )
 from rumu.report.remark_drawing import remark_rows
+from rumu.surface.reduction import reduce_surface
 from rumu.values import Assessment, Bilingual, Level, Registration, Surface
 
 if TYPE_CHECKING:
@@ -118,6 +119,9 @@ def assessment_page(
 
 def surface_page(surface: Surface, *, title: str, notes: Sequence[Bilingual] = ()) -> str:
     """A surface as a page: its maps, its form under four lamps, its mesh, and how far to trust it."""
+    size = f"{surface.height.shape[1]} × {surface.height.shape[0]}"
+    spacing = f"{surface.spacing:.4g} {surface.unit}"
+    surface = reduce_surface(surface)
     heights, (low, high) = height_picture(surface)
     return _render(
         "surface.html",
@@ -125,8 +129,8 @@ def surface_page(surface: Surface, *, title: str, notes: Sequence[Bilingual] = (
         notes=notes,
         source=wording.SOURCES[surface.source],
         measured=surface.source == "photometric",
-        size=f"{surface.height.shape[1]} × {surface.height.shape[0]}",
-        spacing=f"{surface.spacing:.4g} {surface.unit}",
+        size=size,
+        spacing=spacing,
         maps=_maps(surface),
         heights=data_uri(heights),
         height_bar={"gradient": css_gradient(HEIGHT_STOPS), "low": low, "high": high, "unit": surface.unit},

@@ -1,6 +1,6 @@
 """A surface as a folder that other programs can read, and back.
 
-    surface.json      unit, spacing, source, quality, version, scale of height.png
+    surface.json      unit, spacing, source, quality, version, scale of height.png, which files there are
     height.tif        float32, in the unit; height.png is 16-bit: height = value * scale + offset
     normals.tif       float32 x, y, z; normals.png is 16-bit RGB: n = value / 32767.5 - 1, y up (OpenGL)
     albedo.tif        float32, linear; albedo.png is 8-bit sRGB
@@ -15,7 +15,8 @@ surfaces that are computed from ink; reading then takes the pictures.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -23,58 +24,81 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.image import to_linear
 from rumu.errors import OutputError, SurfaceError
+from rumu.image_stack import Progress
 from rumu.inputs import read_json
 from rumu.outputs import whole_folder
-from rumu.surface.mesh import albedo_srgb, mesh_bytes
-from rumu.values import FloatArray, Surface
+from rumu.surface.array_files import ARRAYS, height_scale, read_pictures, read_tiff, write_png, write_tiff
+from rumu.surface.mesh import mesh_bytes
+from rumu.surface.reduction import reduce_surface
+from rumu.values import Surface
 
 MARKER = "surface.json"
+FLOATS = tuple(f"{name}.tif" for name in ARRAYS)
+"""The files of 32-bit floats."""
+PICTURES = (*(f"{name}.png" for name in ARRAYS), "mask.png")
+"""The files to look at."""
+MESH = "surface.glb"
+FILES = (*FLOATS, *PICTURES, MESH)
+"""All files of a surface besides the marker."""
 _KIND = "rumu surface"
-_ARRAYS = ("height", "normals", "albedo", "confidence")
-_FILES = {MARKER, "surface.glb", "mask.png"} | {
-    f"{name}{end}" for name in _ARRAYS for end in (".tif", ".png")
-}
+_WRITERS = 2  # files that are written at the same time; each takes memory for its levels
 
 
 def write_surface(
     surface: Surface,
     folder: str | Path,
     *,
-    floats: bool = True,
+    files: Collection[str] = FILES,
     extra: Mapping[str, str | bytes] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Write a surface as a folder; it appears whole or not at all.
 
-    folder: new, empty, or an earlier surface, which is replaced. floats: whether the float TIFFs are written.
-    extra: more files of the folder, text or bytes by name, such as a report.
+    folder: new, empty, or an earlier surface, which is replaced. files: which of FILES; the mask is always
+    written. extra: more files of the folder, text or bytes by name, such as a report.
     Raises OutputError when the folder cannot be written or holds other files, SurfaceError when there is
-    nothing to make a mesh of or an extra name is not a plain new name.
+    nothing to make a mesh of, a file is none of a surface, or an extra name is not a plain new name.
     """
+    unknown = sorted(set(files) - set(FILES))
+    if unknown:
+        raise SurfaceError(f"expected files among {', '.join(FILES)}, got {', '.join(unknown)}")
     for name in extra or {}:
-        if Path(name).name != name or name in _FILES:
+        if Path(name).name != name or name in (MARKER, *FILES):
             raise SurfaceError(f"expected a plain file name that is not of the surface's own, got {name!r}")
-    glb = mesh_bytes(surface)
+    glb = {MESH: mesh_bytes(reduce_surface(surface))} if MESH in files else {}
+    arrays = [name for name in FILES if name in {*files, "mask.png"} and name != MESH]
     with whole_folder(folder, marker=MARKER) as new:
         try:
-            _write_files(surface, new, {"surface.glb": glb, **(extra or {})}, floats=floats)
+            for name, content in {**glb, **(extra or {})}.items():
+                (new / name).write_bytes(content.encode() if isinstance(content, str) else content)
+            _write_arrays(surface, new, arrays, progress)
+            metadata = _metadata(surface, [*arrays, *glb])
+            text = json.dumps(metadata, indent=2, ensure_ascii=False) + "\n"
+            (new / MARKER).write_text(text, encoding="utf-8")
         except OSError as error:
             raise OutputError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
-def _write_files(surface: Surface, folder: Path, files: Mapping[str, str | bytes], *, floats: bool) -> None:
-    import tifffile
+def _write_arrays(surface: Surface, folder: Path, names: list[str], progress: Progress | None) -> None:
+    def write(name: str) -> None:
+        if name in FLOATS:
+            write_tiff(folder / name, getattr(surface, Path(name).stem))
+        else:
+            write_png(folder / name, surface, Path(name).stem)
 
-    for name in _ARRAYS if floats else ():
-        array: FloatArray = getattr(surface, name)
-        kind = "rgb" if array.ndim == 3 else "minisblack"
-        tifffile.imwrite(folder / f"{name}.tif", array.astype(np.float32), photometric=kind)
-    scale, offset = _write_pictures(surface, folder)
-    for name, content in files.items():
-        (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    _ = surface.normals, surface.albedo  # computed once, not by two threads
+    with ThreadPoolExecutor(_WRITERS) as pool:
+        for done, _ in enumerate(pool.map(write, names), start=1):
+            if progress is not None:
+                progress("Writing files", done, len(names))
+
+
+def _metadata(surface: Surface, files: list[str]) -> dict[str, Any]:
+    """What surface.json says."""
+    scale, offset = height_scale(surface)
     h, w = surface.height.shape
-    metadata = {
+    return {
         "kind": _KIND,
         "version": version("rumu"),
         "source": surface.source,
@@ -85,8 +109,8 @@ def _write_files(surface: Surface, folder: Path, files: Mapping[str, str | bytes
         "quality": {name: float(value) for name, value in surface.quality.items()},
         "frame": "x right, y up, z to the camera; rows run downward",
         "height_png": {"scale": scale, "offset": offset},
-    } | ({} if floats else {"floats": False})
-    (folder / MARKER).write_text(json.dumps(metadata, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        "files": files,
+    }
 
 
 def read_surface(folder: str | Path) -> Surface:
@@ -96,10 +120,9 @@ def read_surface(folder: str | Path) -> Surface:
     """
     folder = Path(folder)
     metadata = _read_metadata(folder)
-    if metadata.get("floats", True):
-        arrays = {name: _read_tiff(folder / f"{name}.tif") for name in _ARRAYS}
-    else:
-        arrays = _read_pictures(folder, metadata)
+    exact = _with_floats(metadata)
+    arrays = {name: read_tiff(folder / f"{name}.tif") for name in ARRAYS if name in exact}
+    arrays |= read_pictures(folder, metadata, frozenset(ARRAYS) - exact)
     mask = _read_mask(folder / "mask.png")
     shape = arrays["height"].shape
     wanted = {"normals": [(*shape, 3)], "albedo": [shape, (*shape, 3)], "confidence": [shape]}
@@ -126,75 +149,12 @@ def read_surface(folder: str | Path) -> Surface:
         raise SurfaceError(f"{folder / MARKER}: does not describe a surface: {error}") from error
 
 
-def _write_pictures(surface: Surface, folder: Path) -> tuple[float, float]:
-    """The files to look at; returns scale and offset of height.png."""
-    import cv2
-    from PIL import Image
-
-    offset = float(surface.height.min())
-    scale = max(float(surface.height.max()) - offset, 1e-12) / 65535.0
-    height = np.round((surface.height.astype(np.float64) - offset) / scale).clip(0, 65535).astype(np.uint16)
-    Image.fromarray(height).save(folder / "height.png")
-    normals = np.round((surface.normals.astype(np.float64) + 1.0) * 32767.5).clip(0, 65535).astype(np.uint16)
-    # Pillow cannot write 16 bits for each of three channels; OpenCV wants them in the order B, G, R.
-    done, packed = cv2.imencode(".png", np.ascontiguousarray(normals[..., ::-1]))
-    if not done:
-        raise SurfaceError("normals.png: expected the picture to be packed, the PNG writer refused it")
-    (folder / "normals.png").write_bytes(packed.tobytes())
-    Image.fromarray(albedo_srgb(surface.albedo)).save(folder / "albedo.png")
-    Image.fromarray(np.round(surface.confidence * 255).astype(np.uint8)).save(folder / "confidence.png")
-    Image.fromarray(surface.mask.astype(np.uint8) * 255).save(folder / "mask.png")
-    return scale, offset
-
-
-def _read_pictures(folder: Path, metadata: Mapping[str, Any]) -> dict[str, FloatArray]:
-    """What `_write_pictures` wrote, as floats again."""
-    try:
-        scale, offset = (float(metadata["height_png"][name]) for name in ("scale", "offset"))
-    except (KeyError, TypeError, ValueError) as error:
-        raise SurfaceError(f"{folder / MARKER}: expected the scale and offset of height.png") from error
-    normals = (
-        _read_png(folder / "normals.png", kind="uint16", channels=3)[..., ::-1] / np.float32(32767.5) - 1
-    )
-    lengths = np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), np.float32(1e-6))
-    albedo = _read_png(folder / "albedo.png", kind="uint8", channels=3)[..., ::-1]
-    if (albedo == albedo[..., :1]).all():  # of a gray picture
-        albedo = albedo[..., 0]
-    table = to_linear(np.arange(256, dtype=np.float32) / np.float32(255))
-    height = _read_png(folder / "height.png", kind="uint16", channels=1)
-    confidence = _read_png(folder / "confidence.png", kind="uint8", channels=1)
-    return {
-        "height": (height * scale + offset).astype(np.float32),
-        "normals": np.asarray(normals / lengths, dtype=np.float32),
-        "albedo": table[albedo],
-        "confidence": confidence / np.float32(255),
-    }
-
-
-def _read_png(path: Path, *, kind: str, channels: int) -> npt.NDArray[Any]:
-    """(H, W) or (H, W, 3) B G R. Raises SurfaceError unless the samples are as they are expected."""
-    import cv2
-
-    if not path.is_file():
-        raise SurfaceError(f"{path}: expected a file of the surface, there is none")
-    samples = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
-    if samples is None or samples.dtype.name != kind or samples[0, 0].size != channels:
-        raise SurfaceError(f"{path}: expected a PNG of {kind} with {channels} channels, it is none")
-    return np.asarray(samples)
-
-
-def _read_tiff(path: Path) -> FloatArray:
-    import tifffile
-
-    if not path.is_file():
-        raise SurfaceError(f"{path}: expected a file of the surface, there is none")
-    try:
-        array = np.asarray(tifffile.imread(path))
-    except Exception as error:  # a damaged TIFF fails in as many ways as it has fields
-        raise SurfaceError(f"{path}: expected a float32 TIFF, it cannot be read ({error})") from error
-    if array.dtype != np.float32 or not np.isfinite(array).all():
-        raise SurfaceError(f"{path}: expected finite float32 values, got {array.dtype} or NaN")
-    return array
+def _with_floats(metadata: Mapping[str, Any]) -> frozenset[str]:
+    """The arrays that have a file of floats; earlier versions wrote all or none of them."""
+    files = metadata.get("files")
+    if isinstance(files, list):
+        return frozenset(name for name in ARRAYS if f"{name}.tif" in files)
+    return frozenset(ARRAYS if metadata.get("floats", True) else ())
 
 
 def _read_mask(path: Path) -> npt.NDArray[np.bool_]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +12,8 @@ import numpy as np
 from rumu.errors import CaptureError
 from rumu.surface.stereo import SATURATION, SHADOW_FLOOR, enough_lit
 from rumu.values import Bilingual, BoolArray, Capture, FloatArray, Surface
+
+_THREADS = 4  # that reduce photographs, each with a whole one in its bits
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,13 +108,18 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
     if len(capture.lights) < 4:
         return
     frames, scale = _reduced(capture, settings)
+    laid = _laid_on_the_others(frames, capture.lights, settings)
     moved = []
-    for i, wanted in _from_the_others(frames, capture.lights):
-        shift = _shift_of(frames[i], wanted, settings)
+    for i, here, there, likeness in laid:
+        shift = _shift_of(here, there, likeness, settings)
         if shift >= settings.least_shift:
             moved.append((i, shift * scale))
     if not moved:
-        moved = [(i, far * scale) for i, far in _all_moved(frames, capture.lights, settings)]
+        likenesses = np.array([likeness for *_, likeness in laid])
+        del laid
+        moved = [
+            (i, far * scale) for i, far in _all_moved(frames, capture.lights, settings, before=likenesses)
+        ]
     if not moved:
         return
     names = _names(capture)
@@ -126,19 +135,40 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
 def _from_the_others(frames: FloatArray, lights: FloatArray) -> Iterator[tuple[int, FloatArray]]:
     """Each frame's number, and the frame (h, w) that Lambert's law makes of all others."""
     hat = lights @ np.linalg.pinv(lights)
-    fitted = np.tensordot(hat, frames, axes=1)
-    for i, own in enumerate(np.diag(hat)):
-        if own < 0.95:  # else no others stand on its side
-            yield i, np.maximum((fitted[i] - own * frames[i]) / (1.0 - own), 0.0)
+    own = np.diag(hat)
+    seen = np.flatnonzero(own < 0.95)  # else no others stand on its side
+    others = (hat - np.diag(own))[seen] / (1.0 - own[seen, None])
+    fitted = others.astype(np.float32) @ frames.reshape(len(frames), -1)
+    for i, wanted in zip(seen, fitted, strict=True):
+        yield int(i), np.maximum(wanted, np.float32(0)).reshape(frames.shape[1:])
+
+
+def _laid_on_the_others(
+    frames: FloatArray, lights: FloatArray, settings: FrameCheckSettings
+) -> list[tuple[int, FloatArray, FloatArray, float]]:
+    """Each frame's number, its details, those that the others say it should have, and their correlation."""
+    window = _window(frames)
+    found = []
+    for i, wanted in _from_the_others(frames, lights):
+        here, there = _details(frames[i], settings), _details(wanted, settings)
+        found.append((i, here, there, _correlation(here, there, window)))
+    return found
+
+
+def _window(frames: FloatArray) -> FloatArray:
+    import cv2
+
+    return np.asarray(cv2.createHanningWindow(frames.shape[:0:-1], cv2.CV_32F))
 
 
 def _all_moved(
-    frames: FloatArray, lights: FloatArray, settings: FrameCheckSettings
+    frames: FloatArray, lights: FloatArray, settings: FrameCheckSettings, *, before: FloatArray
 ) -> list[tuple[int, float]]:
     """Numbers of the frames that moved, and by how much, when so many did that none is like the others say.
 
     Edges of ink and relief, which all frames show, lay them on each other, and then Lambert's law does so
-    more closely. It is clear when the frames are as the others say afterwards, and were not before.
+    more closely. It is clear when the frames are as the others say afterwards, and were not before, which is
+    told by their correlations `before`.
     """
     import cv2
 
@@ -152,41 +182,33 @@ def _all_moved(
             ]
         )
 
-    before = _likeness(frames, lights, settings)
     if len(before) < 4 or np.median(before) > settings.still:
         return []
-    window = cv2.createHanningWindow(frames.shape[:0:-1], cv2.CV_32F)
+    window = _window(frames)
     edges = [_edges(frame) for frame in frames]
     shifts = np.array([cv2.phaseCorrelate(edges[0], one, window)[0] for one in edges])
     for _ in range(settings.rounds):
         for i, wanted in _from_the_others(laid(shifts), lights):
             here, there = _details(frames[i], settings), _details(wanted, settings)
             shifts[i] = cv2.phaseCorrelate(there, here, window)[0]
+        sizes = np.hypot(*(shifts - np.median(shifts, axis=0)).T)
+        if sizes.max() < settings.least_shift:
+            return []
     shifts -= np.median(shifts, axis=0)
-    sizes = np.hypot(*shifts.T)
     if not settings.least_shift <= sizes.max() < 0.2 * max(frames.shape[1:]):
         return []
-    after = float(np.median(_likeness(laid(shifts), lights, settings)))
+    after = float(np.median([one for *_, one in _laid_on_the_others(laid(shifts), lights, settings)]))
     miss = (1.0 - after) / (1.0 - float(np.median(before)))
     if after < settings.agreement or miss > settings.miss:
         return []
     return [(i, float(size)) for i, size in enumerate(sizes) if size >= settings.least_shift]
 
 
-def _likeness(frames: FloatArray, lights: FloatArray, settings: FrameCheckSettings) -> FloatArray:
-    """Correlation of each frame with what the others say it should look like."""
-    import cv2
-
-    window = cv2.createHanningWindow(frames.shape[:0:-1], cv2.CV_32F)
-    pairs = ((frames[i], wanted) for i, wanted in _from_the_others(frames, lights))
-    return np.array([_correlation(_details(a, settings), _details(b, settings), window) for a, b in pairs])
-
-
 def _details(frame: FloatArray, settings: FrameCheckSettings) -> FloatArray:
     """(h, w) float32 logarithm of a frame, less what is smooth."""
     import cv2
 
-    log = np.log(frame + 0.02).astype(np.float32)
+    log = np.log(frame + np.float32(0.02))
     return np.asarray(log - cv2.blur(log, (settings.detail, settings.detail)))
 
 
@@ -194,19 +216,17 @@ def _edges(frame: FloatArray) -> FloatArray:
     """(h, w) float32: how strongly the logarithm of a frame changes, whichever way."""
     import cv2
 
-    log = cv2.GaussianBlur(np.log(frame + 0.02).astype(np.float32), (0, 0), 1.0)
+    log = cv2.GaussianBlur(np.log(frame + np.float32(0.02)), (0, 0), 1.0)
     return np.asarray(cv2.magnitude(cv2.Sobel(log, cv2.CV_32F, 1, 0), cv2.Sobel(log, cv2.CV_32F, 0, 1)))
 
 
-def _shift_of(frame: FloatArray, wanted: FloatArray, settings: FrameCheckSettings) -> float:
-    """By how many pixels a frame is off, 0 where it is not clear."""
+def _shift_of(here: FloatArray, there: FloatArray, before: float, settings: FrameCheckSettings) -> float:
+    """By how many pixels the details of a frame are off, 0 where it is not clear; before: correlation."""
     import cv2
 
-    here, there = _details(frame, settings), _details(wanted, settings)
-    window = cv2.createHanningWindow(here.shape[::-1], cv2.CV_32F)
-    before = _correlation(here, there, window)
     if before > settings.still:
         return 0.0
+    window = _window(here[None])
     (dx, dy), _ = cv2.phaseCorrelate(there, here, window)
     size = float(np.hypot(dx, dy))
     if not settings.least_shift <= size < 0.2 * max(here.shape):
@@ -225,30 +245,28 @@ def _correlation(a: FloatArray, b: FloatArray, weights: FloatArray) -> float:
 
 
 def _reduced(capture: Capture, settings: FrameCheckSettings) -> tuple[FloatArray, float]:
-    """(N, h, w) float32 gray frames of `side` pixels at most, outside the mask 0; and by what they shrank."""
-    import cv2
-
+    """(N, h, w) float32 gray frames of `side` pixels at most, and by what they shrank."""
     h, w = capture.mask.shape
     scale = max(1.0, max(h, w) / settings.side)
     size = (max(1, round(w / scale)), max(1, round(h / scale)))
-    frames = []
-    for image in capture.images:
-        small = cv2.resize(np.asarray(image), size, interpolation=cv2.INTER_AREA)
-        frames.append(small if small.ndim == 2 else small.mean(axis=2))
-    return np.stack(frames), scale
+
+    def reduced(number: int) -> FloatArray:
+        small = capture.photographs.reduced(number, size)
+        return small if small.ndim == 2 else np.asarray(small.mean(axis=2))
+
+    with ThreadPoolExecutor(min(_THREADS, os.cpu_count() or 1)) as pool:
+        return np.stack(list(pool.map(reduced, range(len(capture.photographs))))), scale
 
 
 def _few_pixels(capture: Capture, settings: FrameCheckSettings) -> FloatArray:
     """(N, P) gray values of some of the pixels in the mask."""
     chosen = np.flatnonzero(capture.mask)
-    chosen = chosen[:: max(1, len(chosen) // settings.pixels)]
-    n = len(capture.images)
-    values = capture.images.reshape(n, capture.mask.size, *capture.images.shape[3:])[:, chosen]
+    values = capture.photographs.at(chosen[:: max(1, len(chosen) // settings.pixels)])
     return values if values.ndim == 2 else np.asarray(values.mean(axis=2))
 
 
 def _names(capture: Capture) -> Sequence[str]:
-    return capture.names or tuple(f"photograph {i + 1}" for i in range(len(capture.images)))
+    return capture.names or tuple(f"photograph {i + 1}" for i in range(len(capture.lights)))
 
 
 def _listed(names: Sequence[str], chosen: BoolArray) -> Bilingual:

@@ -19,6 +19,10 @@ Integrator = Literal["auto", "dct", "frankot_chellappa", "masked"]
 INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
 STEEPEST = 10.0
 """Largest slope, 84 degrees; see `gradients_from_normals`."""
+_BAND = 1_000_000
+"""Pixels whose slopes are computed at a time."""
+_ROWS_IN_CACHE = 100_000
+"""Pixels of the rows that a step of conjugate gradients goes over at a time."""
 _ITERATIONS = 300
 """Most steps of conjugate gradients."""
 _TOLERANCE = 1e-4
@@ -66,45 +70,68 @@ def integrate(
     Fourier transform of a fourfold, mirrored sheet.
     """
     n, inside = _check_normals(normals, mask, method)
-    p, q = gradients_from_normals(n, steepest=STEEPEST)
-    by_column, by_row = p, -q  # outside the mask the normals are (0, 0, 0) by now: flat
-    if method == "masked" or (method == "auto" and (weights is not None or not inside.all())):
-        height = _solve_masked(by_column, by_row, inside, weights)
+    if method == "masked" or (method == "auto" and (weights is not None or inside is not None)):
+        return _solve_masked(n, np.ones(n.shape[:2], bool) if inside is None else inside, weights)
+    if method == "frankot_chellappa":
+        height = _frankot_chellappa(*_slopes(n, inside)).astype(np.float32, copy=False)
     else:
-        height = (_frankot_chellappa if method == "frankot_chellappa" else _dct)(by_column, by_row)
-        height = height - height[inside].mean()
-    return np.where(inside, height, 0.0).astype(np.float32)
+        height = _poisson(_divergence_of(n, inside, weights=None))
+    if inside is None:
+        height -= height.mean(dtype=np.float64)
+        return height
+    return np.where(inside, height - height[inside].mean(dtype=np.float64), 0.0).astype(np.float32)
 
 
-def _dct(by_column: FloatArray, by_row: FloatArray) -> FloatArray:
-    """Poisson's equation with free edges, diagonal in the cosine basis. Arrays (H, W)."""
-    h, w = by_column.shape
-    between_columns = 0.5 * (by_column[:, 1:] + by_column[:, :-1])
-    between_rows = 0.5 * (by_row[1:] + by_row[:-1])
-    return _poisson(_divergence(between_columns, between_rows, (h, w)))
+def _slopes(normals: FloatArray, inside: BoolArray | None) -> tuple[FloatArray, FloatArray]:
+    """dz/dcolumn and dz/drow, (H, W) float32 each; 0 where it is not inside."""
+    p, q = gradients_from_normals(normals, steepest=STEEPEST)
+    if inside is not None:
+        p, q = np.where(inside, p, np.float32(0)), np.where(inside, q, np.float32(0))
+    return p, -q
 
 
-def _divergence(right: FloatArray, down: FloatArray, shape: tuple[int, int]) -> FloatArray:
-    """(H, W): minus the transpose of the differences. right: (H, W - 1); down: (H - 1, W)."""
-    result = np.zeros(shape, dtype=right.dtype)
-    result[:, :-1] += right
-    result[:, 1:] -= right
-    result[:-1] += down
-    result[1:] -= down
+def _divergence_of(
+    normals: FloatArray, inside: BoolArray | None, *, weights: tuple[FloatArray, FloatArray] | None
+) -> FloatArray:
+    """(H, W) float32: the divergence of the slopes between neighbours, times weights if there are any.
+
+    normals: (H, W, 3). weights: (H, W - 1) of neighbours in a row, and (H - 1, W) of those in a column.
+    Worked out some rows at a time, since slopes of a whole sheet would take as much as the sheet twice more.
+    """
+    h, w = normals.shape[:2]
+    result = np.zeros((h, w), np.float32)
+    step = max(1, _BAND // w)
+    for top in range(0, h, step):
+        rows = slice(top, min(top + step, h))
+        more = slice(top, min(rows.stop + 1, h))  # and the next row, which the last differs from
+        by_column, by_row = _slopes(normals[more], None if inside is None else inside[more])
+        right = np.float32(0.5) * (by_column[: rows.stop - top, 1:] + by_column[: rows.stop - top, :-1])
+        down = np.float32(0.5) * (by_row[1:] + by_row[:-1])
+        if weights is not None:
+            right *= weights[0][rows]
+            down *= weights[1][more.start : more.start + len(down)]
+        result[rows, :-1] += right
+        result[rows, 1:] -= right
+        result[top : top + len(down)] += down
+        result[top + 1 : top + 1 + len(down)] -= down
     return result
 
 
 def _poisson(divergence: FloatArray) -> FloatArray:
-    """Height of mean 0 whose five-point Laplacian, with free edges, is the divergence."""
+    """Height of mean 0 whose five-point Laplacian, with free edges, is the divergence, which is used up.
+
+    It is diagonal in the cosine basis.
+    """
     from scipy.fft import dctn, idctn
 
     h, w = divergence.shape
     rows = 2.0 * np.cos(np.pi * np.arange(h) / h) - 2.0
-    columns = 2.0 * np.cos(np.pi * np.arange(w) / w) - 2.0
-    laplacian = (rows[:, None] + columns[None, :]).astype(divergence.dtype)
-    laplacian[0, 0] = 1.0
+    columns = (2.0 * np.cos(np.pi * np.arange(w) / w) - 2.0).astype(divergence.dtype)
     spectrum = dctn(divergence, type=2, workers=-1, overwrite_x=True)
-    spectrum /= laplacian
+    columns[0] = 1.0  # for the first row, whose first entry is undetermined
+    for row, frequency in enumerate(rows.astype(divergence.dtype)):
+        spectrum[row] /= frequency + columns
+        columns[0] = 0.0
     spectrum[0, 0] = 0.0
     return np.asarray(idctn(spectrum, type=2, workers=-1, overwrite_x=True))
 
@@ -137,44 +164,71 @@ def _shift(sines: FloatArray, *, axis: int) -> FloatArray:
     return result
 
 
-def _solve_masked(
-    by_column: FloatArray, by_row: FloatArray, inside: BoolArray, weights: FloatArray | None
-) -> FloatArray:
+def _solve_masked(normals: FloatArray, inside: BoolArray, weights: FloatArray | None) -> FloatArray:
     """Weighted least squares over pairs of neighbours within the mask, by conjugate gradients.
 
-    The preconditioner is the Poisson solver of the whole sheet: then the number of steps depends on the shape
-    of the mask but hardly on the number of pixels.
+    Only the rectangle around the mask is worked on, made a little larger where the transforms are slow.
     """
-    trust = inside.astype(np.float64) if weights is None else np.where(inside, np.maximum(weights, 1e-3), 0.0)
-    right = np.minimum(trust[:, 1:], trust[:, :-1])
-    down = np.minimum(trust[1:], trust[:-1])
-    g = by_column.astype(np.float64), by_row.astype(np.float64)
-    target = -_divergence(
-        right * 0.5 * (g[0][:, 1:] + g[0][:, :-1]), down * 0.5 * (g[1][1:] + g[1][:-1]), inside.shape
+    from scipy.fft import next_fast_len
+
+    rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
+    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    part = inside[box]
+    trust = np.zeros([next_fast_len(max(side, 2), real=True) for side in part.shape], np.float32)
+    near = trust[: part.shape[0], : part.shape[1]]
+    near[...] = part if weights is None else np.where(part, np.maximum(weights[box], np.float32(1e-3)), 0)
+    right, down = np.minimum(trust[:, 1:], trust[:, :-1]), np.minimum(trust[1:], trust[:-1])
+    target = np.zeros_like(trust)
+    target[: part.shape[0], : part.shape[1]] = _divergence_of(
+        normals[box],
+        part,
+        weights=(right[: part.shape[0], : part.shape[1] - 1], down[: part.shape[0] - 1, : part.shape[1]]),
     )
-    height = _conjugate_gradients(target, right, down)
-    return _centre_parts(height, inside)
+    np.negative(target, out=target)
+    found = _conjugate_gradients(target, right, down)[: part.shape[0], : part.shape[1]]
+    height = np.zeros(inside.shape, np.float32)
+    height[box] = _centre_parts(found, part)
+    return height
 
 
-def _conjugate_gradients(target: FloatArray, right: FloatArray, down: FloatArray) -> FloatArray:
-    """Solve (D' W D) z = target; D: differences between neighbours, W: their weights."""
-    z = np.zeros_like(target)
-    left = target.copy()
+def _conjugate_gradients(left: FloatArray, right: FloatArray, down: FloatArray) -> FloatArray:
+    """Solve (D' W D) z = left, which is used up; D: differences between neighbours, W: their weights.
+
+    The preconditioner is the Poisson solver of the whole rectangle: then the number of steps depends on the
+    shape of the mask but hardly on the number of pixels.
+    """
+    z, ahead = np.zeros_like(left), np.empty_like(left)
     guess = -_poisson(left.copy())
     direction = guess.copy()
-    power = start = float((left * guess).sum())
+    power = start = float(np.vdot(left, guess))
     for _ in range(_ITERATIONS):
         if power <= _TOLERANCE**2 * start:
             break
-        across, along = np.diff(direction, axis=1), np.diff(direction, axis=0)
-        ahead = -_divergence(right * across, down * along, target.shape)
-        step = power / max(float((direction * ahead).sum()), 1e-300)
+        _stiffness(direction, right, down, ahead)
+        step = np.float32(power / max(float(np.vdot(direction, ahead)), 1e-300))
         z += step * direction
-        left -= step * ahead
+        ahead *= step
+        left -= ahead
         guess = -_poisson(left.copy())
-        before, power = power, float((left * guess).sum())
-        direction = guess + (power / before) * direction
+        before, power = power, float(np.vdot(left, guess))
+        direction *= np.float32(power / before)
+        direction += guess
     return z
+
+
+def _stiffness(z: FloatArray, right: FloatArray, down: FloatArray, result: FloatArray) -> None:
+    """Write (D' W D) z, some rows at a time: it is bound by memory."""
+    result[...] = 0
+    step = max(1, _ROWS_IN_CACHE // z.shape[1])
+    for top in range(0, len(z), step):
+        rows = slice(top, min(top + step, len(z)))
+        across = right[rows] * (z[rows, 1:] - z[rows, :-1])
+        result[rows, :-1] -= across
+        result[rows, 1:] += across
+        end = min(rows.stop, len(z) - 1)
+        along = down[top:end] * (z[top + 1 : end + 1] - z[top:end])
+        result[top:end] -= along
+        result[top + 1 : end + 1] += along
 
 
 def _centre_parts(height: FloatArray, inside: BoolArray) -> FloatArray:
@@ -187,19 +241,32 @@ def _centre_parts(height: FloatArray, inside: BoolArray) -> FloatArray:
     return np.where(inside, height - means[parts], 0.0)
 
 
-def _check_normals(normals: FloatArray, mask: BoolArray | None, method: str) -> tuple[FloatArray, BoolArray]:
+def _check_normals(
+    normals: FloatArray, mask: BoolArray | None, method: str
+) -> tuple[FloatArray, BoolArray | None]:
+    """The normals, and the mask unless it holds everything."""
     n = np.asarray(normals, dtype=np.float32)
     if n.ndim != 3 or n.shape[2] != 3 or min(n.shape[:2]) < 2:
         raise SurfaceError(f"expected normals of shape (H >= 2, W >= 2, 3), got {n.shape}")
     if method not in INTEGRATORS:
         raise SurfaceError(f"expected an integrator among {', '.join(INTEGRATORS)}, got {method!r}")
-    inside = np.ones(n.shape[:2], dtype=bool) if mask is None else np.asarray(mask)
+    if mask is None:
+        _check_finite(n)
+        return n, None
+    inside = np.asarray(mask)
     if inside.shape != n.shape[:2] or inside.dtype != np.bool_:
         raise SurfaceError(f"expected a bool mask of shape {n.shape[:2]}, got {inside.dtype} {inside.shape}")
     if not inside.any():
         raise SurfaceError("expected a mask with at least one pixel, got an empty one")
-    n = n if mask is None else np.where(inside[..., None], n, np.float32(0))
+    if inside.all():
+        _check_finite(n)
+        return n, None
+    n = np.where(inside[..., None], n, np.float32(0))
+    _check_finite(n)
+    return n, inside
+
+
+def _check_finite(n: FloatArray) -> None:
     if not np.isfinite(n.sum(dtype=np.float64)):  # one pass; where it went wrong is looked up only then
         bad = int(np.count_nonzero(~np.isfinite(n).all(axis=2)))
         raise SurfaceError(f"expected finite normals, got {bad} pixels that hold NaN or infinity")
-    return n, inside

@@ -109,14 +109,11 @@ def _is_clear(fit: _Fit, settings: LampCheckSettings) -> bool:
 def _pyramid(
     normals: FloatArray, albedo: FloatArray, known: BoolArray, settings: LampCheckSettings
 ) -> Iterator[FloatArray]:
-    """(4, P): p_x, p_y, q_x, q_y between blocks of 1, 2, 4 ... pixels, where no ink begins or ends."""
-    gray = albedo if albedo.ndim == 2 else albedo.mean(axis=2)
-    ink = np.log(np.maximum(gray, 1e-3))
-    p, q = gradients_from_normals(normals)
-    sums = np.stack([known, *(np.where(known, one, 0.0) for one in (p, q, ink, ink * ink))]).astype(
-        np.float32
-    )
-    side = 1
+    """(4, P): p_x, p_y, q_x, q_y between blocks of 1, 2, 4 ... pixels, where no ink begins or ends.
+
+    A large photograph begins with larger blocks, so that it takes little memory.
+    """
+    sums, side = _first_sums(normals, albedo, known, settings)
     while min(sums.shape[1:]) >= settings.blocks:
         whole = sums[0] > side * side - 0.5
         means = sums[1:] / np.maximum(sums[0], 1.0)
@@ -131,10 +128,35 @@ def _pyramid(
         sums, side = _halve(sums), 2 * side
 
 
+def _first_sums(
+    normals: FloatArray, albedo: FloatArray, known: BoolArray, settings: LampCheckSettings
+) -> tuple[FloatArray, int]:
+    """(5, h, w) sums over blocks: known pixels, p, q, log albedo and its square; and the side of a block."""
+    halvings = 0
+    while known.size > settings.pixels * 4**halvings:
+        halvings += 1
+    side, height = 2**halvings, len(known) // 2**halvings * 2**halvings
+    step = max(side, settings.pixels // known.shape[1] // side * side)
+    bands = []
+    for top in range(0, height, step):
+        rows = slice(top, min(top + step, height))
+        gray = albedo[rows] if albedo.ndim == 2 else albedo[rows].mean(axis=2)
+        ink = np.log(np.maximum(gray, 1e-3))
+        p, q = gradients_from_normals(normals[rows])
+        inside = known[rows]
+        sums = np.stack([inside, *(np.where(inside, one, 0.0) for one in (p, q, ink, ink * ink))])
+        sums = sums.astype(np.float32)
+        for _ in range(halvings):
+            sums = _halve(sums)
+        bands.append(sums)
+    return np.concatenate(bands, axis=1), side
+
+
 def _halve(sums: FloatArray) -> FloatArray:
     """(K, H, W) to (K, H // 2, W // 2) by adding two by two."""
-    k, h, w = (sums.shape[0], sums.shape[1] // 2, sums.shape[2] // 2)
-    return np.asarray(sums[:, : 2 * h, : 2 * w].reshape(k, h, 2, w, 2).sum(axis=(2, 4)))
+    h, w = sums.shape[1] // 2 * 2, sums.shape[2] // 2 * 2
+    by_rows = sums[:, 0:h:2, :w] + sums[:, 1:h:2, :w]
+    return np.asarray(by_rows[:, :, 0::2] + by_rows[:, :, 1::2])
 
 
 def _less_smooth(slope: FloatArray, known: BoolArray) -> FloatArray:
@@ -274,7 +296,7 @@ def _mean_turn(lights: FloatArray, others: FloatArray) -> float:
 
 def _fits_no_worse(capture: Capture, order: list[int], settings: LampCheckSettings) -> bool:
     """Whether the photographs contradict the lamps in another order no more than as they are."""
-    rows = sample(capture.images, mask=capture.mask, most=settings.rows)
+    rows = sample(capture.photographs, mask=capture.mask, most=settings.rows)
     if len(rows) < len(order):
         return False
     scale = pixel_scale(rows)

@@ -42,6 +42,7 @@ class LampCheckSettings:
     ring: least singular value of the lamps and a light from everywhere that tells the two apart. room_light:
         share of the brightness from which such a light is named.
     rows: most pixels that orders are tried on; orders: most pairs of lamps tried.
+    pixels: most pixels, or blocks of pixels, whose slopes are compared.
     """
 
     curl_ratio: float = 2.5
@@ -62,6 +63,7 @@ class LampCheckSettings:
     room_light: float = 0.25
     rows: int = 400
     orders: int = 2000
+    pixels: int = 4_000_000
 
 
 AS_GIVEN = Bilingual(
@@ -76,7 +78,7 @@ def check_order(capture: Capture, strengths: FloatArray, settings: LampCheckSett
     strengths: (N,) of the lamps, as they were found.
     """
     n = len(capture.lights)
-    rows = sample(capture.images, mask=capture.mask, most=settings.rows)
+    rows = sample(capture.photographs, mask=capture.mask, most=settings.rows)
     if n < 5 or len(rows) < n:
         return
     scale = pixel_scale(rows)
@@ -153,7 +155,7 @@ def unexplained(rows: FloatArray, lights: FloatArray, scale: FloatArray) -> floa
 
 def _with_strengths(capture: Capture, lights: FloatArray) -> FloatArray:
     found: Photometry = estimate_photometry(
-        capture.images, lights, mask=capture.mask, strengths=capture.strengths
+        capture.photographs, lights, mask=capture.mask, strengths=capture.strengths
     )
     return np.asarray(lights * found.strengths[:, None])
 

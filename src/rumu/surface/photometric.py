@@ -5,16 +5,20 @@ A page of flat paper and ink comes out flat here, however black the ink: see `ru
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from rumu.capture.lights import PaperLamps, paper_tilts
 from rumu.errors import SurfaceError
+from rumu.image_stack import Progress
 from rumu.surface.frame_check import check_exposure, check_still
 from rumu.surface.integrate import INTEGRATORS, integrate
 from rumu.surface.lamp_check import check_lamps
-from rumu.surface.robust import SOLVERS, Solution, solve
+from rumu.surface.robust import SOLVERS
+from rumu.surface.solve import Solution, solve
 from rumu.surface.stereo import (
     all_lit,
     channel_albedo,
@@ -23,7 +27,7 @@ from rumu.surface.stereo import (
     three_lamps,
 )
 from rumu.surface.strengths import Photometry, estimate_photometry, flat_sheet, sample
-from rumu.values import BoolArray, Capture, FloatArray, Surface
+from rumu.values import BoolArray, Capture, FloatArray, IntArray, Surface
 
 _PAPER_TOLERANCE = 0.25
 """Degrees from the paper's lamps, nearer than any lamp list is exact; beyond, given directions are better."""
@@ -31,11 +35,19 @@ _SHEET_SHARE = 0.6
 """Share of the pixels that must be trusted for an unmasked capture to count as a full sheet."""
 _BAND = 2_000_000
 """Pixels of the closed form worked on at a time."""
+_LOOKED_AT = 4_000_000
+"""Pixels of a larger picture whose medians and quantiles are taken of every k-th one, to about this many."""
 _LEAST_TRUST = 0.05
 """Least weight of a slope in integration: an unsure slope is better than none."""
 
 
-def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "auto") -> Surface:
+def photometric(
+    capture: Capture,
+    *,
+    solver: str = "robust",
+    integrator: str = "auto",
+    progress: Progress | None = None,
+) -> Surface:
     """The surface of a capture, source 'photometric'.
 
     solver: one of `rumu.surface.robust.SOLVERS`. integrator: one of `rumu.surface.integrate.INTEGRATORS`.
@@ -48,28 +60,35 @@ def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "
     """
     if integrator not in INTEGRATORS:
         raise SurfaceError(f"expected an integrator among {', '.join(INTEGRATORS)}, got {integrator!r}")
-    normals, albedo, confidence, quality = surface_normals(capture, solver=solver)
+    normals, albedo, confidence, quality = surface_normals(capture, solver=solver, progress=progress)
     measured = capture.mask & (confidence > 0)
     if not measured.any():
         raise SurfaceError("expected pixels that three lamps reach, got none: the photographs are all dark")
     domain = _domain(capture.mask, confidence)
+    whole = bool(domain.all())
     measured &= domain
-    filled = fill_normals(normals, known=measured, within=domain)
+    fill_holes(normals, albedo, known=measured, within=domain)
+    if progress is not None:
+        progress("Integrating the height", 0, 1)
     height = integrate(
-        filled,
-        mask=None if domain.all() else domain,
+        normals,
+        mask=None if whole else domain,
         method=integrator,
-        weights=None if domain.all() else np.maximum(confidence, _LEAST_TRUST),
+        weights=None if whole else np.maximum(confidence, _LEAST_TRUST),
     )
     spacing = 1.0 if capture.spacing is None else capture.spacing
-    height = np.where(domain, (height - _ground(height, measured)) * spacing, 0.0)
+    height -= np.float32(_ground(height, measured))
+    height *= np.float32(spacing)
+    if not whole:
+        height[~domain] = 0.0
+    confidence[~measured] = 0.0
     quality["measured_share"] = float(measured.sum() / domain.sum())
     return Surface(
-        height=height.astype(np.float32),
-        normals_from=filled,
-        albedo_from=_fill_albedo(albedo, known=measured, within=domain),
+        height=height,
+        normals_from=normals,
+        albedo_from=albedo,
         mask=measured,
-        confidence=np.where(measured, confidence, 0.0).astype(np.float32),
+        confidence=confidence,
         spacing=spacing,
         unit="px" if capture.spacing is None else "mm",
         source="photometric",
@@ -78,7 +97,7 @@ def photometric(capture: Capture, *, solver: str = "robust", integrator: str = "
 
 
 def surface_normals(
-    capture: Capture, *, solver: str = "robust"
+    capture: Capture, *, solver: str = "robust", progress: Progress | None = None
 ) -> tuple[FloatArray, FloatArray, FloatArray, dict[str, float]]:
     """Normals (H, W, 3), albedo (H, W[, 3]) in [0, 1], confidence (H, W) in [0, 1], and quality.
 
@@ -106,18 +125,19 @@ def surface_normals(
         solution, check = _closed_form(capture, lamps, photometry.strengths)
     else:
         solution = solve(
-            capture.images,
+            capture.photographs,
             capture.lights * photometry.strengths[:, None],
             solver=solver,
             mask=capture.mask,
             black_level=photometry.black_level,
+            progress=progress,
         )
     measured = capture.mask & (solution.confidence > 0)
     if not capture.lamps_as_given:
         check_lamps(
             capture, solution.normals, solution.albedo, known=measured, strengths=photometry.strengths
         )
-    albedo, brightness = _within_one(solution.albedo, measured)
+    brightness = _within_one(solution.albedo, measured)
     leaning = solution
     if lamps is not None and photometry.sheet:  # lamps taken for equal show how the sheet leans
         leaning, _ = _closed_form(capture, lamps, np.ones(len(capture.lights)))
@@ -135,35 +155,51 @@ def surface_normals(
     }
     if check is not None:
         quality["fourth_lamp"] = check
-    return solution.normals, albedo, solution.confidence, quality
+    return solution.normals, solution.albedo, solution.confidence, quality
 
 
-def fill_normals(normals: FloatArray, *, known: BoolArray, within: BoolArray) -> FloatArray:
-    """(H, W, 3) float32 unit normals: known ones kept, the rest of `within` blended from near known ones.
+def fill_holes(normals: FloatArray, albedo: FloatArray, *, known: BoolArray, within: BoolArray) -> None:
+    """Give each unknown pixel of `within` what lies between the known ones near it; both arrays change.
 
-    Slopes are averaged in ever coarser cells until every cell holds a known pixel. Outside `within` flat.
+    normals: (H, W, 3) float32, of which slopes are averaged; outside `within` they become flat. albedo:
+    (H, W) or (H, W, 3) float32. known, within: (H, W). Averages are taken in ever coarser cells until every
+    cell holds a known pixel.
     """
-    kept = np.asarray(normals, dtype=np.float32)
-    if (within & ~known).any():
-        p, q = (_blend(slope, known) for slope in gradients_from_normals(normals))
-        kept = np.where(known[..., None], normals, normals_from_gradients(p, q)).astype(np.float32)
-    return np.where(within[..., None], kept, np.array([0, 0, 1], dtype=np.float32))
+    holes = np.flatnonzero(within & ~known)
+    if holes.size:
+        p, q = (_blend(normals, known, holes, of=partial(_slope, axis=axis)) for axis in (0, 1))
+        normals.reshape(-1, 3)[holes] = normals_from_gradients(p, q)
+        if albedo.ndim == 2:
+            albedo.reshape(-1)[holes] = np.clip(_blend(albedo, known, holes, of=np.asarray), 0.0, 1.0)
+        else:
+            for channel in range(3):
+                one = _blend(albedo[..., channel], known, holes, of=np.asarray)
+                albedo[..., channel].flat[holes] = np.clip(one, 0.0, 1.0)
+    if not within.all():
+        normals[~within] = (0, 0, 1)
 
 
-def _fill_albedo(albedo: FloatArray, *, known: BoolArray, within: BoolArray) -> FloatArray:
-    """(H, W[, 3]) albedo with the holes of `within` blended from near known pixels."""
-    holes = within & ~known
-    if not holes.any():
-        return albedo
-    if albedo.ndim == 3:
-        channels = [_fill_albedo(one, known=known, within=within) for one in np.moveaxis(albedo, 2, 0)]
-        return np.stack(channels, axis=2)
-    return np.where(holes, np.clip(_blend(albedo, known), 0.0, 1.0), albedo).astype(np.float32)
+def _slope(normals: FloatArray, *, axis: int) -> FloatArray:
+    """P or q, (h, W), of some rows of normals."""
+    return gradients_from_normals(normals)[axis]
 
 
-def _blend(values: FloatArray, known: BoolArray) -> FloatArray:
-    """(H, W) float32: known values, and what lies between them. values: (H, W)."""
-    return _push_pull(np.where(known, values, 0.0).astype(np.float32), known.astype(np.float32))
+def _blend(
+    values: FloatArray, known: BoolArray, holes: IntArray, *, of: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """(K,) float32: what lies between known values where there are none.
+
+    values: (H, W, ...), of which `of` makes what is blended, (H, W). holes: numbers of the unknown pixels.
+    """
+    width, sums = known.shape[1], []
+    step = max(2, _BAND // width // 2 * 2)
+    for top in range(0, len(known), step):
+        inside = known[top : top + step]
+        part = np.where(inside, of(values[top : top + step]), 0.0).astype(np.float32)
+        sums.append((_halve(part), _halve(inside.astype(np.float32))))
+    total, weight = (np.concatenate(parts) for parts in zip(*sums, strict=True))
+    rows, columns = np.divmod(holes, width)
+    return np.asarray(_push_pull(total, weight)[rows // 2, columns // 2])
 
 
 def _push_pull(total: FloatArray, weight: FloatArray) -> FloatArray:
@@ -191,7 +227,7 @@ def _photometry(capture: Capture, lamps: PaperLamps | None, solver: str) -> Phot
     )
     if n > 3 and (solver == "robust" or lamps is not None):
         found = estimate_photometry(
-            capture.images, capture.lights, mask=capture.mask, strengths=capture.strengths
+            capture.photographs, capture.lights, mask=capture.mask, strengths=capture.strengths
         )
         # The closed form has no term for a black level.
         return found if lamps is None else replace(found, black_level=0.0)
@@ -199,7 +235,7 @@ def _photometry(capture: Capture, lamps: PaperLamps | None, solver: str) -> Phot
         return known
     # Three equations and three unknowns contradict nothing; only flat paper, which must look alike under
     # every lamp of one slant, shows that their strengths differ.
-    usual = flat_sheet(sample(capture.images, mask=capture.mask, most=20_000))
+    usual = flat_sheet(sample(capture.photographs, mask=capture.mask, most=20_000))
     return known if usual is None else Photometry(usual / usual.mean(), sheet=True)
 
 
@@ -235,7 +271,7 @@ class _Band:
 def _solve_band(capture: Capture, lamps: PaperLamps, strengths: FloatArray, rows: slice) -> _Band:
     """Some rows by the closed form; confidence is the brightness of the darkest lamp beside the mean."""
     order = list(lamps.order)
-    images = np.stack([capture.images[lamp, rows] for lamp in order])
+    images = capture.photographs.rows(rows.start, rows.stop)[order]
     raw = images if images.ndim == 3 else images.mean(axis=3)
     gray = (raw / strengths[order, None, None]).astype(np.float32)
     found = three_lamps(*gray[:3], slant=lamps.slant, d=gray[3] if len(order) == 4 else None)
@@ -255,19 +291,30 @@ def _solve_band(capture: Capture, lamps: PaperLamps, strengths: FloatArray, rows
     return _Band(normals, albedo, confidence, mask, shadow_share, found.fourth_lamp or 0.0)
 
 
+def _some(values: FloatArray, chosen: BoolArray) -> FloatArray:
+    """(P, ...) the chosen pixels of (H, W, ...), every k-th of a large picture."""
+    step = max(1, chosen.size // _LOOKED_AT)
+    flat = values.reshape(chosen.size, *values.shape[2:])[::step]
+    return np.asarray(flat[chosen.reshape(-1)[::step]])
+
+
 def _median_slopes(normals: FloatArray, measured: BoolArray) -> tuple[float, float]:
     """Median slopes of the measured pixels, 0 when there are none."""
-    if not measured.any():
+    few = _some(normals, measured)
+    if not few.size:
         return 0.0, 0.0
-    p, q = gradients_from_normals(normals[measured][None])
+    p, q = gradients_from_normals(few[None])
     return float(np.median(p)), float(np.median(q))
 
 
-def _within_one(albedo: FloatArray, measured: BoolArray) -> tuple[FloatArray, float]:
-    """Albedo in [0, 1] and what it was divided by: 1, or its brightest one in a thousand if that is more."""
-    kept = albedo[measured]
+def _within_one(albedo: FloatArray, measured: BoolArray) -> float:
+    """Bring albedo to [0, 1]; what it was divided by: 1, or its brightest one in a thousand if more."""
+    kept = _some(albedo, measured)
     top = max(1.0, float(np.quantile(kept, 0.999))) if kept.size else 1.0
-    return np.clip(albedo / top, 0.0, 1.0).astype(np.float32), top
+    if top > 1:
+        albedo /= np.float32(top)
+    np.clip(albedo, 0.0, 1.0, out=albedo)
+    return top
 
 
 def _domain(mask: BoolArray, confidence: FloatArray) -> BoolArray:
@@ -276,7 +323,7 @@ def _domain(mask: BoolArray, confidence: FloatArray) -> BoolArray:
     Without a mask, an object before a dark background is recognised by its confidence: the background has
     next to none, and slopes of noise there would bend the object. A full sheet is taken whole.
     """
-    trusted = confidence > 0.1 * float(np.quantile(confidence[mask], 0.95))
+    trusted = confidence > 0.1 * float(np.quantile(_some(confidence, mask), 0.95))
     if not mask.all() or trusted.mean() > _SHEET_SHARE:
         return mask
     from scipy import ndimage
@@ -292,7 +339,7 @@ def _domain(mask: BoolArray, confidence: FloatArray) -> BoolArray:
 
 def _ground(height: FloatArray, measured: BoolArray) -> float:
     """Height to call 0: the paper's, if most of the sheet is within a tenth of the relief, else the mean."""
-    values = height[measured]
+    values = _some(height, measured)
     low, high = np.quantile(values, [0.01, 0.99])
     middle = float(np.median(values))
     near = np.mean(np.abs(values - middle) <= 0.05 * max(high - low, 1e-12))

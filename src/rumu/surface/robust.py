@@ -1,7 +1,8 @@
-"""Solvers for normals under N lamps that survive cast shadow and gloss.
+"""Solvers for normals under N lamps that survive cast shadow and gloss, in NumPy.
 
-Each works on rows of brightness, one row for a pixel and one column for a lamp, tile by tile, so that memory
-stays bounded however large the photographs are. Lambert's law itself is in `rumu.surface.stereo`.
+Each works on rows of brightness, one row for a pixel and one column for a lamp. Lambert's law itself is in
+`rumu.surface.stereo`. Whole photographs are solved in `rumu.surface.solve`, which takes the compiled form of
+this module where there is one; this one says what it must find.
 
 "least_squares" trusts every value; "trimmed" drops each pixel's darkest and brightest lamps; "l1" minimises
 absolute residuals; "robust" goes on from there with a loss that forgets outliers, counts a lamp behind the
@@ -10,21 +11,16 @@ surface as agreeing when the pixel is dark, and stays with "l1" where the materi
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 
-from rumu.errors import SurfaceError
 from rumu.surface.stereo import (
     SATURATION,
     SHADOW_FLOOR,
     channel_albedo,
-    check_stack,
     enough_lit,
     scaled_normals,
     split,
@@ -34,9 +30,7 @@ from rumu.values import BoolArray, FloatArray
 Solver = Literal["least_squares", "trimmed", "l1", "robust"]
 
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
-_TILE = 200_000
-"""Values of brightness that a thread works on at a time: some 20 MB with all that is derived from them."""
-_TILE_RESIDUALS = 5_000
+TILE_RESIDUALS = 5_000
 """About how many residuals of a tile the median rests on, so that a large photograph needs little memory."""
 _TINY = 1e-12
 
@@ -75,75 +69,14 @@ class Fit:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Solution:
-    """Normals under N lamps, with what they rest on.
+class TileSolution:
+    """Some pixels, solved.
 
-    normals: (H, W, 3) float32, unit length. albedo: (H, W) or (H, W, 3) float32, >= 0.
-    confidence: (H, W) float32 in [0, 1]: agreement with Lambert's law times the share of lamps that carry
-        the normal, 0 where fewer than three lamps reach the pixel.
-    residual: median over all lit values of |brightness - law| in shares of the pixel's brightness.
-    shadow_share: share of all values that are dark.
+    normals: (P, 3) float32. albedo: (P,) or (P, 3) float32, >= 0. confidence: (P,) float32 in [0, 1].
+    residuals: |brightness - law| of some lit values, in shares of the pixel's brightness. dark, lit: how many
+    values are in shadow and how many are not.
     """
 
-    normals: FloatArray
-    albedo: FloatArray
-    confidence: FloatArray
-    residual: float
-    shadow_share: float
-
-
-def solve(
-    images: FloatArray,
-    lights: FloatArray,
-    *,
-    solver: Solver = "robust",
-    mask: BoolArray | None = None,
-    black_level: float = 0.0,
-    settings: RobustSettings | None = None,
-    tile: int = _TILE,
-) -> Solution:
-    """Normals and albedo of a stack of photographs.
-
-    images: (N, H, W) or (N, H, W, 3), linear. lights: (N, 3), toward the lamps, times their strength.
-    mask: (H, W), pixels to solve; the rest face the camera with no confidence. black_level: taken from every
-    value that is not black. tile: number of values worked on at a time; the result does not depend on it.
-    Raises SurfaceError for an unknown solver or a stack that does not belong together.
-    """
-    if solver not in SOLVERS:
-        raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
-    check_stack(images, lights)
-    n, *shape = images.shape
-    pixels = shape[0] * shape[1]
-    flat = images.reshape(n, pixels, *shape[2:])
-    normals = np.tile(np.array([0, 0, 1], dtype=np.float32), (pixels, 1))
-    albedo = np.zeros(flat.shape[1:], dtype=np.float32)
-    confidence = np.zeros(pixels, dtype=np.float32)
-    chosen = np.arange(pixels) if mask is None else np.flatnonzero(mask)
-    settings = settings or RobustSettings()
-
-    def one(part: npt.NDArray[np.intp]) -> tuple[FloatArray, int, int]:
-        done = _solve_tile(flat[:, part], lights, solver, black_level, settings)
-        normals[part], albedo[part], confidence[part] = done.normals, done.albedo, done.confidence
-        return done.residuals, done.dark, done.lit
-
-    size = max(1, tile // n)
-    tiles = [chosen[start : start + size] for start in range(0, len(chosen), size)]
-    # numpy releases the interpreter's lock in all that is slow here, so threads use every core.
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        solved = list(pool.map(one, tiles))
-    residuals, dark, lit = zip(*solved, strict=True) if solved else ([np.zeros(0)], [0], [0])
-    pooled = np.concatenate(residuals)
-    return Solution(
-        normals.reshape(*shape[:2], 3),
-        albedo.reshape(shape),
-        confidence.reshape(shape[:2]),
-        float(np.median(pooled)) if pooled.size else 0.0,
-        sum(dark) / max(1, sum(dark) + sum(lit)),
-    )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Tile:
     normals: FloatArray
     albedo: FloatArray
     confidence: FloatArray
@@ -152,10 +85,13 @@ class _Tile:
     lit: int
 
 
-def _solve_tile(
-    values: FloatArray, lights: FloatArray, solver: Solver, black_level: float, settings: RobustSettings
-) -> _Tile:
-    """One tile; values: (N, P) or (N, P, 3)."""
+def solve_tile(
+    values: FloatArray, lights: FloatArray, *, solver: Solver, black_level: float, settings: RobustSettings
+) -> TileSolution:
+    """Normals and albedo of some pixels; what `rumu.surface.compiled` does, in NumPy.
+
+    values: (N, P) or (N, P, 3), linear; lights: (N, 3), times strength.
+    """
     rows = brightness_rows(values, black_level=black_level)
     fit = _SOLVERS[solver](rows, lights, settings)
     normals, albedo = split(fit.scaled)
@@ -163,11 +99,11 @@ def _solve_tile(
         albedo = channel_albedo(values - black_level, normals, lights, weights=fit.weights)
     off, lit = relative_residuals(rows, lights, fit.scaled, dark=settings.dark)
     reached = enough_lit((values if values.ndim == 2 else values.mean(axis=2))[:, None])[0]
-    confidence = np.where(reached, _confidence(off, lit, lights), 0.0)
+    confidence = np.where(reached, _confidence(off, lit, lights), 0.0).astype(np.float32)
     count = int(np.count_nonzero(lit))
     residuals = off[lit]
-    residuals = residuals[:: max(1, count // _TILE_RESIDUALS)]
-    return _Tile(normals, np.maximum(albedo, 0.0), confidence, residuals, lit.size - count, count)
+    residuals = residuals[:: max(1, count // TILE_RESIDUALS)]
+    return TileSolution(normals, np.maximum(albedo, 0.0), confidence, residuals, lit.size - count, count)
 
 
 def brightness_rows(values: FloatArray, *, black_level: float = 0.0) -> FloatArray:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.errors import SurfaceError
+from rumu.image_stack import ImageStack
 from rumu.values import BoolArray, FloatArray
 
 SHADOW_FLOOR = 0.004  # one step of 8 bits: what is darker may as well be black
@@ -164,13 +165,15 @@ def enough_lit(images: FloatArray) -> BoolArray:
     return np.asarray(np.count_nonzero((images > floor) & (images < SATURATION), axis=0) >= 3)
 
 
-def check_stack(images: FloatArray, lights: FloatArray) -> None:
+def check_stack(images: FloatArray | ImageStack, lights: FloatArray) -> None:
     """Raise SurfaceError unless images are (N >= 3, H, W[, 3]) and finite and lights (N, 3) span space."""
-    if images.ndim not in (3, 4) or images.shape[0] < 3 or (images.ndim == 4 and images.shape[3] != 3):
-        raise SurfaceError(f"expected images of shape (N >= 3, H, W) or (N, H, W, 3), got {images.shape}")
-    if lights.shape != (images.shape[0], 3):
-        raise SurfaceError(f"expected lights of shape ({images.shape[0]}, 3), got {lights.shape}")
-    if not (np.isfinite(lights).all() and np.isfinite(images).all()):
+    shape = images.shape
+    if len(shape) not in (3, 4) or shape[0] < 3 or shape[3:] not in ((), (3,)):
+        raise SurfaceError(f"expected images of shape (N >= 3, H, W) or (N, H, W, 3), got {shape}")
+    if lights.shape != (shape[0], 3):
+        raise SurfaceError(f"expected lights of shape ({shape[0]}, 3), got {lights.shape}")
+    arrays = [lights] if isinstance(images, ImageStack) else [lights, *images]  # a stack was checked before
+    if not all(np.isfinite(one).all() for one in arrays):
         raise SurfaceError("expected finite images and lights, got NaN or infinite values")
     if np.linalg.svd(lights, compute_uv=False)[-1] <= 1e-3:
         raise SurfaceError("expected lamps that do not all lie in one plane, got directions of rank below 3")

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rumu.image_stack import ImageStack
 from rumu.surface.robust import (
     RobustSettings,
     brightness_rows,
@@ -61,7 +62,7 @@ class Photometry:
 
 
 def estimate_photometry(
-    images: FloatArray,
+    images: FloatArray | ImageStack,
     lights: FloatArray,
     *,
     mask: BoolArray,
@@ -96,12 +97,12 @@ def estimate_photometry(
     return _best_trial(rows, lights, best, again, settings)
 
 
-def sample(images: FloatArray, *, mask: BoolArray, most: int) -> FloatArray:
+def sample(images: FloatArray | ImageStack, *, mask: BoolArray, most: int) -> FloatArray:
     """(P <= most, N) float64 gray brightness of the brighter four fifths of the pixels in the mask."""
-    n, height, width = images.shape[:3]
+    images = images if isinstance(images, ImageStack) else ImageStack.of_arrays(images)
     chosen = np.flatnonzero(mask)
     chosen = chosen[:: max(1, len(chosen) // (4 * most))]
-    rows: FloatArray = brightness_rows(images.reshape(n, height * width, *images.shape[3:])[:, chosen])
+    rows: FloatArray = brightness_rows(images.at(chosen))
     rows = np.asarray(rows[rows.max(axis=1) > SHADOW_FLOOR])
     if len(rows) == 0:
         return rows

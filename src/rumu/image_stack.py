@@ -1,0 +1,247 @@
+"""Photographs of one size, kept in their own bits: linear light is computed where it is asked for.
+
+Twenty photographs of 24 megapixels take 0.5 GB in 8 bits and 1.9 GB as floats; sixty of 100 take 6 and 24.
+So the samples stay as the files stored them, each with the curve that makes linear light of its levels, and
+lie in a scratch file when memory is short. Whoever computes takes a range of pixels of all photographs at a
+time.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.floating[Any]]
+Samples = npt.NDArray[Any]
+Pixels = npt.NDArray[np.integer[Any]]
+
+_LEVELS = {"uint8": 256, "uint16": 65536}
+Progress = Callable[[str, int, int], None]
+"""Called with what is being done, in English, how many parts of it are done, and how many there are."""
+_FINER = 4  # times the side that is wanted, to which a large photograph is reduced in its own bits
+_BAND = 2_000_000
+"""Pixels of one photograph that are converted at a time when a whole one is asked for."""
+
+
+class ScratchFile:
+    """Samples of one photograph on disk, in a file without a name that goes with the last reference to it."""
+
+    def __init__(self, samples: Samples) -> None:
+        self.shape, self.dtype = samples.shape, samples.dtype
+        self._file = tempfile.TemporaryFile(prefix="rumu-")  # noqa: SIM115  lives as long as this object
+        self._lock = threading.Lock()
+        self._file.write(np.ascontiguousarray(samples).data.cast("B"))
+        self._file.flush()
+
+    def range(self, start: int, stop: int) -> Samples:
+        """(stop - start[, 3]), the samples of a range of pixels, counted row by row."""
+        pixel = self.dtype.itemsize * int(np.prod(self.shape[2:], dtype=int))
+        wanted = np.empty((stop - start, *self.shape[2:]), self.dtype)
+        view = wanted.data.cast("B")
+        if hasattr(os, "preadv"):
+            done = 0
+            while done < len(view):
+                done += os.preadv(self._file.fileno(), [view[done:]], start * pixel + done)
+        else:
+            with self._lock:
+                self._file.seek(start * pixel)
+                self._file.readinto(view)  # type: ignore[attr-defined]
+        return wanted
+
+    def at(self, pixels: Pixels) -> Samples:
+        """(P[, 3]), the samples of some pixels, by their numbers."""
+        with mmap.mmap(self._file.fileno(), 0, access=mmap.ACCESS_READ) as mapped:
+            whole = np.frombuffer(mapped, self.dtype).reshape(-1, *self.shape[2:])
+            found = whole[pixels]
+            del whole
+        return np.asarray(found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Photograph:
+    """One photograph as its file stored it.
+
+    samples: (H, W) or (H, W, 3) uint8, uint16 or float32, in memory or on disk. curve: (256,) or (65536,)
+    float32, the linear light of each level; None where the samples are linear, of which white is 1.
+    """
+
+    samples: Samples | ScratchFile
+    curve: Floats | None = None
+
+    def range(self, start: int, stop: int) -> Floats:
+        """(stop - start[, 3]) float32, linear light of a range of pixels, counted row by row."""
+        if isinstance(self.samples, ScratchFile):
+            return self._linear(self.samples.range(start, stop))
+        return self._linear(self.samples.reshape(-1, *self.samples.shape[2:])[start:stop])
+
+    def at(self, pixels: Pixels) -> Floats:
+        """(P[, 3]) float32, linear light of some pixels, by their numbers."""
+        if isinstance(self.samples, ScratchFile):
+            return self._linear(self.samples.at(pixels))
+        return self._linear(self.samples.reshape(-1, *self.samples.shape[2:])[pixels])
+
+    def parts(self) -> Iterator[Floats]:
+        """The whole photograph, a range of pixels at a time."""
+        pixels = self.samples.shape[0] * self.samples.shape[1]
+        return (self.range(start, min(start + _BAND, pixels)) for start in range(0, pixels, _BAND))
+
+    def reduced(self, size: tuple[int, int]) -> Floats:
+        """Linear light of a few times this size (w, h), or of the photograph's own where it has no more."""
+        import cv2
+
+        height, width = self.samples.shape[:2]
+        if width <= _FINER * size[0] or height <= _FINER * size[1]:
+            return self.range(0, width * height).reshape(self.samples.shape)
+        whole = self.samples
+        if isinstance(whole, ScratchFile):
+            whole = whole.range(0, width * height).reshape(whole.shape)
+        finer = (_FINER * size[0], _FINER * size[1])
+        return self._linear(np.asarray(cv2.resize(whole, finer, interpolation=cv2.INTER_AREA)))
+
+    def _linear(self, samples: Samples) -> Floats:
+        if self.curve is not None and samples.dtype == np.uint8:
+            import cv2
+
+            looked_up = cv2.LUT(samples.reshape(1, -1), self.curve) if samples.size else samples
+            return np.asarray(looked_up, dtype=np.float32).reshape(samples.shape)
+        if self.curve is not None:
+            return np.asarray(self.curve[samples])
+        values = samples.astype(np.float32)
+        levels = _LEVELS.get(samples.dtype.name)
+        if levels is not None:
+            values /= np.float32(levels - 1)
+        return values
+
+
+class ImageStack:
+    """N photographs of one shape as linear light, computed where it is asked for.
+
+    shape: (N, H, W) or (N, H, W, 3). dark: a photograph with all lamps off, taken from each, as far as that
+    leaves 0. peak: by which all are divided.
+    """
+
+    def __init__(
+        self, photographs: Sequence[Photograph], *, dark: Photograph | None = None, peak: float = 1.0
+    ) -> None:
+        self._photographs = tuple(photographs)
+        self._dark, self._peak = dark, np.float32(peak)
+        self.shape: tuple[int, ...] = (len(self._photographs), *self._photographs[0].samples.shape)
+
+    @classmethod
+    def of_arrays(cls, images: Sequence[Floats] | Floats) -> ImageStack:
+        """The stack of arrays (H, W) or (H, W, 3) of one shape that are linear light already."""
+        return cls([Photograph(np.asarray(image)) for image in images])
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __iter__(self) -> Iterator[Floats]:
+        return (self.frame(i) for i in range(len(self)))
+
+    @property
+    def pixels(self) -> int:
+        """How many pixels a photograph has."""
+        return self.shape[1] * self.shape[2]
+
+    @property
+    def is_colour(self) -> bool:
+        """Whether the photographs have three channels."""
+        return len(self.shape) == 4
+
+    def range(self, start: int, stop: int) -> Floats:
+        """(N, stop - start[, 3]) float32, a range of pixels of every photograph, counted row by row."""
+        found = np.empty((len(self), stop - start, *self.shape[3:]), np.float32)
+        dark = None if self._dark is None else self._dark.range(start, stop)
+        for values, photograph in zip(found, self._photographs, strict=True):
+            values[...] = self._calibrated(photograph.range(start, stop), dark)
+        return found
+
+    def at(self, pixels: Pixels) -> Floats:
+        """(N, P[, 3]) float32, some pixels of every photograph, by their numbers."""
+        dark = None if self._dark is None else self._dark.at(pixels)
+        return np.stack([self._calibrated(one.at(pixels), dark) for one in self._photographs])
+
+    def rows(self, first: int, last: int) -> Floats:
+        """(N, last - first, W[, 3]) float32, some rows of every photograph."""
+        width = self.shape[2]
+        return self.range(first * width, last * width).reshape(len(self), last - first, *self.shape[2:])
+
+    def frame(self, number: int) -> Floats:
+        """(H, W) or (H, W, 3) float32, one whole photograph, counted from 0."""
+        found = np.empty((self.pixels, *self.shape[3:]), np.float32)
+        for start in range(0, self.pixels, _BAND):
+            part = slice(start, min(start + _BAND, self.pixels))
+            dark = None if self._dark is None else self._dark.range(part.start, part.stop)
+            found[part] = self._calibrated(self._photographs[number].range(part.start, part.stop), dark)
+        return found.reshape(self.shape[1:])
+
+    def reduced(self, number: int, size: tuple[int, int]) -> Floats:
+        """(h, w) or (h, w, 3) float32, one photograph by means over pixels. size: (w, h), not larger than it.
+
+        What is made much smaller is first brought to a few times that size in its own bits.
+        """
+        import cv2
+
+        dark = None if self._dark is None else self._dark.reduced(size)
+        light = self._calibrated(self._photographs[number].reduced(size), dark)
+        return np.asarray(cv2.resize(light, size, interpolation=cv2.INTER_AREA))
+
+    def floats(self) -> Floats:
+        """(N, H, W) or (N, H, W, 3) float32: everything at once, which takes four bytes for each value."""
+        return np.stack(list(self))
+
+    def _calibrated(self, values: Floats, dark: Floats | None) -> Floats:
+        if dark is not None:
+            np.subtract(values, dark, out=values)
+            np.maximum(values, 0, out=values)
+        if self._peak != 1:
+            values /= self._peak
+        return values
+
+
+class _LinearImages:
+    """An attribute: an array (N, H, W[, 3]) however the photographs are kept, computed when it is needed."""
+
+    def __get__(self, capture: Any, owner: type) -> Any:
+        if capture is None:
+            raise AttributeError("images")  # so that a dataclass finds no default
+        given = capture.__dict__["images"]
+        if not isinstance(given, ImageStack):
+            return given
+        if "linear" not in capture.__dict__:
+            capture.__dict__["linear"] = given.floats()
+        return capture.__dict__["linear"]
+
+    def __set__(self, capture: Any, images: Any) -> None:
+        capture.__dict__["images"] = images
+
+
+class KeepsPhotographs:
+    """A dataclass whose field `images` may be given as an array or as an `ImageStack`."""
+
+    images = _LinearImages()
+
+    @property
+    def photographs(self) -> ImageStack:
+        """The photographs in their own bits."""
+        given = self.__dict__["images"]
+        return given if isinstance(given, ImageStack) else ImageStack.of_arrays(given)
+
+    @property
+    def gray(self) -> Floats:
+        """(N, H, W) float32: mean of the colour channels."""
+        images: Floats = self.images
+        return images if images.ndim == 3 else np.asarray(images.mean(axis=3))
+
+    def changed(self, **changes: Any) -> Self:
+        """The same with other values of some fields; unlike `replace` it leaves photographs in their bits."""
+        kept: dict[str, Any] = {one.name: self.__dict__[one.name] for one in fields(self)}  # type: ignore[arg-type]
+        return type(self)(**(kept | changes))

@@ -1,0 +1,172 @@
+"""The compiled solvers behind the interface of `rumu.surface.robust`, where numba can be had."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.surface.robust import TILE_RESIDUALS, RobustSettings, Solver, TileSolution
+from rumu.surface.stereo import SATURATION, SHADOW_FLOOR, SHADOW_SHARE
+from rumu.values import BoolArray, FloatArray
+
+_FACTOR = "10 to 30"
+"""Times that the solvers take in NumPy of what they take compiled, as benchmarks/museum.py prints it."""
+
+
+class SlowSolverWarning(UserWarning):
+    """The solvers run in NumPy, since numba is not there."""
+
+
+@lru_cache(maxsize=1)
+def has_numba() -> bool:
+    """Whether the compiled solvers can be used; warns once, with the factor, when they cannot."""
+    try:
+        import numba  # noqa: F401
+    except ImportError as error:
+        message = f"numba is not there ({error}): surfaces take {_FACTOR} times as long; pip install numba"
+        warnings.warn(SlowSolverWarning(message), stacklevel=2)
+        return False
+    return True
+
+
+@lru_cache(maxsize=64)
+def sorting_network(n: int) -> npt.NDArray[np.int64]:
+    """(M, 2): pairs (low, high) whose exchange, in this order, sorts n values upward.
+
+    Batcher's odd-even merge for the next power of two, without the pairs beyond n: what they would move is
+    larger than all.
+    """
+    pairs, whole = [], 1 << max(n - 1, 1).bit_length()
+    merged = 1
+    while merged < whole:
+        apart = merged
+        while apart >= 1:
+            for start in range(apart % merged, whole - apart, 2 * apart):
+                for low in range(start, min(start + apart, whole - apart)):
+                    same_run = low // (2 * merged) == (low + apart) // (2 * merged)
+                    if same_run and low + apart < n:
+                        pairs.append((low, low + apart))
+            apart //= 2
+        merged *= 2
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+
+class _Tile:
+    """Some pixels under their lamps, as the kernels want them."""
+
+    def __init__(self, values: FloatArray, lights: FloatArray, black_level: float, settings: RobustSettings):
+        from rumu.surface import kernels
+
+        self.values = np.ascontiguousarray(values, dtype=np.float32).reshape(*values.shape[:2], -1)
+        self.lights = np.ascontiguousarray(lights, dtype=np.float32)
+        self.inverse = np.ascontiguousarray(np.linalg.pinv(lights), dtype=np.float32)
+        self.settings = settings
+        n, pixels = self.values.shape[:2]
+        self.pairs = sorting_network(n)
+        self.rows = np.empty((n, pixels), np.float32)
+        self.reached: BoolArray = np.empty(pixels, np.bool_)
+        self.scale = np.empty(pixels, np.float32)
+        self.black = np.float32(black_level)
+        floor, share, white = (np.float32(one) for one in (SHADOW_FLOOR, SHADOW_SHARE, SATURATION))
+        kernels.brightness(self.values, self.black, floor, share, white, self.rows, self.reached)
+        kernels.scales(self.rows, math.ceil(0.9 * (n - 1)), self.pairs, self.scale)
+
+    @property
+    def limits(self) -> FloatArray:
+        """What `kernels.reweighted` is told of the settings."""
+        s = self.settings
+        numbers = (s.dark, s.noise**2, s.proportional, s.width, SATURATION, 3.0 / s.noise)
+        return np.array(numbers, dtype=np.float32)
+
+    def least_squares(self) -> FloatArray:
+        """(3, P) albedo times normal."""
+        from rumu.surface import kernels
+
+        scaled = np.empty((3, self.rows.shape[1]), np.float32)
+        kernels.least_squares(self.rows, self.inverse, scaled)
+        return scaled
+
+    def trimmed(self, weights: FloatArray) -> FloatArray:
+        """(3, P) albedo times normal; writes the weights (N, P)."""
+        from rumu.surface import kernels
+
+        n, pixels = self.rows.shape
+        low, high = int(self.settings.darkest * n), n - int(self.settings.brightest * n)
+        scaled = np.empty((3, pixels), np.float32)
+        kernels.trimmed(self.rows, self.lights, low, high, self.pairs, weights, scaled)
+        return scaled
+
+    def reweighted(self, start: FloatArray, *, forgetting: bool) -> tuple[FloatArray, FloatArray]:
+        """(3, P) albedo times normal, and (P,) the spread of the residuals, by a reweighting from `start`."""
+        from rumu.surface import kernels
+
+        scaled, spread = start.copy(), np.zeros(self.rows.shape[1], np.float32)
+        rounds = self.settings.iterations if forgetting else self.settings.l1_iterations
+        kernels.reweighted(
+            self.rows, self.lights, self.scale, self.pairs, self.limits, forgetting, rounds,
+            np.float32(self.settings.settled), scaled, spread,
+        )  # fmt: skip
+        return scaled, spread
+
+    def agreement(self, scaled: FloatArray) -> tuple[FloatArray, FloatArray, int]:
+        """(P,) confidence, some residuals of lit values, and how many values are lit."""
+        from rumu.surface import kernels
+
+        n, pixels = self.rows.shape
+        stride = max(1, n * pixels // TILE_RESIDUALS)
+        sampled = np.empty((n, -(-pixels // stride)), np.float32)
+        confidence = np.empty(pixels, np.float32)
+        full = float(np.linalg.det(self.lights.T.astype(np.float64) @ self.lights))
+        dark, floor = np.float32(self.settings.dark), np.float32(SHADOW_FLOOR)
+        lit = kernels.agreement(
+            self.rows, self.lights, self.scale, scaled, dark, floor, self.pairs, full, stride, confidence,
+            sampled,
+        )  # fmt: skip
+        confidence[~self.reached] = 0.0
+        return confidence, sampled[sampled >= 0].astype(np.float64), int(lit)
+
+
+def solve_tile(
+    values: FloatArray, lights: FloatArray, *, solver: Solver, black_level: float, settings: RobustSettings
+) -> TileSolution:
+    """Normals and albedo of some pixels; see `rumu.surface.robust.solve_tile`."""
+    tile = _Tile(values, lights, black_level, settings)
+    n, pixels = tile.rows.shape
+    is_colour = values.ndim == 3
+    weights = np.ones((n, pixels) if is_colour or solver == "trimmed" else (n, 0), np.float32)
+    scaled = tile.trimmed(weights) if solver == "trimmed" else tile.least_squares()
+    if solver in ("l1", "robust"):
+        start, spread = tile.reweighted(scaled, forgetting=False)
+        scaled, trust = start, np.zeros(pixels, np.float32)
+        if solver == "robust":
+            found, spread = tile.reweighted(start, forgetting=True)
+            low, high = settings.lambertian
+            trust = np.clip((np.float32(high) - spread) / np.float32(high - low), 0, 1)
+            scaled = trust * found + (1 - trust) * start
+        if is_colour:
+            from rumu.surface import colour_kernels
+
+            ends = (start, found if solver == "robust" else start)
+            colour_kernels.trust(
+                tile.rows, tile.lights, tile.scale, tile.limits, *ends, spread, trust, weights
+            )
+    albedo = np.sqrt((scaled * scaled).sum(axis=0))
+    normals = np.ascontiguousarray((scaled / np.maximum(albedo, np.float32(1e-12))).T)
+    normals[albedo <= 1e-12] = (0, 0, 1)
+    confidence, residuals, lit = tile.agreement(scaled)
+    if is_colour:
+        from rumu.surface import colour_kernels
+
+        albedo = np.empty((pixels, 3), np.float32)
+        colour_kernels.channels(tile.values, tile.black, tile.lights, normals, weights, albedo)
+    return TileSolution(normals, albedo, confidence, residuals, n * pixels - lit, lit)
+
+
+def l1(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> FloatArray:
+    """(P, 3) albedo times normal by least absolute residuals; see `rumu.surface.robust.l1`. rows: (P, N)."""
+    tile = _Tile(rows.T, lights, 0.0, settings)
+    return tile.reweighted(tile.least_squares(), forgetting=False)[0].T.astype(np.float64)

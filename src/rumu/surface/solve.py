@@ -1,0 +1,113 @@
+"""Whole photographs solved for normals and albedo, tile by tile in threads.
+
+Only a tile of brightness exists as floats at a time, so memory stays bounded however large the photographs
+are.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from rumu.errors import SurfaceError
+from rumu.image_stack import ImageStack, Progress
+from rumu.surface import compiled, robust
+from rumu.surface.robust import SOLVERS, RobustSettings, Solver
+from rumu.surface.stereo import check_stack
+from rumu.values import BoolArray, FloatArray
+
+Answer = TypeVar("Answer")
+
+_TILE = 400_000
+"""Values of brightness that a thread works on at a time: a few MB with all that is derived from them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """Normals under N lamps, with what they rest on.
+
+    normals: (H, W, 3) float32, unit length. albedo: (H, W) or (H, W, 3) float32, >= 0.
+    confidence: (H, W) float32 in [0, 1]: agreement with Lambert's law times the share of lamps that carry
+        the normal, 0 where fewer than three lamps reach the pixel.
+    residual: median over all lit values of |brightness - law| in shares of the pixel's brightness.
+    shadow_share: share of all values that are dark.
+    """
+
+    normals: FloatArray
+    albedo: FloatArray
+    confidence: FloatArray
+    residual: float
+    shadow_share: float
+
+
+def solve(
+    images: FloatArray | ImageStack,
+    lights: FloatArray,
+    *,
+    solver: Solver = "robust",
+    mask: BoolArray | None = None,
+    black_level: float = 0.0,
+    settings: RobustSettings | None = None,
+    tile: int = _TILE,
+    progress: Progress | None = None,
+) -> Solution:
+    """Normals and albedo of a stack of photographs.
+
+    images: (N, H, W) or (N, H, W, 3), linear. lights: (N, 3), toward the lamps, times their strength.
+    mask: (H, W), pixels to solve; the rest face the camera with no confidence. black_level: taken from every
+    value that is not black. tile: number of values worked on at a time; the result does not depend on it.
+    Solved by numba's compiled kernels; where there is no numba by NumPy, after a SlowSolverWarning.
+    Raises SurfaceError for an unknown solver or a stack that does not belong together.
+    """
+    if solver not in SOLVERS:
+        raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
+    check_stack(images, lights)
+    stack = images if isinstance(images, ImageStack) else ImageStack.of_arrays(images)
+    solve_tile = compiled.solve_tile if compiled.has_numba() else robust.solve_tile
+    n, height, width, *channels = stack.shape
+    normals = np.empty((stack.pixels, 3), dtype=np.float32)
+    normals[:] = (0, 0, 1)
+    albedo = np.zeros((stack.pixels, *channels), dtype=np.float32)
+    confidence = np.zeros(stack.pixels, dtype=np.float32)
+    chosen = None if mask is None or mask.all() else mask.ravel()
+    settings = settings or RobustSettings()
+
+    def one(part: slice) -> tuple[FloatArray, int, int]:
+        inside = slice(None) if chosen is None else np.flatnonzero(chosen[part])
+        if not isinstance(inside, slice) and not inside.size:
+            return np.zeros(0), 0, 0
+        values = stack.range(part.start, part.stop)
+        values = values if isinstance(inside, slice) else values[:, inside]
+        done = solve_tile(values, lights, solver=solver, black_level=black_level, settings=settings)
+        normals[part][inside] = done.normals
+        albedo[part][inside] = done.albedo
+        confidence[part][inside] = done.confidence
+        return done.residuals, done.dark, done.lit
+
+    solved = list(_in_threads(one, stack.pixels, max(1, tile // n), progress))
+    residuals, dark, lit = zip(*solved, strict=True)
+    pooled = np.concatenate(residuals)
+    return Solution(
+        normals.reshape(height, width, 3),
+        albedo.reshape(height, width, *channels),
+        confidence.reshape(height, width),
+        float(np.median(pooled)) if pooled.size else 0.0,
+        sum(dark) / max(1, sum(dark) + sum(lit)),
+    )
+
+
+def _in_threads(
+    work: Callable[[slice], Answer], pixels: int, size: int, progress: Progress | None
+) -> Iterator[Answer]:
+    """What `work` makes of each range of `size` pixels, in order; it must not hold the interpreter."""
+    parts = [slice(start, min(start + size, pixels)) for start in range(0, pixels, size)]
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        for done, answer in enumerate(pool.map(work, parts), start=1):
+            if progress is not None:
+                progress("Solving for the normals", done, len(parts))
+            yield answer
