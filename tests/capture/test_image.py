@@ -14,7 +14,16 @@ import pytest
 import tifffile
 from PIL import Image
 
-from rumu.capture.image import as_image, luminance, read_frame, read_image, read_linear, read_mask, to_linear
+from rumu.capture.image import (
+    as_image,
+    luminance,
+    read_colours,
+    read_frame,
+    read_image,
+    read_linear,
+    read_mask,
+    to_linear,
+)
 from rumu.errors import ImageError
 
 RNG = np.random.default_rng(7)
@@ -391,3 +400,15 @@ def test_bad_arrays(array: np.ndarray, message: str) -> None:
 def test_luminance_weights_sum_to_one() -> None:
     np.testing.assert_allclose(luminance(np.ones((8, 8, 3), np.float32)), 1, atol=1e-6)
     assert luminance(np.array([[[0, 1, 0]]], np.float32))[0, 0] == pytest.approx(0.7152)
+
+
+@pytest.mark.parametrize(
+    ("mode", "value", "shown"),
+    [("L", 90, (90, 90, 90)), ("RGB", (10, 90, 200), (10, 90, 200)), ("LA", (0, 51), (204, 204, 204)),
+     ("RGBA", (255, 0, 0, 128), (255, 127, 127)), ("1", 1, (255, 255, 255))],
+)  # fmt: skip
+def test_a_picture_in_colour_lies_on_white_whatever_its_mode(tmp_path, mode, value, shown):
+    Image.new(mode, (40, 30), value).save(tmp_path / "picture.png")
+    colours = read_colours(tmp_path / "picture.png")
+    assert colours.shape == (30, 40, 3) and colours.dtype == np.uint8 and colours.flags.c_contiguous
+    assert tuple(colours[7, 9]) == shown

@@ -10,7 +10,14 @@ from PIL import Image
 
 from rumu.errors import GalleryError
 from rumu.gallery.add_work import add_picture
-from rumu.gallery.iiif_image import BadImageRequest, Box, image_info, image_response, region_box, size_of
+from rumu.gallery.iiif_image import (
+    BadImageRequest,
+    PictureRegion,
+    image_info,
+    image_response,
+    region_box,
+    size_of,
+)
 from rumu.gallery.metadata import WorkMetadata
 from rumu.values import Bilingual
 
@@ -49,13 +56,13 @@ def test_the_whole_picture_comes_back_as_it_is(ask, page):
 @pytest.mark.parametrize(
     ("region", "box"),
     [
-        ("full", Box(0, 0, 120, 90)),
-        ("square", Box(15, 0, 90, 90)),
-        ("10,20,30,40", Box(10, 20, 30, 40)),
-        ("100,80,500,500", Box(100, 80, 20, 10)),
-        ("pct:25,50,50,25", Box(30, 45, 60, 22)),
-        ("pct:0,0,100,100", Box(0, 0, 120, 90)),
-        ("pct:41.6,7.5,.5,66", Box(50, 7, 1, 59)),
+        ("full", PictureRegion(0, 0, 120, 90)),
+        ("square", PictureRegion(15, 0, 90, 90)),
+        ("10,20,30,40", PictureRegion(10, 20, 30, 40)),
+        ("100,80,500,500", PictureRegion(100, 80, 20, 10)),
+        ("pct:25,50,50,25", PictureRegion(30, 45, 60, 22)),
+        ("pct:0,0,100,100", PictureRegion(0, 0, 120, 90)),
+        ("pct:41.6,7.5,.5,66", PictureRegion(50, 7, 1, 59)),
     ],
 )
 def test_regions(region, box, ask, page):
@@ -112,7 +119,7 @@ def test_regions_that_cannot_be(region, ask):
     ],
 )
 def test_sizes(size, wanted, ask):
-    assert size_of(size, Box(0, 0, 120, 90)) == wanted
+    assert size_of(size, PictureRegion(0, 0, 120, 90)) == wanted
     assert ask("full", size).size == wanted
 
 

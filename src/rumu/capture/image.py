@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from rumu.capture.decoded_size import FULL_SIZE, Reduction, check_size
 from rumu.capture.formats import ENCODINGS, Encoding, decode
-from rumu.capture.stored import Samples, Stored, over_white, turn
+from rumu.capture.stored import Samples, Stored, eight_bits, over_white, turn
 from rumu.errors import ImageError
 from rumu.image_stack import Photograph
 from rumu.values import BoolArray
@@ -37,6 +37,17 @@ def read_image(path: str | os.PathLike[str], *, reduction: Reduction = FULL_SIZE
     outside [0, 1].
     """
     return image_of(decode(path, reduction=reduction), name=path)
+
+
+def read_colours(path: str | os.PathLike[str], *, reduction: Reduction = FULL_SIZE) -> Bytes:
+    """A picture in colour with its values as stored, upright, over white: (H, W, 3) uint8, contiguous.
+
+    Formats, `reduction` and errors: as of `read_image`.
+    """
+    stored = decode(path, reduction=reduction, floats=False)
+    values = stored.values if stored.values.dtype.kind == "u" else _unit_range(stored.values, name=path)
+    samples = eight_bits(over_white(values, stored.alpha))
+    return np.ascontiguousarray(np.dstack([samples] * 3) if samples.ndim == 2 else samples)
 
 
 def image_of(stored: Stored, *, name: object) -> Image:

@@ -34,7 +34,7 @@ _BATCH = 500  # works whose texts are made in one transaction
 
 
 @dataclass(frozen=True, slots=True)
-class Page(Generic[Item]):
+class ListPage(Generic[Item]):
     """A page of a list. items: those of the page, in order. total: the number on all pages.
 
     Of a search: understood: what its words mean, with numbers of works; meanings: of each word, for each item
@@ -96,7 +96,7 @@ def _search_columns(row: Work, collection: Bilingual) -> dict[str, Any]:
 # --- reading ---------------------------------------------------------------------------------------
 
 
-def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: Any) -> Page[Work]:
+def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: Any) -> ListPage[Work]:
     """The works that match all filters: those that a search means most nearly first, else by collection.
 
     The starter gallery is the first collection. filters: the fields of Filters. Raises GalleryError for an
@@ -118,7 +118,7 @@ def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: Any)
             ids = select(Work.id).where(*where).order_by(*_ORDER).offset(offset).limit(limit)
             on_page = dict.fromkeys(session.scalars(ids), ())
         rows = {row.id: row for row in session.scalars(select(Work).where(Work.id.in_(on_page)))}
-        return Page(
+        return ListPage(
             tuple(rows[name] for name in on_page if name in rows),
             total,
             count_meanings(search, found),

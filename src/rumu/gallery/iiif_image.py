@@ -29,7 +29,7 @@ class BadImageRequest(GalleryError):  # noqa: N818  the name of HTTP status 400
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class PictureRegion:
     """A region of a picture in pixels, origin top left."""
 
     x: int
@@ -104,13 +104,13 @@ def image_response(  # noqa: PLR0917  in the order of the address
     return packed.getvalue(), FORMATS[format]
 
 
-def region_box(region: str, *, width: int, height: int) -> Box:
+def region_box(region: str, *, width: int, height: int) -> PictureRegion:
     """The region of a picture that a request names. Raises BadImageRequest if invalid or outside."""
     if region == "full":
-        return Box(0, 0, width, height)
+        return PictureRegion(0, 0, width, height)
     if region == "square":
         side = min(width, height)
-        return Box((width - side) // 2, (height - side) // 2, side, side)
+        return PictureRegion((width - side) // 2, (height - side) // 2, side, side)
     pixels = re.fullmatch(r"([0-9]{1,9}),([0-9]{1,9}),([0-9]{1,9}),([0-9]{1,9})", region)
     shares = re.fullmatch(rf"pct:({_NUMBER}),({_NUMBER}),({_NUMBER}),({_NUMBER})", region)
     if pixels:
@@ -123,10 +123,10 @@ def region_box(region: str, *, width: int, height: int) -> Box:
         raise BadImageRequest(f"expected a region full, square, x,y,w,h or pct:x,y,w,h, got {region!r:.60}")
     if w == 0 or h == 0 or x >= width or y >= height:
         raise BadImageRequest(f"expected a region within {width} x {height} pixels, got {region!r:.60}")
-    return Box(x, y, min(w, width - x), min(h, height - y))
+    return PictureRegion(x, y, min(w, width - x), min(h, height - y))
 
 
-def size_of(size: str, box: Box) -> tuple[int, int]:
+def size_of(size: str, box: PictureRegion) -> tuple[int, int]:
     """(width, height) that a request asks for. Raises BadImageRequest as `image_response`."""
     upscale, asked = size.startswith("^"), size.removeprefix("^")
     wanted = _parse_size(asked, box, upscale=upscale)
@@ -140,7 +140,7 @@ def size_of(size: str, box: Box) -> tuple[int, int]:
     return wanted
 
 
-def _parse_size(asked: str, box: Box, *, upscale: bool) -> tuple[int, int]:
+def _parse_size(asked: str, box: PictureRegion, *, upscale: bool) -> tuple[int, int]:
     if asked == "max":
         return _fit(box, MAX_SIDE, MAX_SIDE, upscale=upscale)
     if share := re.fullmatch(rf"pct:({_NUMBER})", asked):
@@ -162,7 +162,7 @@ def _parse_size(asked: str, box: Box, *, upscale: bool) -> tuple[int, int]:
     return width, height
 
 
-def _fit(box: Box, width: int, height: int, *, upscale: bool) -> tuple[int, int]:
+def _fit(box: PictureRegion, width: int, height: int, *, upscale: bool) -> tuple[int, int]:
     """The largest size with the region's proportions within these sides."""
     factor = min(width / box.width, height / box.height)
     if not upscale:

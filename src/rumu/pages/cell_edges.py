@@ -13,7 +13,7 @@ from rumu.values import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True)
-class EdgeSettings:
+class CellEdgeSettings:
     """How edges are placed; lengths are shares of a cell's side.
 
     reach: how far beside its place an edge is looked for. along: the middle part of it that is looked at.
@@ -35,10 +35,10 @@ def place_edges(
     *,
     reduction: int,
     enough: float,
-    settings: EdgeSettings | None = None,
+    settings: CellEdgeSettings | None = None,
 ) -> FloatArray:
     """(N, 4, 2) corners of the cells from the top left clockwise, in the order of the lattice."""
-    settings = settings or EdgeSettings()
+    settings = settings or CellEdgeSettings()
     places = np.array(list(lattice.cells))
     cells = np.array(list(lattice.cells.values()))
     ways = [model.directions(place) for place in lattice.cells]
@@ -103,7 +103,7 @@ def _look_for_edge(
     axis: int,
     side: int,
     reduction: int,
-    settings: EdgeSettings,
+    settings: CellEdgeSettings,
 ) -> tuple[FloatArray, FloatArray]:
     """(N,) where an edge of each cell is in its middle, along x (axis 0) or y (1), and how strong."""
     size, other = cells[:, 2 + axis], cells[:, 3 - axis]

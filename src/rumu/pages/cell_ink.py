@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rumu.pages.line_evidence import Map, Picture
+from rumu.pages.line_evidence import Map, Picture, paper_level
 from rumu.values import BoolArray, FloatArray
 
 
@@ -70,11 +70,7 @@ def ink_darkness(picture: Picture, quads: FloatArray, settings: CellInkSettings)
     import cv2
 
     height, width = picture.shape[:2]
-    size = max(1, width // 4), max(1, height // 4)
-    small = cv2.dilate(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.ones((3, 3), np.uint8))
-    side = max(3, min(17, (min(size) - 1) // 2 * 2 + 1))
-    small = np.stack([cv2.medianBlur(np.ascontiguousarray(small[..., k]), side) for k in range(3)], axis=-1)
-    paper = np.maximum(cv2.resize(small, (width, height)).astype(np.float32), 40)
+    paper = np.stack([paper_level(np.ascontiguousarray(picture[..., k])) for k in range(3)], axis=-1)
     dark = np.clip((paper - picture) / paper, 0, 1)
     red, green, blue = dark[..., 0], dark[..., 1], dark[..., 2]
     lines = np.zeros((height, width), np.uint8)

@@ -11,7 +11,14 @@ from rumu.pages.grids import PageGrid
 from rumu.pages.page import PageCharacter
 from rumu.pages.page_ink import Picture, find_page_ink
 from rumu.pages.recutting import Words
-from rumu.pages.text_alignment import AlignmentSettings, FoundCharacters, Step, align, lay_out, read_text
+from rumu.pages.text_alignment import (
+    AlignmentSettings,
+    FoundCharacters,
+    Step,
+    align,
+    distinct_characters,
+    read_text,
+)
 from rumu.values import IntArray
 
 IN_CELLS = AlignmentSettings(even=0.5, worst=-1.0, skip=3.0, skip_more=0.6)
@@ -43,6 +50,11 @@ def holds_writing(grid: PageGrid, picture: Picture) -> bool:
     return share > _LEAST_SHARE and float(inside.sum()) < _MOST_INK * max(int(mask.sum()), 1)
 
 
+def written_looks(grid: PageGrid) -> list[tuple[IntArray, IntArray]]:
+    """Rows and columns of the ink in each cell with writing."""
+    return [_ink_of(cell, grid) for cell in grid.cells if not cell.empty]
+
+
 def written_cells(grid: PageGrid, text: str | None) -> tuple[PageCharacter, ...]:
     """The cells with writing in reading order, each with its name where a text is given and has it.
 
@@ -52,9 +64,9 @@ def written_cells(grid: PageGrid, text: str | None) -> tuple[PageCharacter, ...]
     if text is None or not cells:
         return tuple(cells)
     given = read_text(text)
-    different, which = lay_out(given.characters)
+    different, which = distinct_characters(given.characters)
     words = Words(different, "vertical")  # the ink of a cell is upright however cells are read
-    z = words.likeness([_ink_of(cell, grid) for cell in cells])
+    z = words.likeness(written_looks(grid))
     n = len(cells)
     columns = [(cell.register, cell.column) for cell in cells]
     found = FoundCharacters(

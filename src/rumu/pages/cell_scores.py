@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rumu.pages.line_evidence import LineEvidence, Map, moved
+from rumu.pages.line_evidence import LineEvidence, Map, sum_of_moved
 from rumu.values import FloatArray, IntArray
 
 
@@ -74,9 +74,7 @@ def _edge_map(response: Map, pitch: float, stride: int, reduction: int, settings
     along = (np.arange(count) - count // 2) / (count - 1) * settings.covered * pitch
     best = np.zeros_like(response)
     for slope in settings.slopes:
-        edge = np.zeros_like(response)
-        for x in along:
-            edge += moved(response, round(slope * x), round(x / reduction))
+        edge = sum_of_moved(response, [(round(slope * x), round(x / reduction)) for x in along])
         np.maximum(best, edge, out=best)
     reach = 2 * int(np.ceil(settings.tolerance * pitch)) + (stride | 1)
     near = cv2.dilate(best, np.ones((reach, 1), np.uint8))
@@ -91,12 +89,8 @@ def fit_everywhere(
     """(h, w): how well a cell of this size in pixels, centred there, is drawn: mean and weakest edge."""
     settings = settings or CellSettings()
     x, y = round(width / 2 / edges.stride), round(height / 2 / edges.stride)
-    four = (
-        moved(edges.down, 0, -x),
-        moved(edges.down, 0, x),
-        moved(edges.across, -y, 0),
-        moved(edges.across, y, 0),
-    )
+    four = [sum_of_moved(edges.down, [(0, step)]) for step in (-x, x)]
+    four += [sum_of_moved(edges.across, [(step, 0)]) for step in (-y, y)]
     weakest = np.minimum(np.minimum(four[0], four[1]), np.minimum(four[2], four[3]))
     mean = (four[0] + four[1] + four[2] + four[3]) / 4
     return np.asarray(settings.least * weakest + (1 - settings.least) * mean)

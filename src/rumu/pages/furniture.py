@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.pages.columns import Column
+from rumu.pages.page_parts import weighted_quantile
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,9 +75,8 @@ def _writing(registers: list[list[Column]], size: float, settings: FurnitureSett
 
 def _usual(values: list[float], columns: list[Column]) -> float:
     """The median, each column counted by its length."""
-    order = np.argsort(values)
-    reached = np.cumsum(np.array([column.length for column in columns], dtype=float)[order])
-    return float(np.asarray(values)[order][np.searchsorted(reached, reached[-1] / 2)])
+    lengths = np.array([column.length for column in columns], dtype=float)
+    return weighted_quantile(np.array(values), lengths, 0.5)
 
 
 def distance(column: Column, others: list[Column]) -> float:

@@ -37,8 +37,7 @@ def describe_printed(characters: Sequence[str]) -> tuple[Floats, BoolArray]:
         known[k] = True
         canvas = np.zeros((128, 128), dtype=np.uint8)
         for stroke in found.strokes:
-            outline = np.concatenate([points for _, points in stroke.outline])
-            cv2.fillPoly(canvas, [np.rint(outline * 127).astype(np.int32)], 255)
+            cv2.fillPoly(canvas, [np.rint(stroke.polygon() * 127).astype(np.int32)], 255)
         drawn[k] = _normal(canvas)
     return _describe(drawn), known
 
@@ -93,6 +92,13 @@ def _describe(squares: list[Floats]) -> Floats:
     return np.asarray(
         pooled / np.maximum(np.linalg.norm(pooled, axis=1, keepdims=True), 1e-6), dtype=np.float32
     )
+
+
+def turned_description(described: Floats, turns: int) -> Floats:
+    """(n, d): what descriptions (n, d) become when their ink is turned by quarters counter-clockwise."""
+    maps = described.reshape(len(described), _DIRECTIONS, _CELLS, _CELLS)
+    maps = np.rot90(maps, turns, axes=(2, 3))
+    return np.roll(maps, turns * _DIRECTIONS // 2, axis=1).reshape(described.shape)
 
 
 def _pooling() -> Floats:

@@ -13,13 +13,19 @@ from rumu.pages.cell_lattice import Lattice, best_sizes, fit_between, grow_latti
 from rumu.pages.cell_scores import EdgeMaps, map_edges
 from rumu.pages.lattice_fill import fill_lattice
 from rumu.pages.lattice_model import LatticeModel
-from rumu.pages.line_evidence import LineEvidence, LineSettings, Picture, find_line_evidence, line_pitch
+from rumu.pages.line_evidence import (
+    LineEvidence,
+    Picture,
+    PrintedLineSettings,
+    find_line_evidence,
+    line_pitch,
+)
 from rumu.pages.page import Direction, PageCharacter
 from rumu.values import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True)
-class GridSettings:
+class PageGridSettings:
     """When a picture shows a grid.
 
     sides: longer side, in pixels, of the reduced pictures that lines are looked for in, in this order.
@@ -29,7 +35,6 @@ class GridSettings:
         beyond the picture by this share of its side.
     guide: by how much cells of two or three pitches are drawn more strongly where lines within them are
         guides.
-    gap: step from row to row or column to column, over the cell's side, from which on these stand apart.
     """
 
     sides: tuple[int, ...] = (1600, 640)
@@ -47,7 +52,6 @@ class GridSettings:
     of_first: float = 0.12
     cut: float = 0.25
     guide: float = 1.07
-    gap: float = 1.06
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,7 +74,7 @@ class PageGrid:
     ink: BoolArray
 
 
-def find_grid(picture: Picture, *, settings: GridSettings | None = None) -> PageGrid | None:
+def find_grid(picture: Picture, *, settings: PageGridSettings | None = None) -> PageGrid | None:
     """Find the printed cells of a flat, upright page.
 
     Parameters
@@ -94,7 +98,7 @@ def find_grid(picture: Picture, *, settings: GridSettings | None = None) -> Page
 
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
         raise ImageError(f"expected a (H, W, 3) uint8 picture, got {picture.shape} {picture.dtype}")
-    settings = settings or GridSettings()
+    settings = settings or PageGridSettings()
     longer = max(picture.shape[:2])
     for side in settings.sides:
         scale = min(1.0, side / longer)
@@ -113,9 +117,9 @@ Placed = list[tuple[int, int, FloatArray, float]]
 """The cells of a lattice: row, column, corners (4, 2), how well it is drawn."""
 
 
-def find_lattices(picture: Picture, *, settings: GridSettings) -> list[Placed]:
+def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Placed]:
     """The lattices of cells in a reduced picture, from top to bottom."""
-    lines = LineSettings()
+    lines = PrintedLineSettings()
     if min(picture.shape[:2]) < 4 * lines.pitch:
         return []
     evidence = find_line_evidence(picture, settings=lines)
@@ -146,7 +150,7 @@ def find_lattices(picture: Picture, *, settings: GridSettings) -> list[Placed]:
     return [cells for cells in placed if _is_even(cells, settings)]
 
 
-def _is_even(cells: Placed, settings: GridSettings) -> bool:
+def _is_even(cells: Placed, settings: PageGridSettings) -> bool:
     """Whether the cells are equally wide or equally high, but for a change from one side to the other."""
     quads, places = np.array([cell[2] for cell in cells]), np.array([cell[:2] for cell in cells], float)
     few = len(cells) < settings.few
@@ -160,14 +164,16 @@ def _is_even(cells: Placed, settings: GridSettings) -> bool:
     return max(uneven) <= (settings.few_even if few else settings.uneven) and min(uneven) <= settings.even
 
 
-def _place(evidence: LineEvidence, lattice: Lattice, model: LatticeModel, *, lines: LineSettings) -> Placed:
+def _place(
+    evidence: LineEvidence, lattice: Lattice, model: LatticeModel, *, lines: PrintedLineSettings
+) -> Placed:
     quads = place_edges(evidence, lattice, model, reduction=lines.reduction, enough=lines.enough)
     cells = [(*place, quad, lattice.fits[place]) for place, quad in zip(lattice.cells, quads, strict=True)]
     return sorted(cells, key=lambda cell: cell[:2])
 
 
 def _guides_within(
-    evidence: LineEvidence, pitch: int, lines: LineSettings, settings: GridSettings
+    evidence: LineEvidence, pitch: int, lines: PrintedLineSettings, settings: PageGridSettings
 ) -> tuple[int, float]:
     """Into how many parts guides divide a cell, whose edges are much stronger: 1, 2 or 3; and how strong."""
     strengths = [
@@ -179,14 +185,14 @@ def _guides_within(
     return chosen + 1, strengths[chosen]
 
 
-def _stands_out(edges: EdgeMaps, lattice: Lattice, settings: GridSettings) -> bool:
+def _stands_out(edges: EdgeMaps, lattice: Lattice, settings: PageGridSettings) -> bool:
     """Whether there is much less between the lines than on them, as in noise and stripes there is not."""
     between = fit_between(edges, np.array(list(lattice.cells.values())))
     best = np.sort(list(lattice.fits.values()))[-max(4, len(lattice.fits) // 4) :]
     return float(best.mean()) >= settings.contrast * between
 
 
-def _is_grid(lattice: Lattice, *, settings: GridSettings) -> bool:
+def _is_grid(lattice: Lattice, *, settings: PageGridSettings) -> bool:
     drawn = sum(fit >= settings.drawn for fit in lattice.fits.values())
     enough = len(lattice.cells) >= settings.cells and drawn >= settings.first
     return enough and drawn >= settings.share * len(lattice.fits)
@@ -202,7 +208,7 @@ def _overlap(lattice: Lattice, other: Lattice) -> bool:
 
 
 def _as_grid(
-    picture: Picture, lattices: list[Placed], shape: tuple[int, int], settings: GridSettings
+    picture: Picture, lattices: list[Placed], shape: tuple[int, int], settings: PageGridSettings
 ) -> PageGrid:
     """Corners, order and writing of the cells, in pixels of the whole picture."""
     import cv2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ Map = npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True)
-class LineSettings:
+class PrintedLineSettings:
     """What counts as a printed line. Lengths are pixels of the reduced picture unless they say otherwise.
 
     reduction: pixels along a line that are averaged. half_length: of the piece of a line that is looked at
@@ -58,9 +59,9 @@ class LineEvidence:
     down: Map
 
 
-def find_line_evidence(picture: Picture, *, settings: LineSettings | None = None) -> LineEvidence:
+def find_line_evidence(picture: Picture, *, settings: PrintedLineSettings | None = None) -> LineEvidence:
     """Darkness of a picture (H, W, 3), and what speaks for lines along x and along y."""
-    settings = settings or LineSettings()
+    settings = settings or PrintedLineSettings()
     darkness, coloured = measure_darkness(picture)
     writing = find_writing(darkness, coloured, settings)
     bare = np.where(writing, np.float32(0), darkness)
@@ -71,20 +72,25 @@ def find_line_evidence(picture: Picture, *, settings: LineSettings | None = None
 
 def measure_darkness(picture: Picture) -> tuple[Map, Map]:
     """How much darker than the paper, in the darkest channel, and how coloured; shares of its level."""
+    darkest = picture.min(axis=2)
+    paper = paper_level(darkest)
+    darkness = np.clip((paper - darkest) / paper, 0, 1)
+    return darkness, np.asarray((picture.max(axis=2) - darkest) / paper, np.float32)
+
+
+def paper_level(channel: Picture) -> Map:
+    """(H, W) float32, 40-255: the paper around each pixel of a channel (H, W) uint8, without its writing."""
     import cv2
 
-    darkest = picture.min(axis=2)
-    height, width = darkest.shape
+    height, width = channel.shape
     size = max(1, width // 4), max(1, height // 4)
-    small = cv2.dilate(cv2.resize(darkest, size, interpolation=cv2.INTER_AREA), np.ones((3, 3), np.uint8))
-    side = min(17, (min(size) - 1) // 2 * 2 + 1)
-    paper = cv2.resize(cv2.medianBlur(small, max(1, side)), (width, height)).astype(np.float32)
-    paper = np.maximum(paper, 40)
-    darkness = np.clip((paper - darkest) / paper, 0, 1)
-    return darkness, (picture.max(axis=2) - darkest) / paper
+    small = cv2.dilate(cv2.resize(channel, size, interpolation=cv2.INTER_AREA), np.ones((3, 3), np.uint8))
+    side = max(1, min(17, (min(size) - 1) // 2 * 2 + 1))
+    paper = cv2.resize(cv2.medianBlur(small, side), (width, height)).astype(np.float32)
+    return np.asarray(np.maximum(paper, 40), np.float32)
 
 
-def find_writing(darkness: Map, coloured: Map, settings: LineSettings) -> BoolArray:
+def find_writing(darkness: Map, coloured: Map, settings: PrintedLineSettings) -> BoolArray:
     """(H, W) bool: dark gray parts of the size of characters, with a margin; a grid is larger."""
     import cv2
 
@@ -103,21 +109,24 @@ def find_writing(darkness: Map, coloured: Map, settings: LineSettings) -> BoolAr
     return np.asarray(cv2.dilate(chosen.astype(np.uint8)[labels], np.ones((5, 5), np.uint8)) > 0)
 
 
-def moved(values: Map, down: int, right: int) -> Map:
-    """The values at (row + down, column + right), 0 beyond the border."""
+def sum_of_moved(values: Map, steps: Sequence[tuple[int, int]]) -> Map:
+    """The sum of the values at (row + down, column + right) for all of these steps, 0 beyond the border."""
     height, width = values.shape
-    out = np.zeros_like(values)
-    if abs(down) < height and abs(right) < width:
-        to = (
-            slice(max(0, -down), min(height, height - down)),
-            slice(max(0, -right), min(width, width - right)),
-        )
-        at = slice(max(0, down), min(height, height + down)), slice(max(0, right), min(width, width + right))
-        out[to] = values[at]
-    return out
+    total = np.zeros_like(values)
+    for down, right in steps:
+        if abs(down) < height and abs(right) < width:
+            rows, columns = (
+                slice(max(0, -step), min(size, size - step))
+                for step, size in ((down, height), (right, width))
+            )
+            from_rows, from_columns = (
+                slice(max(0, step), min(size, size + step)) for step, size in ((down, height), (right, width))
+            )
+            total[rows, columns] += values[from_rows, from_columns]
+    return total
 
 
-def _line_response(bare: Map, settings: LineSettings) -> Map:
+def _line_response(bare: Map, settings: PrintedLineSettings) -> Map:
     """(H, W / reduction): darkness along a short piece of a line along x, over the darker of both sides."""
     import cv2
 
@@ -129,15 +138,13 @@ def _line_response(bare: Map, settings: LineSettings) -> Map:
     along = range(-settings.half_length, settings.half_length + 1)
     best = np.zeros_like(reduced)
     for slope in settings.slopes:
-        piece = np.zeros_like(reduced)
-        for j in along:
-            piece += moved(reduced, round(slope * step * j), j)
+        piece = sum_of_moved(reduced, [(round(slope * step * j), j) for j in along])
         ridge = piece[k:-k] - np.maximum(piece[: -2 * k], piece[2 * k :])
         np.maximum(best[k:-k], ridge, out=best[k:-k])
     return np.asarray(best / len(along))
 
 
-def line_pitch(down: Map, *, settings: LineSettings | None = None) -> int | None:
+def line_pitch(down: Map, *, settings: PrintedLineSettings | None = None) -> int | None:
     """Likeliest distance of lines along y, in pixels, from the response to them (H / reduction, W), or None.
 
     Each belt of the picture is compared with itself moved sideways, so lines may bend and converge from belt
@@ -145,7 +152,7 @@ def line_pitch(down: Map, *, settings: LineSettings | None = None) -> int | None
     """
     import cv2
 
-    settings = settings or LineSettings()
+    settings = settings or PrintedLineSettings()
     width = down.shape[1]
     total = np.zeros(width)
     for belt in _belts(down, settings):
@@ -166,6 +173,6 @@ def line_pitch(down: Map, *, settings: LineSettings | None = None) -> int | None
     return max(peaks, key=lambda k: total[k])
 
 
-def _belts(down: Map, settings: LineSettings) -> list[Map]:
+def _belts(down: Map, settings: PrintedLineSettings) -> list[Map]:
     belt = 4 * settings.half_length
     return [down[top : top + belt] for top in range(0, max(1, down.shape[0] - belt // 2), belt)]

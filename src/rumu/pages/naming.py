@@ -9,8 +9,7 @@ import numpy as np
 from rumu.pages.character_shapes import CharacterShape, joined_shape
 from rumu.pages.free_page import FreePage, WrittenColumn
 from rumu.pages.recutting import Draft, Words, cut_anew, look_of
-from rumu.pages.text_alignment import Aligned, FoundCharacters, Step, align, lay_out, read_text
-from rumu.values import FloatArray
+from rumu.pages.text_alignment import Aligned, FoundCharacters, Step, align, distinct_characters, read_text
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,13 +24,14 @@ class NamedShape:
 def name_characters(page: FreePage, text: str) -> list[list[NamedShape]]:
     """The characters of each column of a page, named by the text; parted or joined where the text says so."""
     given = read_text(text)
-    different, which = lay_out(given.characters)
+    different, which = distinct_characters(given.characters)
     words = Words(different, page.direction)
     shapes = [(column, shape) for column in page.columns for shape in column.shapes]
     if not shapes:
         return [[] for _ in page.columns]
-    steps = align(_found(shapes, words), which, given.starts)
-    drafts = _drafts(steps, shapes, which.tolist())
+    found = _found(shapes, words)
+    steps = align(found, which, given.starts)
+    drafts = _drafts(steps, shapes, which.tolist(), found)
     return _named(cut_anew([drafts[id(column)] for column in page.columns], page.columns, words), words)
 
 
@@ -62,7 +62,10 @@ def _found(shapes: list[tuple[WrittenColumn, CharacterShape]], words: Words) -> 
 
 
 def _drafts(
-    steps: list[Aligned], shapes: list[tuple[WrittenColumn, CharacterShape]], which: list[int]
+    steps: list[Aligned],
+    shapes: list[tuple[WrittenColumn, CharacterShape]],
+    which: list[int],
+    found: FoundCharacters,
 ) -> dict[int, list[Draft]]:
     """For each column, by its id, what the alignment says of its characters."""
     drafts: dict[int, list[Draft]] = {id(column): [] for column, _ in shapes}
@@ -79,31 +82,27 @@ def _drafts(
             if alone and step.text:  # between two neighbours that are in their places
                 own.append(Draft(None, which[step.text]))
         elif step.step == Step.SKIP_FOUND:
-            own.append(Draft(shape, None))
+            own.append(Draft(shape, None, found.z[step.found]))
         elif step.step == Step.MERGE:
             lower = shapes[step.found + 1][1]
-            own.append(Draft(joined_shape(shape, lower, column.column), which[step.text]))
+            both = joined_shape(shape, lower, column.column)
+            own.append(Draft(both, which[step.text], found.z_merged[step.found]))
         else:
-            own.append(Draft(shape, which[step.text]))
+            own.append(Draft(shape, which[step.text], found.z[step.found]))
             if step.step == Step.SPLIT:
                 own.append(Draft(None, which[step.text + 1]))
     return drafts
 
 
 def _named(drafts: list[list[Draft]], words: Words) -> list[list[NamedShape]]:
-    shapes = [draft.shape for own in drafts for draft in own if draft.shape is not None]
-    fits = iter(words.likeness([look_of(shape) for shape in shapes]))
-    return [
-        [_name(draft.shape, draft.which, next(fits), words) for draft in own if draft.shape is not None]
-        for own in drafts
-    ]
+    return [[_name(draft.shape, draft, words) for draft in own if draft.shape is not None] for own in drafts]
 
 
-def _name(shape: CharacterShape, which: int | None, fits: FloatArray, words: Words) -> NamedShape:
-    if which is None:
+def _name(shape: CharacterShape, draft: Draft, words: Words) -> NamedShape:
+    if draft.which is None:
         return NamedShape(shape, None, 1.0)
-    certainty = _certainty(float(fits[which]), bool(words.known[which]))
-    return NamedShape(shape, words.different[which], certainty)
+    certainty = _certainty(draft.fit(), bool(words.known[draft.which]))
+    return NamedShape(shape, words.different[draft.which], certainty)
 
 
 def _certainty(z: float, known: bool) -> float:

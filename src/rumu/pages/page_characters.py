@@ -23,7 +23,7 @@ from rumu.values import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True)
-class GridSettings:
+class RegisterSettings:
     """What the columns of one register have in common.
 
     full: by how many paces a column may fall short of the longest and still count as full. agree: share of
@@ -72,30 +72,30 @@ class _Run:
 
 
 def part_register(
-    columns: list[Column], *, rhythm: RhythmSettings | None = None, grid: GridSettings | None = None
+    columns: list[Column], *, rhythm: RhythmSettings | None = None, register: RegisterSettings | None = None
 ) -> list[ColumnPlaces]:
     """Where the characters of each column of a register stand."""
-    rhythm, grid = rhythm or RhythmSettings(), grid or GridSettings()
+    rhythm, register = rhythm or RhythmSettings(), register or RegisterSettings()
     breadth = float(np.median([column.breadth for column in columns]))
     pace = find_pace(columns, settings=rhythm)
-    paces = [_own_pace(column, pace, breadth, rhythm, grid) for column in columns]
+    paces = [_own_pace(column, pace, breadth, rhythm, register) for column in columns]
     inks = [row_ink(column, breadth=breadth) for column in columns]
     runs = [_runs(ink, p, SmallSettings(), rhythm) for ink, p in zip(inks, paces, strict=True)]
     every = [run for own in runs for run in own]
-    few = max(2, grid.double * sum(run.count() for run in every))
+    few = max(2, register.double * sum(run.count() for run in every))
     smalls = sum(run.small_count() for run in every)
     if smalls:
         known = WHERE_KNOWN if smalls >= few else None
         runs = [_runs(ink, p, known, rhythm) for ink, p in zip(inks, paces, strict=True)]
-    counts = _counts(columns, runs, pace, grid)
+    counts = _counts(columns, runs, pace, register)
     return [_places(own, n, p) for own, n, p in zip(runs, counts, paces, strict=True)]
 
 
 def _own_pace(
-    column: Column, pace: float, breadth: float, rhythm: RhythmSettings, grid: GridSettings
+    column: Column, pace: float, breadth: float, rhythm: RhythmSettings, register: RegisterSettings
 ) -> float:
     """The pace of a column: that of its register, unless its characters are smaller."""
-    if column.breadth > grid.slender * breadth:
+    if column.breadth > register.slender * breadth:
         return pace
     own = find_pace([column], settings=rhythm)
     return min(own, pace)
@@ -112,7 +112,7 @@ def _runs(ink: RowInk, pace: float, small: SmallSettings | None, rhythm: RhythmS
 
 
 def _counts(
-    columns: list[Column], runs: list[list[_Run]], pace: float, grid: GridSettings
+    columns: list[Column], runs: list[list[_Run]], pace: float, register: RegisterSettings
 ) -> list[list[int]]:
     """The number of characters of each run: a full column holds as many as most of the full ones do."""
     counts = [[run.count() for run in own] for own in runs]
@@ -120,13 +120,13 @@ def _counts(
     full = [
         k
         for k, column in enumerate(columns)
-        if len(runs[k]) == 1 and column.length > longest - grid.full * pace
+        if len(runs[k]) == 1 and column.length > longest - register.full * pace
     ]
     usual, times = np.unique([counts[k][0] for k in full], return_counts=True)
-    if not full or times.max() < max(2, grid.agree * len(full)):
+    if not full or times.max() < max(2, register.agree * len(full)):
         return counts
     number = int(usual[np.argmax(times)])
-    weight = grid.weight * float(times.max()) / len(full)
+    weight = register.weight * float(times.max()) / len(full)
     for k in full:
         cost = runs[k][0].best.cost
         if number < len(cost) and cost[number] < cost[counts[k][0]] + weight:

@@ -11,7 +11,7 @@ from rumu.values import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)
-class PartSettings:
+class PagePartSettings:
     """What counts as a line, a picture or a speck; lengths in sizes of a character.
 
     line: how long a straight run must be. thin: how thick a line, or a stroke, may be. long: how long a
@@ -56,14 +56,14 @@ class PageParts:
 
 
 def find_parts(
-    ink: BoolArray, *, faint: BoolArray | None = None, settings: PartSettings | None = None
+    ink: BoolArray, *, faint: BoolArray | None = None, settings: PagePartSettings | None = None
 ) -> PageParts:
     """Part the ink of a page into what may be writing and what is not.
 
     faint: (H, W) bool, the ink and marks nearly as dark; thin lines are followed in it.
     Raises ImageError where there is no ink.
     """
-    settings = settings or PartSettings()
+    settings = settings or PagePartSettings()
     size = character_size(ink, settings=settings)
     lines = _find_lines(ink, size, settings)
     if faint is not None:
@@ -77,9 +77,9 @@ def find_parts(
     return PageParts(labels > 0, labels, boxes, areas, size, lines, pictures)
 
 
-def character_size(ink: BoolArray, *, settings: PartSettings | None = None) -> float:
+def character_size(ink: BoolArray, *, settings: PagePartSettings | None = None) -> float:
     """About what a character measures in pixels: the shorter side of the larger parts."""
-    settings = settings or PartSettings()
+    settings = settings or PagePartSettings()
     _, boxes, areas = _label(ink)
     if not len(boxes):
         raise ImageError("expected a page with writing, got one without ink", zh="這張圖上沒有墨跡。")
@@ -89,10 +89,11 @@ def character_size(ink: BoolArray, *, settings: PartSettings | None = None) -> f
     usual &= sides.min(axis=1) > 2
     if not usual.any():
         return float(np.median(sides.max(axis=1)))
-    return _weighted_quantile(sides[usual].min(axis=1).astype(float), areas[usual].astype(float), 0.75)
+    return weighted_quantile(sides[usual].min(axis=1).astype(float), areas[usual].astype(float), 0.75)
 
 
-def _weighted_quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
+def weighted_quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
+    """The value below which this share of the weights lies."""
     order = np.argsort(values)
     reached = np.cumsum(weights[order])
     return float(values[order][np.searchsorted(reached, share * reached[-1])])
@@ -112,7 +113,7 @@ def _of_parts(labels: IntArray, chosen: BoolArray) -> BoolArray:
     return np.asarray(np.concatenate([[False], chosen])[labels])
 
 
-def _find_lines(ink: BoolArray, size: float, settings: PartSettings) -> BoolArray:
+def _find_lines(ink: BoolArray, size: float, settings: PagePartSettings) -> BoolArray:
     """Straight ruled lines, also where writing touches them."""
     import cv2
 
@@ -126,7 +127,7 @@ def _find_lines(ink: BoolArray, size: float, settings: PartSettings) -> BoolArra
     return (lines > 0) & ink
 
 
-def _find_lonely_lines(faint: BoolArray, size: float, settings: PartSettings) -> BoolArray:
+def _find_lonely_lines(faint: BoolArray, size: float, settings: PagePartSettings) -> BoolArray:
     """Thin lines with nothing beside them, broken ones too."""
     import cv2
 
@@ -148,7 +149,7 @@ def _find_lonely_lines(faint: BoolArray, size: float, settings: PartSettings) ->
 
 
 def _choose(
-    labels: IntArray, boxes: IntArray, areas: IntArray, size: float, settings: PartSettings
+    labels: IntArray, boxes: IntArray, areas: IntArray, size: float, settings: PagePartSettings
 ) -> tuple[BoolArray, BoolArray, BoolArray]:
     """(n,) bool each: the parts that are frames and lines, those of pictures, those that may be writing."""
     width, height = (boxes[:, 2:] - boxes[:, :2]).T / size
@@ -164,7 +165,7 @@ def _choose(
     return frame, picture, ~(frame | solid | picture | (longer < settings.speck))
 
 
-def _with_borders(pictures: IntArray, lines: BoolArray, settings: PartSettings) -> IntArray:
+def _with_borders(pictures: IntArray, lines: BoolArray, settings: PagePartSettings) -> IntArray:
     """The boxes of pictures, each grown to the border drawn around it."""
     if not len(pictures):
         return pictures

@@ -39,11 +39,17 @@ class Draft:
     """A character as the alignment has it.
 
     shape: its ink; None for one of the text whose ink is in its neighbour, if anywhere. which: which of the
-    different characters of the text it is, None for ink that the text does not have.
+    different characters of the text it is, None for ink that the text does not have. fits: (u,) how well each
+    of them fits the ink, see `Words.likeness`; None without ink.
     """
 
     shape: CharacterShape | None
     which: int | None
+    fits: FloatArray | None = None
+
+    def fit(self) -> float:
+        """How well its own name fits its ink; minus infinity without either."""
+        return -np.inf if self.fits is None or self.which is None else float(self.fits[self.which])
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +102,7 @@ def cut_anew(
 ) -> list[list[Draft]]:
     """The characters of each column, touching ones cut where both fit their names best."""
     settings = settings or RecutSettings()
-    trials = _trials(drafts, columns, words, settings)
+    trials = _trials(drafts, columns, words.known, settings)
     z = words.likeness([look_of(half) for trial in trials for cut in trial.halves for half in cut])
     new, first = [list(own) for own in drafts], 0
     changed: set[tuple[int, int]] = set()
@@ -112,27 +118,24 @@ def cut_anew(
         if fits and not changed & places:
             changed |= places
             for k, half in enumerate(trial.halves[best]):
-                new[trial.column][trial.at + k] = Draft(half, trial.names[k])
+                new[trial.column][trial.at + k] = Draft(half, trial.names[k], own[2 * best + k])
     return new
 
 
 def _trials(
-    drafts: list[list[Draft]], columns: Sequence[WrittenColumn], words: Words, settings: RecutSettings
+    drafts: list[list[Draft]], columns: Sequence[WrittenColumn], known: BoolArray, settings: RecutSettings
 ) -> list[_Trial]:
-    named = [draft for own in drafts for draft in own if draft.shape is not None and draft.which is not None]
-    z = words.likeness([look_of(draft.shape) for draft in named if draft.shape is not None])
-    fit = {id(draft): float(z[k, draft.which or 0]) for k, draft in enumerate(named)}
     trials = []
     for c, (own, column) in enumerate(zip(drafts, columns, strict=True)):
         for k, (upper, lower) in enumerate(pairwise(own)):
             if upper.which is None or lower.which is None:
                 continue
             names = upper.which, lower.which
-            if not words.known[list(names)].all():
+            if not known[list(names)].all():
                 continue
             if upper.shape is not None and lower.shape is not None:
-                now = fit[id(upper)] + fit[id(lower)]
-                poor = min(fit[id(upper)], fit[id(lower)]) < settings.poor
+                now = upper.fit() + lower.fit()
+                poor = min(upper.fit(), lower.fit()) < settings.poor
                 halves = _neighbours_cut(upper.shape, lower.shape, column, settings) if poor else []
             else:
                 now, whole = -np.inf, upper.shape or lower.shape

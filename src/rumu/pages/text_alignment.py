@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -202,8 +201,8 @@ def _way_back(step: Ways, jump: npt.NDArray[np.int32], n: int, m: int) -> list[A
     return taken[::-1]
 
 
-def lay_out(texts: Sequence[str]) -> tuple[list[str], IntArray]:
+def distinct_characters(text: str) -> tuple[list[str], IntArray]:
     """The different characters of a text in order, and which of them each one is."""
-    different = sorted(set(texts))
+    different = sorted(set(text))
     number = {character: k for k, character in enumerate(different)}
-    return different, np.array([number[character] for character in texts], dtype=np.intp)
+    return different, np.array([number[character] for character in text], dtype=np.intp)

@@ -14,8 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.capture.decoded_size import MAX_PIXELS, Reduction
-from rumu.capture.formats import decode
-from rumu.capture.stored import eight_bits
+from rumu.capture.image import read_colours
 from rumu.errors import ImageError
 from rumu.inputs import open_file
 from rumu.studio.unpacking import HEAD, unpack
@@ -71,12 +70,7 @@ def read_photo(photo: SheetPhoto) -> npt.NDArray[np.uint8]:
     """(H, W, 3) uint8 sRGB, upright as its file says. Raises ImageError."""
     if photo.page is not None:
         return _render(photo.path, photo.page)
-    stored = decode(photo.path, reduction=PHOTO_SIZE, floats=False)
-    values = eight_bits(stored.values)
-    if stored.alpha is not None:
-        opaque = stored.alpha if values.ndim == 2 else stored.alpha[..., None]
-        values = np.asarray(np.round(values * opaque + 255 * (1 - opaque)), np.uint8)
-    return np.ascontiguousarray(np.dstack([values] * 3) if values.ndim == 2 else values)
+    return read_colours(photo.path, reduction=PHOTO_SIZE)
 
 
 def _of_path(path: Path, stack: contextlib.ExitStack) -> list[SheetPhoto]:

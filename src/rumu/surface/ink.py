@@ -45,7 +45,7 @@ from rumu.surface.paper import (
 )
 from rumu.surface.sheet import find_sheet, has_bays
 from rumu.surface.writing import (
-    Page,
+    InkLevels,
     WritingLimits,
     refuse_cut_by_shadow,
     refuse_flat,
@@ -215,7 +215,7 @@ def _find_paper(picture: Bytes, polarity: Polarity | None) -> tuple[Box, BoolArr
 
 def _separate(
     view: Bytes, small: Bytes, paper: Paper, off_sheet: BoolArray | None, settings: InkMaskSettings
-) -> Page:
+) -> InkLevels:
     """Ratio to the paper, smoothed as much as the paper is noisy, and the level half-way to the ink."""
     import cv2
 
@@ -248,7 +248,7 @@ def _separate(
     return replace(page, cut=_widen_cut(page, paper.polarity, settings)) if cut.any() else page
 
 
-def _find_levels(x: Bytes, cut: BoolArray, settings: InkMaskSettings) -> Page:
+def _find_levels(x: Bytes, cut: BoolArray, settings: InkMaskSettings) -> InkLevels:
     """Otsu's threshold, moved half-way between the medians of the two sides; red marks are on neither."""
     counts = histogram(x, mask=~cut if cut.any() else None)
     if counts.sum() < settings.fewest_pixels:
@@ -261,7 +261,7 @@ def _find_levels(x: Bytes, cut: BoolArray, settings: InkMaskSettings) -> Page:
     order = np.argsort(off)
     spread = np.cumsum(np.where(np.arange(256) >= threshold, counts, 0.0)[order])
     middle = float(off[order][np.searchsorted(spread, spread[-1] / 2)])
-    return Page(x, threshold, dark, light, (light - dark) / max(1.4826 * middle, 0.5), cut)
+    return InkLevels(x, threshold, dark, light, (light - dark) / max(1.4826 * middle, 0.5), cut)
 
 
 def _median(counts: FloatArray, low: float, high: float) -> float:
@@ -271,7 +271,7 @@ def _median(counts: FloatArray, low: float, high: float) -> float:
     return float(first + np.searchsorted(part, part[-1] / 2)) if len(part) and part[-1] else low
 
 
-def _widen_cut(page: Page, polarity: Polarity, settings: InkMaskSettings) -> BoolArray:
+def _widen_cut(page: InkLevels, polarity: Polarity, settings: InkMaskSettings) -> BoolArray:
     """Red marks with their soft edges; ink that is plainly dark stays ink."""
     import cv2
 
@@ -283,7 +283,7 @@ def _widen_cut(page: Page, polarity: Polarity, settings: InkMaskSettings) -> Boo
 
 
 def _clean(
-    page: Page, polarity: Polarity, settings: InkMaskSettings
+    page: InkLevels, polarity: Polarity, settings: InkMaskSettings
 ) -> tuple[BoolArray, dict[str, int], float | None]:
     """The ink without red marks, ruled lines and what its position gives away; pixels of each kind.
 

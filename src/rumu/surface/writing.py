@@ -66,7 +66,7 @@ class WritingLimits:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Page:
+class InkLevels:
     """A page separated into ink and paper.
 
     x: (H, W) uint8, ratio to the paper. threshold, ink, paper: gray levels of it, the last two medians.
@@ -136,7 +136,7 @@ _UNEVEN = (
 
 
 def refuse_unwritten(
-    mask: BoolArray, page: Page, figures: Mapping[str, float], *, limits: WritingLimits, clean: float
+    mask: BoolArray, page: InkLevels, figures: Mapping[str, float], *, limits: WritingLimits, clean: float
 ) -> None:
     """Raise RefusedImage where what is dark is no writing.
 
@@ -164,7 +164,7 @@ def refuse_unwritten(
 
 
 def _what_else(
-    mask: BoolArray, page: Page, figures: Mapping[str, float], limits: WritingLimits, clean: float
+    mask: BoolArray, page: InkLevels, figures: Mapping[str, float], limits: WritingLimits, clean: float
 ) -> tuple[str, str] | None:
     """Reason and description of what the picture shows instead of writing; None when it shows writing."""
     if page.contrast < limits.contrast or np.count_nonzero(mask) < limits.pixels:

@@ -94,7 +94,7 @@ WorkFilters = Annotated[dict[str, Any], Depends(work_filters)]
 @router.get("/api/works", response_model=WorkPage)
 def list_works(
     service: ServiceDep, filters: WorkFilters, offset: Offset = 0, limit: Limit = 60
-) -> catalog.Page[Extended]:
+) -> catalog.ListPage[Extended]:
     """Works that match all filters, those that the search means most nearly first.
 
     A word of `q` is a character in any of its forms, its pinyin, a calligrapher, a title, a script or a
@@ -107,7 +107,7 @@ def list_works(
         Extended(work, meanings=list(page.meanings.get(work.id, ())), characters=counts.get(work.id, 0))
         for work in page.items
     )
-    return catalog.Page(items, page.total, page.understood)
+    return catalog.ListPage(items, page.total, page.understood)
 
 
 @router.get("/api/facets", response_model=dict[str, list[FacetValueRead]])
