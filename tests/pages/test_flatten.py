@@ -71,6 +71,51 @@ def test_a_sheet_on_a_desk_is_found_by_its_edge():
     assert np.linalg.norm(back - corners, axis=1).max() < 0.15 * side
 
 
+@pytest.mark.parametrize("spin", [0, 38, 90, 215])
+def test_lines_are_followed_however_the_camera_is_turned(spin):
+    page, quads = page_with_grid()
+    matrix, side = camera(page.shape[:2], tilt=20, turn=10, spin=spin)
+    flat = flatten_photo(photograph(page, matrix, side))
+    assert flat.found_by == "lines"
+    true = cv2.perspectiveTransform(quads.reshape(1, -1, 2), matrix)[0]
+    grid = find_grid(flat.picture)
+    assert grid is not None and len(grid.cells) == 35
+    found = np.concatenate([flat.photo_from_flat(cell.polygon) for cell in grid.cells])
+    assert np.linalg.norm(found[:, None] - true[None], axis=2).min(axis=1).max() < 3
+
+
+@pytest.mark.parametrize(("tilt", "turn", "spin"), [(0, 0, 9), (25, 0, 0), (0, 25, 3), (18, 18, -6)])
+def test_a_page_without_lines_or_edges_is_set_straight_by_its_text(tilt, turn, spin):
+    page = np.full((840, 700, 3), PAPER, np.uint8)
+    centres = np.array([(80 + 60 * c, 60 + 40 * r) for c in range(10) for r in range(19)], float)
+    for x, y in centres.astype(int):  # ink that shows no straight line
+        for dx, dy in NOISE.integers(-12, 13, (6, 2)):
+            cv2.ellipse(page, (int(x + dx), int(y + dy)), (7, 3), int(NOISE.integers(180)), 0, 360, BLACK, -1)
+    matrix, side = camera(page.shape[:2], tilt=tilt, turn=turn, spin=spin)
+    seen = cv2.warpPerspective(page, matrix, (side, side), borderValue=PAPER)
+    flat = flatten_photo(seen)
+    assert flat.found_by == "text"
+    height, width = flat.picture.shape[:2]
+    x, y = np.meshgrid(np.linspace(0.3, 0.7, 9) * width, np.linspace(0.3, 0.7, 9) * height)
+    grid = flat.photo_from_flat(np.column_stack([x.ravel(), y.ravel()]))
+    on_page = cv2.perspectiveTransform(grid[None], np.linalg.inv(matrix))[0].reshape(9, 9, 2)
+    down, right = on_page[-1, :] - on_page[0, :], on_page[:, -1] - on_page[:, 0]
+    assert np.degrees(np.abs(np.arctan2(down[:, 0], down[:, 1]))).max() < 1.5
+    assert np.degrees(np.abs(np.arctan2(right[:, 1], right[:, 0]))).max() < 1.5
+
+
+def test_the_ground_around_a_sheet_is_cut_off():
+    page, _ = page_with_grid()
+    matrix, side = camera(page.shape[:2], tilt=20, turn=0, spin=4)
+    flat = flatten_photo(photograph(page, matrix, side))
+    height, width = flat.picture.shape[:2]
+    x, y = np.meshgrid(np.linspace(0, width, 40), np.linspace(0, height, 40))
+    shown = flat.photo_from_flat(np.column_stack([x.ravel(), y.ravel()]))
+    on_page = cv2.perspectiveTransform(shown[None], np.linalg.inv(matrix))[0] / page.shape[1::-1]
+    assert ((on_page > 0) & (on_page < 1)).all(axis=1).mean() > 0.85
+    assert on_page.min() > -0.05 and on_page.max() < 1.05
+
+
 def test_a_page_that_lies_flat_stays_as_it_is():
     page, _ = page_with_grid()
     flat = flatten_photo(page)

@@ -106,6 +106,27 @@ def test_columns_run_from_right_to_left(columns_page):
     assert_in_place(page, drawn)
 
 
+@pytest.mark.parametrize("turns", [1, 2, 3])
+def test_a_page_that_lies_on_its_side_or_head_is_turned_upright(columns_page, rows_page, turns):
+    for drawn in (columns_page(POEM), rows_page(POEM)):
+        page = rumu.read_page(np.rot90(drawn.picture, turns), text=TEXT)
+        assert page.picture.shape == drawn.picture.shape
+        assert_in_place(page, drawn)
+        assert "".join(one.character for one in page.characters) == TEXT
+
+
+@pytest.mark.parametrize("degrees", [-3.0, 2.0, 11.0])
+def test_a_page_that_leans_is_set_straight_by_its_text(columns_page, degrees):
+    drawn = columns_page(POEM, frame=False)
+    height, width = drawn.gray.shape
+    matrix = cv2.getRotationMatrix2D((width / 2, height / 2), degrees, 1)
+    leaning = cv2.warpAffine(drawn.picture, matrix, (width, height), borderValue=(240, 240, 240))
+    page = rumu.read_page(leaning)
+    assert places(page) == [(0, c, k) for c in range(6) for k in range(8)]
+    middles = np.array([one.polygon.mean(axis=0) for one in page.characters]).reshape(6, 8, 2)
+    assert np.abs(np.diff(middles[:, [0, -1], 0], axis=1)).max() < 6  # each column stands upright
+
+
 def test_registers_run_from_top_to_bottom(columns_page):
     drawn = columns_page(POEM[:4], POEM[2:])
     page = rumu.read_page(drawn.picture)

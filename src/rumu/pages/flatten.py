@@ -1,18 +1,22 @@
-"""A photograph of a page becomes the page as it lies flat: by printed lines, or the edge of its paper."""
+"""A photograph of a page becomes the page as it lies flat: by printed lines, the paper's edge, the text."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
+from rumu.capture.image import shrink
 from rumu.errors import ImageError
 from rumu.pages.line_evidence import Picture
-from rumu.values import BoolArray, FloatArray
+from rumu.pages.paper_edge import PaperEdgeSettings, find_paper, view_by_paper
+from rumu.pages.text_view import view_by_text
+from rumu.pages.vanishing_points import VanishingSettings, view_by_lines
+from rumu.values import FloatArray
 
-FoundBy = Literal["lines", "paper", "picture"]
+FoundBy = Literal["lines", "paper", "text", "picture"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,32 +24,21 @@ class FlattenSettings:
     """How a page is found in a photograph.
 
     side: longer side, in pixels, of the reduced picture that is searched. segment: least length of a straight
-        piece, as a share of it. pieces: least number of pieces along each way. lean: most lean of a family of
-        lines, in degrees. agreeing: a piece belongs to a vanishing point that lies in its direction within
-        so many degrees; share: least share of a family's length that does. draws: pairs of pieces tried.
-    steepest: most tilt of the page against the camera, in degrees.
-    focal: focal length over the longer side where the picture does not say; least_focal, most_focal: it may
-        have.
-    slight: corners that move by less than this share of the longer side are left where they are. least_paper:
-        least share of the picture that is paper. margin: around what was found, as a share of it.
+        piece, as a share of it.
+    slight: corners that move by less than this share of the longer side are left where they are.
+    margin: around the page, as a share of it. inside: share of the lines that lie on the sheet, or the bright
+        part of the picture is not the page.
     largest: most pixels of the flat page over the photograph's.
     """
 
     side: int = 900
     segment: float = 0.055
-    pieces: int = 5
-    lean: float = 34.0
-    agreeing: float = 1.5
-    share: float = 0.55
-    draws: int = 600
-    steepest: float = 50.0
-    focal: float = 0.8
-    least_focal: float = 0.5
-    most_focal: float = 4.0
-    slight: float = 0.05
-    least_paper: float = 0.1
-    margin: float = 0.06
+    slight: float = 0.008
+    margin: float = 0.01
+    inside: float = 0.8
     largest: float = 1.6
+    vanishing: VanishingSettings = field(default_factory=VanishingSettings)
+    paper: PaperEdgeSettings = field(default_factory=PaperEdgeSettings)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,8 +52,8 @@ class FlatPhoto:
     photo_from_flat
         Points (n, 2), x and y in pixels of the flat page -> the same points in the photograph.
     found_by
-        "lines": two families of straight lines, a frame, a grid or ruled lines; "paper": its edge; "picture":
-        nothing was found, and the picture is as it was.
+        "lines": two families of straight lines, a frame, a grid or ruled lines; "paper": its edge; "text":
+        its columns and rows of characters; "picture": nothing was found, and the picture is as it was.
     """
 
     picture: Picture
@@ -81,7 +74,8 @@ def flatten_photo(picture: Picture, *, settings: FlattenSettings | None = None) 
     Returns
     -------
     FlatPhoto
-        The picture itself where nothing shows how the page lies, or where it lies flat already.
+        The picture itself where nothing shows how the page lies, or where it lies flat already. The ground
+        around a sheet of paper is cut off; which way up it stands is not asked, see `quarter_turns`.
 
     Raises
     ------
@@ -93,146 +87,63 @@ def flatten_photo(picture: Picture, *, settings: FlattenSettings | None = None) 
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
         raise ImageError(f"expected a (H, W, 3) uint8 picture, got {picture.shape} {picture.dtype}")
     settings = settings or FlattenSettings()
-    scale = min(1.0, settings.side / max(picture.shape[:2]))
-    small = (
-        cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1 else picture
-    )
+    small = shrink(picture, side=settings.side)
     if min(small.shape[:2]) < 32:
         return FlatPhoto(picture, np.asarray, "picture")
-    gray = cv2.cvtColor(small, cv2.COLOR_RGB2GRAY)
-    found = _by_lines(gray, settings) or _by_paper(gray, settings)
-    if found is None:
+    gray = np.asarray(cv2.cvtColor(small, cv2.COLOR_RGB2GRAY), np.uint8)
+    pieces = _straight_pieces(gray, settings)
+    sheet = find_paper(gray, settings=settings.paper)
+    matrix, found_by = _view(small, gray, pieces, sheet, settings)
+    if matrix is None:
         return FlatPhoto(picture, np.asarray, "picture")
-    matrix, region, found_by = found
-    return _flat(picture, matrix @ np.diag([scale, scale, 1.0]), region / scale, found_by, settings)
+    height, width = small.shape[:2]
+    if sheet is None or not _holds(sheet, pieces, settings):
+        sheet = np.array([[0, 0], [width, 0], [width, height], [0, height]], float)
+    scale = np.array(picture.shape[1::-1]) / (width, height)
+    to_centre = np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1.0]])
+    return _flat(
+        picture, matrix @ to_centre @ np.diag([*(1 / scale), 1.0]), sheet * scale, found_by, settings
+    )
 
 
-Found = tuple[FloatArray, FloatArray, FoundBy]
-"""(3, 3) flat from photograph, points (n, 2) in the photograph of the page, and what showed it."""
-
-
-def _by_lines(gray: Picture, settings: FlattenSettings) -> Found | None:
-    """The view from above by the vanishing points of two families of lines; None where there are none."""
+def _straight_pieces(gray: Picture, settings: FlattenSettings) -> FloatArray:
+    """(n, 4) both ends, x and y, of long straight edges; in pixels of the reduced picture."""
     import cv2
 
-    longer = max(gray.shape)
     detected = cv2.createLineSegmentDetector().detect(gray)[0]
     if detected is None:
-        return None
-    pieces = np.asarray(detected, np.float64).reshape(-1, 4) - np.tile(np.array(gray.shape[::-1]) / 2, 2)
-    pieces = pieces[np.hypot(*(pieces[:, 2:] - pieces[:, :2]).T) >= settings.segment * longer]
-    angle = np.degrees(np.arctan2(pieces[:, 3] - pieces[:, 1], pieces[:, 2] - pieces[:, 0]))
-    level = np.abs((angle + 90) % 180 - 90) < settings.lean
-    points = []
-    upright = np.abs(np.abs(angle) - 90) < settings.lean
-    for family in (pieces[level], pieces[upright]):
-        point = _vanishing_point(family, longer, settings)
-        if point is None:
-            return None
-        points.append(point)
-    matrix = _view_from_above(points[0], points[1], longer, settings)
-    if matrix is None:
-        return None
-    centre = np.array(gray.shape[::-1]) / 2
-    to_centre = np.array([[1, 0, -centre[0]], [0, 1, -centre[1]], [0, 0, 1.0]])
-    return matrix @ to_centre, pieces.reshape(-1, 2) + centre, "lines"
+        return np.zeros((0, 4))
+    pieces = np.asarray(detected, np.float64).reshape(-1, 4)
+    long = np.hypot(*(pieces[:, 2:] - pieces[:, :2]).T) >= settings.segment * max(gray.shape)
+    return np.ascontiguousarray(pieces[long])
 
 
-def _vanishing_point(pieces: FloatArray, longer: int, settings: FlattenSettings) -> FloatArray | None:
-    """(3,) homogeneous, where most of the pieces (n, 4) run to; None where they do not agree."""
-    if len(pieces) < settings.pieces:
-        return None
-    flat = pieces.reshape(-1, 2) / longer
-    ends = np.hstack([flat, np.ones((len(flat), 1))]).reshape(-1, 2, 3)
-    lines = np.cross(ends[:, 0], ends[:, 1])
-    middles, ways = ends.mean(axis=1)[:, :2], ends[:, 1, :2] - ends[:, 0, :2]
-    lengths = np.hypot(*ways.T)
-    ways = ways / lengths[:, None]
-    draw = np.random.default_rng(0).integers(0, len(lines), (settings.draws, 2))
-    candidates = np.cross(lines[draw[:, 0]], lines[draw[:, 1]])
-    candidates = candidates[np.linalg.norm(candidates, axis=1) > 1e-9]
-    if not len(candidates):
-        return None
-    allowed = np.sin(np.radians(settings.agreeing))
-    votes = [float(lengths[_towards(one, middles, ways) < allowed].sum()) for one in candidates]
-    best = candidates[int(np.argmax(votes))]
-    for _ in range(3):  # the point that lies best on all lines that run to it
-        near = _towards(best, middles, ways) < allowed
-        weighted = lines[near] / np.hypot(lines[near, 0], lines[near, 1])[:, None] * lengths[near, None]
-        best = np.linalg.svd(weighted, full_matrices=False)[2][-1]
-    near = _towards(best, middles, ways) < allowed
-    if near.sum() < settings.pieces or lengths[near].sum() < settings.share * lengths.sum():
-        return None
-    return np.asarray(best * [longer, longer, 1.0])
+def _view(
+    small: Picture, gray: Picture, pieces: FloatArray, sheet: FloatArray | None, settings: FlattenSettings
+) -> tuple[FloatArray | None, FoundBy]:
+    """(3, 3) the view from above of the reduced photograph, centred, and what showed it."""
+    centre, longer = np.array(gray.shape[::-1]) / 2, max(gray.shape)
+    matrix = view_by_lines(pieces - np.tile(centre, 2), longer, settings=settings.vanishing)
+    if matrix is not None:
+        return matrix, "lines"
+    if sheet is not None:
+        matrix = view_by_paper(sheet, gray.shape, settings=settings.paper, vanishing=settings.vanishing)
+        if matrix is not None:
+            return matrix, "paper"
+    return view_by_text(small, vanishing=settings.vanishing), "text"
 
 
-def _towards(point: FloatArray, middles: FloatArray, ways: FloatArray) -> FloatArray:
-    """(n,) sine of the angle between each way and the direction to a homogeneous point."""
-    to = point[:2] - point[2] * middles
-    across = np.abs(ways[:, 0] * to[:, 1] - ways[:, 1] * to[:, 0])
-    return np.asarray(across / np.maximum(np.hypot(*to.T), 1e-12))
-
-
-def _view_from_above(
-    right: FloatArray, down: FloatArray, longer: int, settings: FlattenSettings
-) -> FloatArray | None:
-    """(3, 3) the view of a camera turned so that both vanishing points lie at infinity, along x and y."""
-    right, down = (one / np.linalg.norm(one / [longer, longer, 1]) for one in (right, down))
-    focal = settings.focal * longer
-    if abs(right[2] * down[2]) > 1e-3:
-        square = -(right[0] * down[0] + right[1] * down[1]) / (right[2] * down[2])
-        if square > 0 and settings.least_focal < np.sqrt(square) / longer < settings.most_focal:
-            focal = float(np.sqrt(square))
-    camera = np.diag([focal, focal, 1.0])
-    first, second = (np.linalg.solve(camera, one) for one in (right, down))
-    first, second = (
-        first / np.linalg.norm(first) * np.sign(first[0]),
-        second / np.linalg.norm(second) * np.sign(second[1]),
-    )
-    turned = np.stack([first, second, np.cross(first, second)], axis=1)
-    if abs(np.linalg.det(turned)) < 0.5 or turned[2, 2] < np.cos(np.radians(settings.steepest)):
-        return None
-    return np.asarray(camera @ np.linalg.inv(turned) @ np.linalg.inv(camera))
-
-
-def _by_paper(gray: Picture, settings: FlattenSettings) -> Found | None:
-    """The corners of a bright sheet on a darker ground, with four straight edges, or None."""
+def _holds(sheet: FloatArray, pieces: FloatArray, settings: FlattenSettings) -> bool:
+    """Whether most of the straight pieces lie on the sheet."""
     import cv2
 
-    smooth = cv2.morphologyEx(gray, cv2.MORPH_CLOSE, np.ones((15, 15), np.uint8))
-    level, bright = cv2.threshold(smooth, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
-    outside = smooth[bright == 0]
-    if not len(outside) or np.median(outside) > 0.8 * np.median(smooth[bright > 0]) or level < 40:
-        return None
-    contours, _ = cv2.findContours(bright, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    sheet = cv2.convexHull(max(contours, key=cv2.contourArea))
-    area = float(cv2.contourArea(sheet))
-    corners = (
-        cv2.approxPolyDP(sheet, 0.03 * cv2.arcLength(sheet, True), True).reshape(-1, 2).astype(np.float64)
-    )
-    if (
-        len(corners) != 4
-        or area < settings.least_paper * gray.size
-        or _at_border(corners, gray.shape).sum() > 1
-    ):
-        return None
-    if cv2.contourArea(corners.astype(np.float32)) < 0.93 * area:
-        return None
-    corners = corners[np.argsort(np.arctan2(*(corners - corners.mean(axis=0)).T[::-1]))]
-    corners = np.roll(corners, -int(np.argmin(corners.sum(axis=1))), axis=0)
-    centred = np.hstack([corners - np.array(gray.shape[::-1]) / 2, np.ones((4, 1))])
-    lines = np.cross(centred, np.roll(centred, -1, axis=0))
-    right, down = np.cross(lines[0], lines[2]), np.cross(lines[1], lines[3])
-    matrix = _view_from_above(right, down, max(gray.shape), settings)
-    if matrix is None:
-        return None
-    centre = np.array(gray.shape[::-1]) / 2
-    return matrix @ np.array([[1, 0, -centre[0]], [0, 1, -centre[1]], [0, 0, 1.0]]), corners, "paper"
-
-
-def _at_border(corners: FloatArray, shape: tuple[int, ...]) -> BoolArray:
-    size = np.array(shape[1::-1])
-    return np.asarray(((corners < 4) | (corners > size - 5)).any(axis=1))
+    if not len(pieces):
+        return True
+    outline = sheet.astype(np.float32).reshape(-1, 1, 2)
+    reach = -0.01 * cv2.arcLength(outline, True)
+    middles = (pieces[:, :2] + pieces[:, 2:]) / 2
+    inside = [cv2.pointPolygonTest(outline, (float(x), float(y)), True) > reach for x, y in middles]
+    return bool(np.mean(inside) >= settings.inside)
 
 
 def _flat(
@@ -243,7 +154,7 @@ def _flat(
 
     height, width = picture.shape[:2]
     frame = np.array([[0, 0], [width, 0], [width, height], [0, height]], float)
-    middle = np.median(region, axis=0)
+    middle = region.mean(axis=0)
     matrix = matrix / _scale_at(matrix, middle)
     depths = _depths(matrix, np.vstack([middle, region, frame]))
     if (depths[0] * depths[: -len(frame)]).min() <= 0:
@@ -252,7 +163,7 @@ def _flat(
     back = moved - moved.mean(axis=0) - (region - region.mean(axis=0))
     if np.abs(back).max() < settings.slight * max(height, width):
         return FlatPhoto(picture, np.asarray, "picture")
-    low, high = np.percentile(moved, [1, 99], axis=0)
+    low, high = moved.min(axis=0), moved.max(axis=0)
     around = settings.margin * (high - low)
     low, high = low - around, high + around
     if (depths[0] * depths[-len(frame) :]).min() > 0:  # else the photograph reaches beyond the horizon

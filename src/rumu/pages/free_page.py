@@ -14,7 +14,7 @@ from rumu.pages.page import Direction
 from rumu.pages.page_characters import ColumnPlaces, part_register
 from rumu.pages.page_ink import Picture, find_page_ink
 from rumu.pages.page_parts import find_parts
-from rumu.values import BoolArray
+from rumu.values import BoolArray, IntArray
 
 _WRITTEN = 0.5  # of what may be writing on a page, the share that is in its columns at least
 _OF_ALL_INK = 0.08  # of all ink, lines and pictures too
@@ -39,12 +39,20 @@ class WrittenColumn:
 class FreePage:
     """The columns of a page in reading order; none where most of the ink stands in no columns.
 
-    Rows and columns of everything in `columns` are swapped where `direction` is "horizontal".
+    Rows and columns of everything in `columns` are swapped where `direction` is "horizontal". size: about
+    what a character measures, in pixels. width, height: of the picture.
     """
 
     columns: tuple[WrittenColumn, ...]
     direction: Direction
     size: float
+    width: int
+    height: int
+
+    def looks(self) -> list[tuple[IntArray, IntArray]]:
+        """Rows and columns of the ink of each character, as it stands on the picture."""
+        shapes = [shape for column in self.columns for shape in column.shapes]
+        return [(one.y, one.x) if self.direction == "vertical" else (one.x, one.y) for one in shapes]
 
 
 def find_free_page(picture: Picture) -> FreePage:
@@ -69,7 +77,7 @@ def find_free_page(picture: Picture) -> FreePage:
     all_ink = int(page.ink.sum())
     if ink < _WRITTEN * int(parts.ink.sum()) or ink < _OF_ALL_INK * all_ink:
         written = []
-    return FreePage(tuple(written), direction, parts.size)
+    return FreePage(tuple(written), direction, parts.size, *picture.shape[1::-1])
 
 
 def _turned(mask: BoolArray) -> BoolArray:

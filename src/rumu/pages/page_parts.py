@@ -30,7 +30,7 @@ class PagePartSettings:
     picture: float = 3.2
     solid: float = 0.6
     speck: float = 0.09
-    filled: float = 0.05
+    filled: float = 0.1
     large: float = 0.35
     lonely: float = 0.6
     hairline: float = 0.12

@@ -9,18 +9,18 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.capture.decoded_size import Reduction
-from rumu.capture.formats import decode
-from rumu.capture.image import as_image, image_of, shrink
+from rumu.capture.image import as_image, read_colours, shrink
 from rumu.capture.stored import eight_bits
 from rumu.errors import ImageError, RefusedImage
-from rumu.pages.cell_naming import holds_writing, written_cells
+from rumu.pages.cell_naming import holds_writing, written_cells, written_looks
 from rumu.pages.character_shapes import CharacterShape
 from rumu.pages.flatten import flatten_photo
 from rumu.pages.free_page import FreePage, find_free_page
-from rumu.pages.grids import find_grid
+from rumu.pages.grids import PageGrid, find_grid
 from rumu.pages.naming import NamedShape, name_characters
 from rumu.pages.page import Page, PageCharacter
 from rumu.pages.page_ink import Picture
+from rumu.pages.upright import quarter_turns
 from rumu.values import FloatArray
 
 READ_SIZE = Reduction(pixels=12_600_000, above=25_000_000)
@@ -55,32 +55,39 @@ def read_page(picture: str | os.PathLike[str] | npt.NDArray[Any], *, text: str |
         The picture is blank.
     """
     shown = flatten_photo(_picture(picture)).picture
+    found = _find(shown)
+    turns = quarter_turns(written_looks(found) if isinstance(found, PageGrid) else found.looks())
+    if turns:
+        shown = np.ascontiguousarray(np.rot90(shown, turns))
+        found = _find(shown)
+    if isinstance(found, PageGrid):
+        return Page(shown, written_cells(found, text), found.cells, found.direction)
+    scale = shown.shape[1] / found.width, shown.shape[0] / found.height
+    characters = _characters(found, _named(found, text), scale)
+    return Page(picture=shown, characters=characters, direction=found.direction)
+
+
+def _find(shown: Picture) -> PageGrid | FreePage:
+    """The cells of a printed grid, or the columns of a page without one."""
     grid = find_grid(shown)
     if grid is not None and holds_writing(grid, shown):
-        return Page(shown, written_cells(grid, text), grid.cells, grid.direction)
-    small = shrink(shown, side=WORKING_SIDE)
+        return grid
     try:
-        free = find_free_page(small)
+        return find_free_page(shrink(shown, side=WORKING_SIDE))
     except ImageError as error:
         raise RefusedImage(
             "expected a page with writing, got a picture without ink",
             reason="blank",
             zh="這張圖上沒有墨跡，找不到字。",
         ) from error
-    scale = shown.shape[1] / small.shape[1], shown.shape[0] / small.shape[0]
-    characters = _characters(free, _named(free, text), scale)
-    return Page(picture=shown, characters=characters, direction=free.direction)
 
 
 def _picture(picture: str | os.PathLike[str] | npt.NDArray[Any]) -> Picture:
     """(H, W, 3) uint8 sRGB of a file or an array."""
     if isinstance(picture, np.ndarray):
         samples = eight_bits(as_image(picture))
-    else:
-        stored = decode(picture, reduction=READ_SIZE)
-        plain = stored.alpha is None and stored.values.dtype == np.uint8
-        samples = stored.values if plain else eight_bits(image_of(stored, name=picture))
-    return np.ascontiguousarray(np.dstack([samples] * 3) if samples.ndim == 2 else samples)
+        return np.ascontiguousarray(np.dstack([samples] * 3) if samples.ndim == 2 else samples)
+    return read_colours(picture, reduction=READ_SIZE)
 
 
 def _named(free: FreePage, text: str | None) -> list[list[NamedShape]]:
