@@ -15,6 +15,7 @@ from rumu.cli import (
     find,
     gallery,
     gallery_import,
+    lamps,
     page,
     serve,
     sheet,
@@ -32,6 +33,7 @@ app = typer.Typer(
 )
 for command in (
     demo.demo,
+    lamps.lamps,
     surfaces.reconstruct,
     surfaces.relief,
     surfaces.relight,
