@@ -1,10 +1,10 @@
-"""Whole works taken into a gallery with their texts: `python benchmarks/scroll.py [--out FILE] [--pages]`.
+"""Whole works taken into a gallery with their texts: `python benchmarks/scroll.py [--pages] [--names]`.
 
 Without `--pages`: a scroll laid out from the 324 crops of the Lanting Xu (`masters/running-lantingxu`) on
 silk, with a mount around it. With it: the printed pages of `pages/printed`. Printed for each: its characters,
 how many works stand within it, how many of the text are there under their right names, in order, how many of
-these a search finds, how many were opened as surfaces, and the seconds of processor time. `--out` keeps the
-scroll and its text as files.
+these a search finds, how many were opened as surfaces (none with `--names`), and the seconds of processor
+time. `--out FILE` keeps the scroll and its text as files.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def printed_pages() -> Iterator[tuple[Path, str]]:
         yield DATA / "pages" / page["file"], "\n".join(lines)
 
 
-def figures(gallery: Gallery, path: Path, text: str) -> dict[str, float]:
+def figures(gallery: Gallery, path: Path, text: str, *, open_them: bool) -> dict[str, float]:
     """Add a page and count what became of its characters."""
     started = time.process_time()
     metadata = WorkMetadata(title=Bilingual(path.stem, path.stem), script="running")
@@ -121,7 +121,7 @@ def figures(gallery: Gallery, path: Path, text: str) -> dict[str, float]:
         "works": added.characters,
         "right": len(right),
         "searched": sum(one.id in found[one.character] for one in right),
-        "opened": sum(opens(gallery, one.id) for one in right),
+        "opened": sum(opens(gallery, one.id) for one in right) if open_them else 0,
         "seconds": seconds,
     }
 
@@ -140,6 +140,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     parser.add_argument("--version", default="shenlong", choices=["shenlong", "yu", "chu"])
     parser.add_argument("--pages", action="store_true")
+    parser.add_argument("--names", action="store_true", help="open no surfaces")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         gallery = open_gallery(database=Path(folder, "a.sqlite"), files=Path(folder, "files"), starter=False)
@@ -154,7 +155,7 @@ def main() -> None:
         print(f"{'page':<28}{'text':>6}{'works':>7}{'right':>7}{'found':>7}{'opened':>8}{'seconds':>9}")
         rows = []
         for path, text in pages:
-            rows.append(figures(gallery, path, text))
+            rows.append(figures(gallery, path, text, open_them=not options.names))
             print(f"{path.stem:<28}" + line_of(rows[-1]), flush=True)
         total = {name: sum(row[name] for row in rows) for name in rows[0]}
         print(f"{'all':<28}" + line_of(total))

@@ -69,6 +69,16 @@ def test_a_character_takes_what_is_known_of_its_page(bare, scroll):
     assert assets_of(bare.store, row).surface().height.max() > 0  # it opens as a surface
 
 
+def test_small_characters_are_cut_large_enough_to_be_opened(bare, tmp_path):
+    small = draw_page()
+    small = small.resize((round(small.width * 0.4), round(small.height * 0.4)), Image.Resampling.LANCZOS)
+    small.save(tmp_path / "small.png")
+    added = add_page(bare, tmp_path / "small.png", text=page_text(), metadata=METADATA)
+    rows = catalog.works(bare, within=added.id, limit=100).items
+    assert len(rows) >= COLUMNS * ROWS * 0.9
+    assert min(min(row.width, row.height) for row in rows) >= 32
+
+
 def test_whole_works_are_not_drowned_beneath_their_characters(bare, scroll):
     assert [work.id for work in catalog.works(bare).items] == [scroll.id]
     assert [work.id for work in catalog.works(bare, query="習字卷").items] == [scroll.id]

@@ -138,6 +138,17 @@ def test_a_picture_that_is_not_there_is_left_out_with_the_reason(bare, museum, w
     assert "404" in done.left_out[0][1].en and "404" in done.left_out[0][1].zh
 
 
+@pytest.mark.parametrize("address", ["image.jpg", "http://[", "ftp://a.example/b.jpg", "http://a..example/"])
+def test_a_canvas_whose_picture_has_no_address_is_left_out(bare, museum, web, address):
+    facts = museum.manifest()
+    facts["items"] = [facts["items"][4], facts["items"][0]]
+    facts["items"][0]["items"][0]["items"][0]["body"]["id"] = address
+    file = web[0].folder.parent / "manifest.json"
+    file.write_text(json.dumps(facts), encoding="utf-8")
+    done = import_manifest(bare, file, web=web[0])
+    assert (done.added, [name for name, _ in done.left_out]) == (1, [museum.canvas_id(4)])
+
+
 def test_a_collection_brings_its_manifests_each_once(bare, museum, web):
     done = import_manifest(bare, f"{museum.base}/collection.json", web=web[0])
     assert done.added == len(BEHAVIOURS)

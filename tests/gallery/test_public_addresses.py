@@ -92,6 +92,34 @@ def test_the_connection_goes_to_the_address_that_was_checked(tmp_path):
     assert len(asked) == 1
 
 
+@pytest.mark.parametrize(
+    ("url", "named"),
+    [
+        ("https://museum.example/a", "museum.example"),
+        ("http://museum.example:8080/a", "museum.example:8080"),
+        ("https://\u535a\u7269\u9928.example/a", "xn--9krs63ehs0a.example"),
+    ],
+)
+def test_the_server_is_told_the_name_that_was_asked_for(tmp_path, url, named):
+    web, asked = web_of(tmp_path, lambda request: httpx.Response(200, content=b"{}"))
+    web.json_bytes(url)
+    assert asked[0].headers["host"] == named
+
+
+@pytest.mark.parametrize("location", ["http://[", "javascript:alert(1)", "file:///etc/passwd"])
+def test_a_redirect_to_no_address_is_refused(tmp_path, location):
+    web, _ = web_of(tmp_path, lambda request: httpx.Response(302, headers={"Location": location}))
+    with pytest.raises(GalleryError, match=r"no address|expected an address"):
+        web.json_bytes("https://museum.example/m.json")
+
+
+def test_hosts_at_one_address_share_no_connection(tmp_path):
+    web, _ = web_of(tmp_path, lambda request: httpx.Response(200, content=b"{}"))
+    for host in ("a.example", "b.example", "a.example"):
+        web.json_bytes(f"https://{host}/{host}.json")
+    assert len(web._clients) == 2
+
+
 def test_a_redirect_to_the_inner_network_is_refused(tmp_path):
     def resolve(host, port):
         return ["10.0.0.1"] if host == "inner.example" else ["93.184.216.34"]

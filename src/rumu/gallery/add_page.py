@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 
 MAX_TEXT = 20_000  # characters of a page's text
 _MARGIN = 0.06  # around a character that is cut out, as a share of its longer side
+_LEAST_SIDE = 32  # pixels of a character's picture: 一 is cut with what is above and below it
 _THREADS = 4  # pack and store pictures; both release the interpreter's lock
 
 
@@ -182,11 +183,13 @@ def _cut(whole: Picture, one: PageCharacter, read: _ReadPage) -> Picture:
     """The part of the page around a character, with a margin."""
     scale = np.array(whole.size) / read.page.picture.shape[1::-1]
     left, top, right, bottom = np.array(one.box) * np.tile(scale, 2)
+    size = np.array(whole.size)
     margin = _MARGIN * max(right - left, bottom - top)
-    box = np.array([left - margin, top - margin, right + margin, bottom + margin]).round().astype(int)
-    x0, y0 = np.clip(box[:2], 0, np.array(whole.size) - 1).tolist()
-    x1, y1 = np.clip(box[2:], [x0 + 1, y0 + 1], whole.size).tolist()
-    return whole.crop((x0, y0, x1, y1))
+    middle = np.array([left + right, top + bottom]) / 2
+    sides = np.maximum([right - left + 2 * margin, bottom - top + 2 * margin], np.minimum(_LEAST_SIDE, size))
+    first = np.clip((middle - sides / 2).round(), 0, np.maximum(size - sides.round(), 0)).astype(int)
+    last = np.clip(first + sides.round().astype(int), first + 1, size)
+    return whole.crop((*first.tolist(), *last.tolist()))
 
 
 def _insert_page(

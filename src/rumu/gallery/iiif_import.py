@@ -33,6 +33,7 @@ from rumu.gallery.iiif_reading import (
 from rumu.gallery.labels import SharedMetadata
 from rumu.gallery.metadata import CollectionMetadata, StoredFiles, WorkMetadata, slug, work_digest
 from rumu.gallery.museum_web import FetchSettings, MuseumWeb, NotThere
+from rumu.gallery.public_addresses import RefusedAddress, UnknownHost
 from rumu.gallery.rights import licence_of
 from rumu.gallery.store import Gallery
 from rumu.homes import user_home
@@ -130,7 +131,7 @@ def _manifests_of(
         seen.add(address)
         try:
             found = read_presentation(web.json_bytes(address, near=near), url=address)
-        except (NotThere, NotAManifest) as error:
+        except (NotThere, NotAManifest, RefusedAddress, UnknownHost) as error:
             left_out.append((address, _reason(error)))
             continue
         if isinstance(found, MuseumManifest):
@@ -184,7 +185,7 @@ def _import(
                 _store(
                     gallery, plan.collection, picture, replace(metadata, origin=origin), (manifest, canvas)
                 )
-            except (NotThere, ImageError) as error:
+            except (NotThere, RefusedAddress, UnknownHost, ImageError) as error:
                 result = replace(result, left_out=(*result.left_out, (origin, _reason(error))))
             else:
                 there.add(origin)

@@ -77,7 +77,7 @@ class MuseumWeb:
     clock: Callable[[], float] = time.monotonic
     fetched: int = 0
     _asked: dict[str, float] = field(default_factory=dict)
-    _client: httpx.Client | None = None
+    _clients: dict[str, httpx.Client] = field(default_factory=dict)
     _plain: set[str] = field(default_factory=set)
 
     def json_bytes(self, url: str, *, near: str = "") -> bytes:
@@ -100,9 +100,9 @@ class MuseumWeb:
 
     def close(self) -> None:
         """Close the connections."""
-        if self._client is not None:
-            self._client.close()
-            self._client = None
+        for client in self._clients.values():
+            client.close()
+        self._clients.clear()
 
     def _ways(self, url: str, near: str) -> list[str]:
         parts, host = urlsplit(url), urlsplit(url).netloc
@@ -112,7 +112,10 @@ class MuseumWeb:
         return [url]
 
     def _bytes(self, url: str, near: str, *, accept: str, most: int) -> bytes:
-        ways = self._ways(url, near)
+        try:
+            ways = self._ways(url, near)
+        except ValueError as error:
+            raise NotThere(f"{url!r:.200}: expected an address", zh="網址不對。") from error
         for one in ways:
             kept = self._kept(one)
             with suppress(OSError):
@@ -145,6 +148,8 @@ class MuseumWeb:
         for attempt in range(1, tries + 1):
             try:
                 data, wait = self._ask(url, accept=accept, most=most)
+            except httpx.InvalidURL as error:
+                raise NotThere(f"{url}: leads to no address ({error})", zh="網址不對。") from error
             except httpx.TransportError as error:
                 if attempt == tries:
                     raise NotNow(
@@ -168,7 +173,7 @@ class MuseumWeb:
             with self._open(url, accept) as answer:
                 status = answer.status_code
                 if status in _REDIRECTS and "location" in answer.headers:
-                    url = urljoin(url, answer.headers["location"])
+                    url = _redirected(url, answer.headers["location"])
                     continue
                 if status in _LATER | _MOMENTARY:
                     return None, _seconds_to_wait(answer.headers.get("retry-after"))
@@ -181,32 +186,37 @@ class MuseumWeb:
         raise NotThere(f"{url}: too many redirects", zh="轉址太多次。")
 
     def _open(self, url: str, accept: str) -> closing[httpx.Response]:
-        import httpx
-
         to = destination(url, private=self.settings.private, resolve=self.resolve)
         self._wait_for_turn(to.host)
-        if self._client is None:
-            self._client = httpx.Client(
-                timeout=self.settings.timeout,
-                follow_redirects=False,
-                trust_env=False,
-                transport=self.transport,
-            )
+        client = self._client_of(to.host)
         address = f"[{to.address}]" if ":" in to.address else to.address
         pinned = urlunsplit(urlsplit(url)._replace(netloc=f"{address}:{to.port}", fragment=""))
-        request = self._client.build_request(
+        request = client.build_request(
             "GET",
             pinned,
             headers={
-                "Host": urlsplit(url).netloc,
+                "Host": to.named,
                 "Accept": accept,
                 "User-Agent": f"rumu/{rumu.__version__} (IIIF import)",
             },
             extensions={"sni_hostname": to.host},
         )
-        answer = self._client.send(request, stream=True)
+        answer = client.send(request, stream=True)
         self.fetched += 1
         return closing(answer)
+
+    def _client_of(self, host: str) -> httpx.Client:
+        """The connections of a host: those of another one at the same address were checked for that one."""
+        import httpx
+
+        if host not in self._clients:
+            self._clients[host] = httpx.Client(
+                timeout=self.settings.timeout,
+                follow_redirects=False,
+                trust_env=False,
+                transport=self.transport,
+            )
+        return self._clients[host]
 
     def _wait_for_turn(self, host: str) -> None:
         before = self._asked.get(host)
@@ -215,6 +225,15 @@ class MuseumWeb:
             if left > 0:
                 self.sleep(left)
         self._asked[host] = self.clock()
+
+
+def _redirected(url: str, location: str) -> str:
+    try:
+        return urljoin(url, location)
+    except ValueError as error:
+        raise NotThere(
+            f"{url}: leads to {location!r:.200}, which is no address", zh="轉址的網址不對。"
+        ) from error
 
 
 def _read_bounded(answer: httpx.Response, url: str, most: int) -> bytes:

@@ -21,11 +21,16 @@ Resolve = Callable[[str, int], list[str]]
 
 @dataclass(frozen=True, slots=True)
 class Destination:
-    """Where a request goes. host: as the URL names it, without a port. address: of the machine, as text."""
+    """Where a request goes.
+
+    host: as the URL names it, in ASCII and without a port; named: with the port, where the URL has one.
+    address: of the machine, as text.
+    """
 
     host: str
     port: int
     address: str
+    named: str
 
 
 def resolve_name(host: str, port: int) -> list[str]:
@@ -37,8 +42,9 @@ def resolve_name(host: str, port: int) -> list[str]:
 def destination(url: str, *, private: bool = False, resolve: Resolve = resolve_name) -> Destination:
     """The machine that a URL leads to.
 
-    private: machines of the inner network and this one are allowed, too. Raises GalleryError for another
-    scheme than http and https, a host that cannot be found, and one with any address that is not public.
+    private: machines of the inner network and this one are allowed, too. Raises RefusedAddress for another
+    scheme than http and https, and a host with any address that is not public; UnknownHost for one that
+    cannot be found.
     """
     try:
         parts = urlsplit(url)
@@ -46,23 +52,25 @@ def destination(url: str, *, private: bool = False, resolve: Resolve = resolve_n
     except ValueError:
         host, port = None, None
     if host is None or parts.scheme not in ("http", "https") or parts.username is not None:
-        raise GalleryError(
+        raise RefusedAddress(
             f"expected an address http://... or https://..., got {url!r:.200}",
             zh="網址要以 http:// 或 https:// 開頭。",
         )
-    port = port or (443 if parts.scheme == "https" else 80)
+    told, port = port, port or (443 if parts.scheme == "https" else 80)
     try:
+        host = host if host.isascii() else host.encode("idna").decode("ascii")
         addresses = resolve(host, port)
     except (OSError, UnicodeError) as error:
         raise UnknownHost(host) from error
     if not addresses:
         raise UnknownHost(host)
     if not private and not all(map(is_public, addresses)):
-        raise GalleryError(
+        raise RefusedAddress(
             f"{host}: expected a public machine, got one of the inner network",
             zh=f"{host} 是內部網路的機器，不能從那裡取得。",
         )
-    return Destination(host, port, addresses[0])
+    name = f"[{host}]" if ":" in host else host
+    return Destination(host, port, addresses[0], name if told is None else f"{name}:{told}")
 
 
 def is_public(address: str) -> bool:
@@ -81,6 +89,10 @@ def is_public(address: str) -> bool:
 
 
 _NAT64 = ipaddress.IPv6Network("64:ff9b::/96")
+
+
+class RefusedAddress(GalleryError):  # noqa: N818  what it is, not that it went wrong
+    """An address that is none of the web, or of a machine that is not public."""
 
 
 class UnknownHost(GalleryError):  # noqa: N818  what it is, not that it went wrong
