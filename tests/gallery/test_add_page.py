@@ -17,6 +17,7 @@ from rumu.gallery.add_page import add_page
 from rumu.gallery.add_work import add_picture, named_collection
 from rumu.gallery.assets import assets_of
 from rumu.gallery.filters import Filters, count_facets
+from rumu.gallery.hands import hands_of
 from rumu.gallery.metadata import WorkMetadata
 from rumu.gallery.whole_works import characters_within, text_lines
 from rumu.values import Bilingual
@@ -67,6 +68,33 @@ def test_a_character_takes_what_is_known_of_its_page(bare, scroll):
     assert (row.character, row.script, row.hand_zh, row.dynasty) == ("水", "regular", "書者", "Tang")
     assert (row.licence, row.title_zh, row.title_en) == ("CC0-1.0", "習字卷「水」", "水, Practice scroll")
     assert assets_of(bare.store, row).surface().height.max() > 0  # it opens as a surface
+
+
+def test_every_database_holds_a_page_with_its_characters(gallery, page):
+    """On SQLite and on PostgreSQL: added once, found, counted, changed, deleted."""
+    before = catalog.works(gallery).total
+    added = add_page(gallery, page, text=page_text(), metadata=METADATA)
+    again = add_page(gallery, page, text=page_text(), metadata=METADATA)
+    assert (again.id, again.new, again.characters, again.named) == (
+        added.id,
+        False,
+        added.characters,
+        added.named,
+    )
+    assert catalog.works(gallery).total == before + 1
+    assert catalog.works(gallery, query="書者 水").total == 1
+    assert catalog.works(gallery, masters=True).total == before + len(CHARACTERS)
+    assert (
+        dict((one.value, one.count) for one in count_facets(gallery, Filters(query="水"))["script"])[
+            "regular"
+        ]
+        == 2
+    )
+    assert hands_of(gallery, "水").total == page_text().count("水") + 5
+    first = characters_within(gallery, added.id)[0].id
+    catalog.change_work(gallery, first, {"character": "龍"})
+    catalog.delete_work(gallery, added.id)
+    assert catalog.works(gallery, masters=True).total == before
 
 
 def test_small_characters_are_cut_large_enough_to_be_opened(bare, tmp_path):

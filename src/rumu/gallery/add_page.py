@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from sqlalchemy import func, select
+from sqlalchemy import case, func, select
 from sqlalchemy.orm import Session
 
 from rumu.database.tables import Collection, Work
@@ -128,9 +128,9 @@ def _existing(gallery: Gallery, digest: str) -> AddedPage | None:
         work_id = session.scalar(select(Work.id).where(Work.digest == digest))
         if work_id is None:
             return None
-        counts = select(func.count(), func.sum(Work.character != "")).where(Work.parent_id == work_id)
-        count, named = session.execute(counts).one()
-    return AddedPage(work_id, False, count, int(named or 0))
+        with_name = func.count(case((Work.character != "", 1)))
+        count, named = session.execute(select(func.count(), with_name).where(Work.parent_id == work_id)).one()
+    return AddedPage(work_id, False, count, named)
 
 
 def _read(path: Path, original: bytes, text: str) -> _ReadPage:
