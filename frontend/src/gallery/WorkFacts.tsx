@@ -11,8 +11,8 @@ type WorkTexts = Pick<
   "title" | "hand" | "period" | "dynasty" | "script" | "material" | "width" | "height" | "source" | "licence" | "attribution" | "collection" | "collection_title"
 >;
 
-/** The label beside a work, as in a museum. `alone`: in a page without the gallery, so that nothing links to it. */
-export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; facts: ViewerFacts; alone?: boolean }) {
+/** The label beside a work, as in a museum. `facts`: null where no surface can be made of it. `alone`: in a page without the gallery, so that nothing links to it. */
+export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; facts: ViewerFacts | null; alone?: boolean }) {
   const rows: [Parameters<typeof t>[0], ComponentChildren][] = [
     ["dynasty", localize(work.period) || work.dynasty],
     ["script", scriptName(work.script)],
@@ -26,10 +26,12 @@ export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; fac
     <header class="facts">
       <h1>{localize(work.title)}</h1>
       <p class="by">{localize(work.hand)}</p>
-      <p class={`height-from ${facts.source}`}>
-        <strong>{t("heightFrom")}</strong>
-        {localize(facts.source_text)}
-      </p>
+      {facts && (
+        <p class={`height-from ${facts.source}`}>
+          <strong>{t("heightFrom")}</strong>
+          {localize(facts.source_text)}
+        </p>
+      )}
       <dl aria-label={t("facts")}>
         {rows.filter(([, value]) => value).map(([name, value]) => (
           <div key={name}>
@@ -47,7 +49,8 @@ export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; fac
 }
 
 /** The work's own size, and that of its maps where they are smaller. */
-function Size({ work, facts }: { work: WorkTexts; facts: ViewerFacts }) {
+function Size({ work, facts }: { work: WorkTexts; facts: ViewerFacts | null }) {
+  if (!facts) return <span class="size">{work.width} × {work.height} px</span>;
   const { width, height, spacing, unit } = facts;
   return (
     <>

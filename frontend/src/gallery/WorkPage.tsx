@@ -1,9 +1,10 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { get, remove, session } from "../api";
+import { get, remove, ServiceError, session } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
+import { t as ofWhole } from "../i18n/whole";
 import { navigate, type PageProps, replaceQuery } from "../router";
-import type { Annotation, CharacterWithin, ViewerFacts, Work, WorkCard } from "../types";
+import type { Annotation, Bilingual, CharacterWithin, ViewerFacts, Work, WorkCard } from "../types";
 import { ErrorMessage, ErrorPage, Loading, useLoaded } from "../ui";
 import { Icon } from "../viewer/Icon";
 import { type TitledSurface, ViewerPanel } from "../viewer/ViewerPanel";
@@ -23,6 +24,7 @@ import "./gallery.css";
 import "./work.css";
 
 const WRITE_DELAY_MS = 300;
+const UNUSABLE = 422; // status of a picture that no surface can be made of
 
 const workUrl = (id: string): string => `api/works/${encodeURIComponent(id)}`;
 
@@ -32,12 +34,54 @@ export async function loadWork(id: string, signal: AbortSignal): Promise<{ work:
   return { work, facts };
 }
 
+/** A work that no surface can be made of, such as a blank leaf or a painting, is shown as it is, with the reason. */
+async function loadShown(id: string, signal: AbortSignal): Promise<{ work: Work; facts: ViewerFacts } | { work: Work; reason: Bilingual }> {
+  const viewer = get<ViewerFacts>(`${workUrl(id)}/viewer`, signal).catch((error: unknown) => {
+    if (error instanceof ServiceError && error.status === UNUSABLE) return error.text;
+    throw error;
+  });
+  const [work, shown] = await Promise.all([get<Work>(workUrl(id), signal), viewer]);
+  return "heights" in shown ? { work, facts: shown } : { work, reason: shown };
+}
+
 export default function WorkPage({ params, query }: PageProps) {
   const id = params.id ?? "";
-  const loaded = useLoaded((signal) => loadWork(id, signal), id);
+  const loaded = useLoaded((signal) => loadShown(id, signal), id);
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
+  if ("reason" in loaded.value) return <FlatWork key={id} {...loaded.value} retry={loaded.retry} />;
   return <WorkView key={id} work={loaded.value.work} facts={loaded.value.facts} query={query} />;
+}
+
+/** A work as its picture alone, and why no lamp shines on it. */
+export function FlatWork({ work, reason, retry }: { work: Work; reason: Bilingual; retry: () => void }) {
+  const whole = useCharacters(work, null, () => undefined);
+  return (
+    <article class="work">
+      <div class="work-stage">
+        <figure class="flat-work"><img src={work.files.picture} alt={localize(work.title)} /></figure>
+        <p class="note">{ofWhole("flat")} {localize(reason)}</p>
+        {whole.characters.length > 0 && <WorkText {...whole} />}
+        {whole.chosen && <CharacterCard one={whole.chosen} />}
+      </div>
+      <aside class="label">
+        <WorkFacts work={work} facts={null} />
+        <CharacterLinks work={work} />
+        <MuseumFacts record={work.record} />
+        <Neighbours work={work} />
+        {session.value?.person?.role === "owner" && <OwnerTools work={work} onSaved={retry} />}
+      </aside>
+    </article>
+  );
+}
+
+function Neighbours({ work }: { work: Work }) {
+  return (
+    <nav class="neighbours" aria-label={t("collection")}>
+      {work.previous ? <a href={`#/works/${encodeURIComponent(work.previous)}`}><Icon name="previous" />{t("previous")}</a> : <span />}
+      {work.next && <a href={`#/works/${encodeURIComponent(work.next)}`}>{t("next")}<Icon name="next" /></a>}
+    </nav>
+  );
 }
 
 function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: URLSearchParams }) {
@@ -89,10 +133,7 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
         <MuseumFacts record={work.record} />
         {hasStrokeOrder(work) && <StrokeOrder key={work.character} character={work.character} />}
         <Notes notes={notes} chosen={chosen} choose={choose} owner={owner} edit={setForm} onDelete={(note) => void deleteNote(note)} />
-        <nav class="neighbours" aria-label={t("collection")}>
-          {work.previous ? <a href={`#/works/${encodeURIComponent(work.previous)}`}><Icon name="previous" />{t("previous")}</a> : <span />}
-          {work.next && <a href={`#/works/${encodeURIComponent(work.next)}`}>{t("next")}<Icon name="next" /></a>}
-        </nav>
+        <Neighbours work={work} />
         {owner && <OwnerTools work={work} onSaved={(edited) => setEdited({ work: edited.work, facts: edited.facts ?? facts })} />}
       </aside>
       {form && <NoteForm work={work.id} note={form} onClose={() => setForm(null)} onSaved={saved} />}

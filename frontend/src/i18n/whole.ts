@@ -30,6 +30,7 @@ export const t = translator({
   manifest: { zh: "IIIF 清單", en: "IIIF manifest" },
   homepage: { zh: "館方網頁", en: "At the museum" },
   leaf: { zh: "此頁", en: "This leaf" },
+  flat: { zh: "這件只能平看：", en: "Shown flat, as no surface can be made of it:" },
   gatherTitle: { zh: "集字：「{c}」", en: "“{c}” by all hands" },
   gatherLead: { zh: "同一個字，各家各體，依書體與時代排列。", en: "One character by every hand that wrote it, by script and time." },
   gatherNone: { zh: "展廳裡還沒有這個字。", en: "There is no such character in the gallery yet." },

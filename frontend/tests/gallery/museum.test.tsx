@@ -3,8 +3,9 @@
 import { render } from "preact";
 import { describe, expect, it } from "vitest";
 import { MuseumFacts, textsFor } from "../../src/gallery/MuseumFacts";
+import { FlatWork } from "../../src/gallery/WorkPage";
 import { language } from "../../src/i18n";
-import type { MuseumRecord } from "../../src/types";
+import type { MuseumRecord, Work } from "../../src/types";
 
 const RECORD: MuseumRecord = {
   label: { en: ["Album"] },
@@ -23,6 +24,25 @@ const shown = (record: MuseumRecord | null): HTMLElement => {
   render(<MuseumFacts record={record} />, box);
   return box;
 };
+
+describe("a leaf that no surface can be made of", () => {
+  it("is shown as it is, with the reason and the museum's words", () => {
+    language.value = "en";
+    const both = (text: string) => ({ zh: text, en: text });
+    const work = {
+      id: "leaf", title: both("A cover"), hand: both(""), period: both(""), material: both(""), dynasty: "", script: "", width: 30, height: 20, source: "", licence: "CC0-1.0",
+      attribution: "", collection: "album", collection_title: both("Album"), character: "", within: null, record: RECORD, previous: "leaf-0", next: null, files: { picture: "p.jpg" },
+    } as unknown as Work;
+    const box = document.createElement("div");
+    render(<FlatWork work={work} reason={{ zh: "沒有字", en: "nothing is written on it" }} retry={() => undefined} />, box);
+    expect(box.querySelector("img")!.getAttribute("src")).toBe("p.jpg");
+    expect(box.querySelector(".work-stage .note")!.textContent).toContain("nothing is written on it");
+    expect(box.querySelector("h1")!.textContent).toBe("A cover");
+    expect(box.textContent).toContain("30 × 20 px");
+    expect(box.querySelector(".museum")).not.toBeNull();
+    expect(box.querySelector(".neighbours a")!.getAttribute("href")).toBe("#/works/leaf-0");
+  });
+});
 
 describe("a museum's words", () => {
   it("are those of the reader's language, else those without one, else the first", () => {
