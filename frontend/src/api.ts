@@ -34,22 +34,32 @@ export function query(values: Record<string, string | number | null | undefined>
   return pairs.length ? `?${new URLSearchParams(pairs.map(([name, value]) => [name, String(value)]))}` : "";
 }
 
+/** Sends a form and returns the picture that the service makes of it. */
+export async function postForPicture(url: string, body: FormData): Promise<Blob> {
+  const response = await send("POST", url, body);
+  if (!response.ok) throw serviceError(response.status, await response.json().catch(() => null));
+  return response.blob();
+}
+
 async function request<T>(method: string, url: string, body?: object | FormData, signal?: AbortSignal): Promise<T> {
-  const headers: Record<string, string> = { Accept: "application/json" };
-  if (method !== "GET") headers["X-CSRF-Token"] = (session.value ?? (await refreshSession())).csrf;
-  if (body && !(body instanceof FormData)) headers["Content-Type"] = "application/json";
-  const payload = body instanceof FormData ? body : body && JSON.stringify(body);
-  let response: Response;
-  try {
-    response = await fetch(url, { method, headers, body: payload ?? null, signal: signal ?? null, credentials: "same-origin" });
-  } catch (error) {
-    if (signal?.aborted) throw error;
-    throw new ServiceError(0, "offline", { zh: "連不上伺服器，請稍後再試。", en: "The server cannot be reached; try again." });
-  }
+  const response = await send(method, url, body, signal);
   if (response.status === 204) return undefined as T;
   const json: unknown = await response.json().catch(() => null);
   if (!response.ok) throw serviceError(response.status, json);
   return json as T;
+}
+
+async function send(method: string, url: string, body?: object | FormData, signal?: AbortSignal): Promise<Response> {
+  const headers: Record<string, string> = { Accept: "application/json" };
+  if (method !== "GET") headers["X-CSRF-Token"] = (session.value ?? (await refreshSession())).csrf;
+  if (body && !(body instanceof FormData)) headers["Content-Type"] = "application/json";
+  const payload = body instanceof FormData ? body : body && JSON.stringify(body);
+  try {
+    return await fetch(url, { method, headers, body: payload ?? null, signal: signal ?? null, credentials: "same-origin" });
+  } catch (error) {
+    if (signal?.aborted) throw error;
+    throw new ServiceError(0, "offline", { zh: "連不上伺服器，請稍後再試。", en: "The server cannot be reached; try again." });
+  }
 }
 
 function serviceError(status: number, json: unknown): ServiceError {

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import re
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,8 +12,9 @@ import numpy as np
 import pypdfium2
 import pytest
 from playwright.sync_api import Page, expect
-from tests.e2e.conftest import Arrive, Visitor
+from tests.e2e.conftest import PATIENCE, Arrive, Visitor
 from tests.e2e.test_access import PHONE, faults, settled
+from tests.written_sheets import encoded, photograph, written_sheet
 
 from rumu.pages.sheet_layout import SheetPage
 from rumu.pages.sheet_reading import locate_sheet
@@ -82,3 +85,96 @@ def test_the_page_to_print_suits_a_phone_and_has_no_serious_fault(
     expect(page.locator(".sheet-page")).to_be_visible()
     assert faults(page) == []
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+# --- photographs -------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def photo() -> bytes:
+    """A sheet of 人 and 水 with one copy of each, photographed from aside and upside down."""
+    return encoded(photograph(written_sheet(sources=("regular",), pupil="Xiao Hua"), turn=180))
+
+
+def send(page: Page, data: bytes) -> None:
+    page.locator("input[type=file]").last.set_input_files(
+        {"name": "sheet.jpg", "mimeType": "image/jpeg", "buffer": data}
+    )
+
+
+def test_a_photographed_sheet_shows_its_cells_and_each_opens_as_a_mark(
+    as_person: LogIn, photo: bytes
+) -> None:
+    visitor = as_person("pupil")
+    page = visitor.go("/studio")
+    page.get_by_role("link", name="Send a photograph of a sheet").click()
+    send(page, photo)
+    page.wait_for_url(re.compile("#/sheets/[0-9a-f]{32}"))
+    cells = page.locator(".sheet-cell")
+    expect(cells).to_have_count(2)
+    expect(cells.first).to_contain_text("人")
+    expect(page.locator(".read-sheet")).to_contain_text("empty cells: 4")
+    expect(page.locator(".visitor")).to_contain_text("printed for Xiao Hua")
+    assert cells.first.locator("img").evaluate("(e) => e.decode().then(() => e.naturalWidth)") > 100
+    expect(cells.first.locator(".sheet-told")).not_to_be_empty()
+    page.get_by_role("button", name="中文").click()
+    expect(page.locator(".visitor")).to_contain_text("存在「Xiao Ming」的練習裡")
+    assert faults(page) == []
+    cells.first.click()
+    page.wait_for_url(re.compile("#/attempts/"))
+    expect(page.locator(".verdict-score")).to_be_visible()
+    expect(page.locator("h1")).to_contain_text("人")
+    page.go_back()
+    page.get_by_role("link", name="練習紙的照片").click()
+    expect(page.locator(".sent-sheets li")).to_have_count(1)
+    expect(page.locator(".sent-sheets li")).to_contain_text("人水")
+
+
+def test_why_a_photograph_is_refused_is_told(as_person: LogIn) -> None:
+    visitor = as_person("pupil", **PHONE)
+    page = visitor.go("/sheets")
+    flat = written_sheet()
+    send(page, encoded(flat[: round(0.55 * len(flat))]))
+    told = page.locator(".sheet-refused")
+    expect(told).to_contain_text("cut off or covered")
+    page.get_by_role("button", name="中文").click()
+    expect(told).to_contain_text("沒有拍全")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    visitor.forgive()
+
+
+def test_a_visitor_is_asked_to_log_in(visitor: Visitor) -> None:
+    page = visitor.go("/sheets")
+    expect(page.locator(".need")).to_contain_text("this needs a login")
+
+
+def test_a_teacher_sends_the_sheets_of_a_class(as_person: LogIn, photo: bytes) -> None:
+    page = as_person("teacher").go("/classes")
+    page.get_by_label("Name of the class").fill("四年一班")
+    page.get_by_role("button", name="Make it").click()
+    page.wait_for_url(re.compile("#/classes/"))
+    page.get_by_role("link", name="Photographs of the class's sheets").click()
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        archive.writestr("a.jpg", photo)
+        archive.writestr("desk.jpg", encoded(np.full((800, 600, 3), 120, np.uint8)))
+    page.locator("input[type=file]").set_input_files(
+        {"name": "class.zip", "mimeType": "application/zip", "buffer": packed.getvalue()}
+    )
+    # behind the job that a new gallery makes its thumbnails in
+    page.wait_for_url(re.compile("#/sheets/[0-9a-f]{32}"), timeout=8 * PATIENCE)
+    rows = page.locator("tbody tr")
+    expect(rows).to_have_count(2)
+    expect(rows.first).to_contain_text("Xiao Hua")
+    expect(rows.last).to_contain_text("none of its black squares")
+    page.locator("summary").click()
+    expect(page.locator(".sheet-cell")).to_have_count(2)
+    expect(page.locator(".read-sheet")).to_contain_text("no pupil called Xiao Hua")
+    assert (
+        page.locator(".sheet-cell img").first.evaluate("(e) => e.decode().then(() => e.naturalWidth)") > 100
+    )
+    assert faults(page) == []
+    for name, start in (("All files", b"PK"), ("Table (CSV)", b"\xef\xbb\xbf"), ("teacher's PDF", b"%PDF")):
+        with page.expect_download() as coming:
+            page.get_by_role("link", name=name).click()
+        assert Path(coming.value.path()).read_bytes().startswith(start)

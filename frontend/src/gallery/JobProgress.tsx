@@ -1,4 +1,5 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import type { ComponentChildren } from "preact";
 import { post } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
@@ -25,7 +26,8 @@ export function useJob(initial: Job | null): Job | null {
   return job;
 }
 
-export function JobProgress({ job }: { job: Job }) {
+/** outcome: shown of a job that is done, in place of what an import tells. */
+export function JobProgress({ job, outcome }: { job: Job; outcome?: ComponentChildren }) {
   const ended = FINISHED_STATES.has(job.state);
   const box = useRef<HTMLElement>(null);
   useEffect(() => box.current?.scrollIntoView({ block: "nearest", behavior: "smooth" }), [job.id, ended]); // it appears below a long form
@@ -36,7 +38,7 @@ export function JobProgress({ job }: { job: Job }) {
       {job.message && !ended && <p class="note">{messageInOneLanguage(job.message)}</p>}
       {job.error && <p class="trouble" role="alert">{localize(job.error)}</p>}
       {!ended && <button type="button" class="quiet" onClick={() => void post(`api/jobs/${job.id}/cancel`)}>{t("stop")}</button>}
-      {job.state === "done" && <Outcome result={job.result} />}
+      {job.state === "done" && (outcome ?? <Outcome result={job.result} />)}
     </section>
   );
 }

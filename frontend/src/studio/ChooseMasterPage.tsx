@@ -31,6 +31,7 @@ export default function ChooseMasterPage({ query: params }: PageProps) {
       <p class="lead">{t("chooseLead")}</p>
       <p class="row on-paper">
         <a class="button quiet" href="#/sheets/print">{sheets("printSheet")}</a>
+        <a class="button quiet" href="#/sheets">{sheets("readSheet")}</a>
       </p>
       <form class="row find-master" role="search" onSubmit={(event) => event.preventDefault()}>
         <label class="grow">

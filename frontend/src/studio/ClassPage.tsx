@@ -3,6 +3,7 @@
 import { useState } from "preact/hooks";
 import { get, post, query, remove, session } from "../api";
 import { formatDay, localize } from "../i18n";
+import { t as sheets } from "../i18n/sheets";
 import { t } from "../i18n/studio";
 import { navigate, type PageProps } from "../router";
 import type { Page, WorkCard } from "../types";
@@ -49,6 +50,10 @@ function ClassView({ id }: { id: string }) {
               {t("inviteNote")} {invitations.length > 0 && t("openLinks", { count: invitations.length })}
             </p>
             <InvitationLink role="pupil" classId={id} />
+            <p class="row class-sheets">
+              <a class="button quiet" href={`#/sheets/print${query({ class: id })}`}>{sheets("printSheet")}</a>
+              <a class="button quiet" href={`#/sheets${query({ class: id })}`}>{sheets("classPhotos")}</a>
+            </p>
           </section>
         )}
       </div>

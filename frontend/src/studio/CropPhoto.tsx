@@ -1,14 +1,20 @@
-// A photograph, and its square to crop as the cell, which begins on the printed cell or around the writing.
+// A photograph, and its cell: a square that begins on the printed cell or around the writing, or four corners, without perspective.
 
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { t } from "../i18n/studio";
 import type { Grid, WorkCard } from "../types";
 import { masterShape } from "./canvas";
+import { SheetFound } from "../sheets/SheetFound";
+import { ErrorMessage, useDelayed, useLoaded } from "../ui";
+import { CornerBox } from "./CornerBox";
+import { type Corners, cornersOf, cornersText, isCell, TURN, turnCorners } from "./corners";
 import type { Square } from "./crop";
 import { CropBox, cutOff } from "./CropBox";
-import { cropToBlob, openPhoto, type OpenedPhoto, turned, upright } from "./photoCanvas";
+import { cropToBlob, openPhoto, type OpenedPhoto, type Photo, turned, upright } from "./photoCanvas";
+import { flattenCell, lookAt } from "./photographed";
 
 const TYPES = "image/png,image/jpeg,image/webp";
+const PREVIEW_DELAY_MS = 300; // after a corner was moved
 
 export type MakeCell = () => Promise<Blob>;
 type Props = {
@@ -30,11 +36,15 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
   const [trouble, setTrouble] = useState(false);
   const [opening, setOpening] = useState(false);
   const plain = useRef<HTMLCanvasElement | null>(null); // the photograph as it is turned, without more paper
+  const [corners, setCorners] = useState<Corners | null>(null); // dragged each by itself; null: the square
+  const [turnedBy, setTurnedBy] = useState(0); // degrees of the fine turn
   const photo = opened?.photo ?? null;
-  const framed = opened?.reason === "grid" && square === opened.square;
+  const flat = useMemo(() => (square && (corners || turnedBy) ? turnCorners(corners ?? cornersOf(square), turnedBy) : null), [square, corners, turnedBy]);
+  const seen = useLook(opened, (found) => setCorners((old) => old ?? found));
+  const framed = corners ? opened?.reason === "grid" || seen.cell : opened?.reason === "grid" && square === opened.square && !turnedBy;
   useEffect(() => {
-    if (!opening) onCell(photo && square ? () => cropToBlob(photo.canvas, square) : null, framed);
-  }, [photo, square, opening]);
+    if (!opening) onCell(photo && square ? () => (flat ? flattenCell(photo.blob, flat) : cropToBlob(photo.canvas, square)) : null, framed);
+  }, [photo, square, flat, opening]);
   useEffect(() => () => void (photo && URL.revokeObjectURL(photo.url)), [photo]);
   const shape = useRef<ReturnType<typeof masterShape> | null>(null);
   const order = useRef(0);
@@ -49,12 +59,19 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
       if (mine !== order.current) return URL.revokeObjectURL(next.photo.url); // another photograph, or a turn, came after it
       setOpened(next);
       setSquare(next.square);
+      setCorners(null);
+      setTurnedBy(0);
       setTrouble(false);
     } catch {
       if (mine === order.current) setTrouble(true);
     } finally {
       if (mine === order.current) setOpening(false);
     }
+  };
+  const file = useRef<File | null>(null);
+  const open = (chosen: File) => {
+    file.current = chosen;
+    void take(upright(chosen));
   };
   const turn = (degrees: number) => {
     if (!plain.current) return;
@@ -66,8 +83,17 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
     <div class="photo">
       {opened && square ? (
         <>
-          <CropBox photo={opened.photo} square={square} grid={grid} onSquare={setSquare} />
-          <CropNotes opened={opened} square={square} />
+          {seen.sheet && <SheetFound file={file.current} />}
+          {corners || turnedBy ? (
+            <CornerBox photo={opened.photo} corners={flat!} grid={grid} onCorners={(moved) => setCorners(turnCorners(moved, -turnedBy))} />
+          ) : (
+            <CropBox photo={opened.photo} square={square} grid={grid} onSquare={setSquare} />
+          )}
+          <CornerTools
+            apart={corners !== null} turnedBy={turnedBy} onTurn={setTurnedBy}
+            onApart={(apart) => (setCorners(apart ? cornersOf(square) : null), !apart && setTurnedBy(0))}
+          />
+          {flat ? <FlatPreview photo={opened.photo} corners={flat} /> : <CropNotes opened={opened} square={square} />}
         </>
       ) : (
         <div class="photo-empty">
@@ -80,8 +106,8 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
         </p>
       )}
       <div class="row">
-        <PickFile label={t("takePhoto")} camera onFile={(file) => take(upright(file))} />
-        <PickFile label={t("choosePhoto")} onFile={(file) => take(upright(file))} />
+        <PickFile label={t("takePhoto")} camera onFile={open} />
+        <PickFile label={t("choosePhoto")} onFile={open} />
         {photo && (
           <>
             <button type="button" class="quiet" onClick={() => turn(-90)}>
@@ -93,6 +119,75 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
           </>
         )}
       </div>
+    </div>
+  );
+}
+
+const SKEWED = 0.025; // of the side, by which a corner lies beside that of a square from which the cell is not one
+
+/** Asks the service about a photograph, once: whether it is of a sheet, and whether there is a printed cell that is no square. */
+function useLook(opened: OpenedPhoto | null, onSkewed: (corners: Corners) => void): { sheet: boolean; cell: boolean } {
+  const [seen, setSeen] = useState({ sheet: false, cell: false });
+  useEffect(() => {
+    setSeen({ sheet: false, cell: false });
+    if (!opened) return;
+    let current = true;
+    const { photo, square, reason } = opened;
+    const begun = cornersOf(square);
+    lookAt(photo.blob, reason === "picture" ? null : begun).then(
+      ({ sheet, cell }) => {
+        if (!current) return;
+        const off = cell?.map(([x, y], k) => Math.hypot(x - begun[k]![0], y - begun[k]![1])) ?? [0];
+        const skewed = cell !== null && isCell(cell) && Math.max(...off) > SKEWED * square.side;
+        setSeen({ sheet, cell: skewed });
+        if (skewed) onSkewed(cell);
+      },
+      () => undefined, // without it the square stays
+    );
+    return () => {
+      current = false;
+    };
+  }, [opened]);
+  return seen;
+}
+
+type ToolProps = { apart: boolean; turnedBy: number; onApart: (apart: boolean) => void; onTurn: (degrees: number) => void };
+
+function CornerTools({ apart, turnedBy, onApart, onTurn }: ToolProps) {
+  return (
+    <div class="corner-tools">
+      <label class="check">
+        <input type="checkbox" checked={apart} onChange={(event) => onApart(event.currentTarget.checked)} />
+        <span>{t("cornersApart")}</span>
+      </label>
+      <label class="slider">
+        <span>{t("fineTurn")}</span>
+        <input
+          type="range" min={-TURN.most} max={TURN.most} step={TURN.step} value={turnedBy} aria-valuetext={t("degrees", { n: turnedBy.toFixed(1) })}
+          onInput={(event) => onTurn(Number(event.currentTarget.value))}
+        />
+        <span class="number">{t("degrees", { n: turnedBy.toFixed(1) })}</span>
+      </label>
+    </div>
+  );
+}
+
+/** The cell as it will be marked, without perspective. */
+function FlatPreview({ photo, corners }: { photo: Photo; corners: Corners }) {
+  const rested = useDelayed(corners, PREVIEW_DELAY_MS);
+  const { value, error } = useLoaded(() => flattenCell(photo.blob, rested), `${photo.url} ${cornersText(rested)}`);
+  const url = useMemo(() => (value ? URL.createObjectURL(value) : null), [value]);
+  useEffect(() => () => void (url && URL.revokeObjectURL(url)), [url]);
+  return (
+    <div class="crop-notes">
+      <p class="note">{t("cornersHint")}</p>
+      {error ? <ErrorMessage error={error} /> : null}
+      {url && (
+        <figure class="flat-cell">
+          <img src={url} alt={t("flatAlt")} width="200" height="200" />
+          <figcaption class="note">{t("flatNote")}</figcaption>
+        </figure>
+      )}
     </div>
   );
 }

@@ -5,7 +5,8 @@ import { firstCrop, type CropReason, type MasterShape } from "./firstCrop";
 import { COPY_SIDE, type InkParts, type Raster } from "./photoInk";
 
 /** A photograph, with its ink. `ink` is in pixels of a small copy: one of them is `scale` pixels of the canvas, its corner is at `corner`. */
-export type Photo = { canvas: HTMLCanvasElement; url: string; ink: InkParts; scale: number; corner: { x: number; y: number } };
+/** blob: the photograph as a file, as the service is sent it. */
+export type Photo = { canvas: HTMLCanvasElement; url: string; blob: Blob; ink: InkParts; scale: number; corner: { x: number; y: number } };
 export type OpenedPhoto = { photo: Photo; square: Square; reason: CropReason };
 
 const MAX_PHOTO_SIDE = 2400; // pixels of the longer side of the photograph while cropping
@@ -55,9 +56,10 @@ export async function openPhoto(canvas: HTMLCanvasElement, master: MasterShape |
     bottom: Math.ceil(Math.max(0, square.y + square.side - canvas.height)),
   };
   const whole = Object.values(beyond).some(Boolean) ? onMorePaper(canvas, beyond) : canvas;
-  const url = URL.createObjectURL(await blobOf(whole, "image/jpeg"));
+  const blob = await blobOf(whole, "image/jpeg");
+  const url = URL.createObjectURL(blob);
   const corner = { x: beyond.left, y: beyond.top };
-  return { photo: { canvas: whole, url, ink, scale, corner }, square: { x: square.x + corner.x, y: square.y + corner.y, side: square.side }, reason };
+  return { photo: { canvas: whole, url, blob, ink, scale, corner }, square: { x: square.x + corner.x, y: square.y + corner.y, side: square.side }, reason };
 }
 
 export const cropToBlob = (photo: HTMLCanvasElement, { x, y, side }: Square): Promise<Blob> => {

@@ -1,13 +1,7 @@
 """All tables of the database. Pictures, surfaces and other files lie in the store; a table holds their keys.
 
-Works and texts about them: collections, works, annotations, tours.
-People and what they do: people, sessions, invitations, classes, memberships, tasks, attempts, teacher_marks,
-comparisons.
-The service: jobs, settings.
-
 Times are UTC. Texts in two languages stand in two columns, `_zh` (traditional Chinese) and `_en`; an
-attribute without the ending holds both. Positions on a work are fractions of its width and height, origin
-top left.
+attribute without the ending holds both. Positions on a work are fractions of its width and height, origin top left.
 """
 
 from __future__ import annotations
@@ -330,6 +324,23 @@ class TeacherMark(Base):
     mark: Mapped[float] = mapped_column(Float)
     note: Mapped[str] = mapped_column(Text, default="")
     created: Mapped[datetime] = mapped_column(default=now, onupdate=now)
+
+
+class SheetUpload(Base):
+    """Photographs of practice sheets, and what was read in each (see `studio.sheet_uploads`).
+
+    class_id, files (store key of the folder of tables and PDFs): None for those of the sender's own writing.
+    """
+
+    __tablename__ = "sheet_uploads"
+    __table_args__ = (Index(None, "person_id", "created"), Index(None, "class_id", "created"))
+
+    id: Mapped[str] = mapped_column(Id, primary_key=True, default=new_id)
+    person_id: Mapped[str] = mapped_column(ForeignKey("people.id", ondelete="CASCADE"))
+    class_id: Mapped[str | None] = mapped_column(ForeignKey("classes.id", ondelete="SET NULL"), default=None)
+    photos: Mapped[list[Any]] = mapped_column(default=list)
+    files: Mapped[str | None] = mapped_column(String(300), default=None)
+    created: Mapped[datetime] = mapped_column(default=now)
 
 
 class Comparison(Base):

@@ -121,11 +121,34 @@ def import_museum(
     return import_from_museum(gallery, payload["url"], payload.get("collection", ""), progress)
 
 
+def mark_sheets(
+    gallery: Gallery, payload: Mapping[str, Any], progress: Progress, storage: Storage
+) -> dict[str, Any]:
+    """Mark the sheets of a class.
+
+    payload: upload (key of their folder), names (of its files, for people), sheet_upload, class_id, person.
+    """
+    from rumu.studio.class_sheets import ClassSheets, mark_class_sheets
+    from rumu.studio.marking import load_calibration_of
+
+    sheets = ClassSheets(payload["sheet_upload"], payload["class_id"], payload["person"])
+    with gallery.store.local(payload["upload"]) as folder:
+        return mark_class_sheets(
+            gallery,
+            sorted(folder.iterdir()),
+            payload["names"],
+            sheets,
+            calibration=load_calibration_of(storage),
+            progress=progress,
+        )
+
+
 HANDLERS: dict[str, Handler] = {
     "prepare": prepare,
     "import": import_upload,
     "page": add_page,
     "museum": import_museum,
+    "sheets": mark_sheets,
 }
 
 

@@ -21,14 +21,14 @@ class StoredMark:
     """A mark as it is stored with an attempt.
 
     untold: None in marks of versions that did not keep them. framed: whether the picture is the cell that was
-    written in.
+    written in: the master's own, or "printed", the cell of a sheet.
     """
 
     score: float | None
     parts: Mapping[str, float]
     remarks: tuple[Remark, ...]
     untold: tuple[Remark, ...] | None
-    framed: bool
+    framed: bool | str
 
     @classmethod
     def of(cls, facts: Mapping[str, Any]) -> StoredMark:
@@ -39,7 +39,7 @@ class StoredMark:
             {part["name"]: part["score"] for part in facts.get("parts", ())},
             _remarks(facts.get("remarks", ())),
             None if untold is None else _remarks(untold),
-            bool(facts.get("framed")),
+            facts.get("framed") or False,
         )
 
 
@@ -75,7 +75,8 @@ def progress_facts(before: Attempt, after: Attempt, *, character: str) -> dict[s
     remark: index of the fault among the later attempt's remarks, None where it is not told there.
     """
     first, second = StoredMark.of(before.mark), StoredMark.of(after.mark)
-    progress = compare_attempts(first, second, framed=first.framed and second.framed)
+    same_frame = bool(first.framed) and first.framed == second.framed
+    progress = compare_attempts(first, second, framed=same_frame)
     if progress is None:
         return None
     return {

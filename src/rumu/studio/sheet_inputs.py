@@ -49,19 +49,28 @@ class SheetPhoto:
 
 
 @contextlib.contextmanager
-def sheet_photos(paths: Sequence[Path]) -> Iterator[list[SheetPhoto]]:
+def sheet_photos(
+    paths: Sequence[Path], *, names: Sequence[str] = (), most: int | None = None
+) -> Iterator[list[SheetPhoto]]:
     """Yield the photographs of files, folders, zips and PDFs, in order of their names; zips are unpacked.
 
-    Raises ImageError when there is none, or a PDF cannot be read; Unusable for a zip that cannot be used.
+    names: of the files for people, where they are called otherwise. most: of the photographs.
+    Raises ImageError when there is none, or there are more, or a PDF cannot be read; Unusable for a zip that
+    cannot be used.
     """
     with contextlib.ExitStack() as stack:
         photos: list[SheetPhoto] = []
-        for path in paths:
-            photos += _of_path(path, stack)
+        for path, name in zip(paths, names or [path.name for path in paths], strict=True):
+            photos += _of_path(path, name, stack)
         if not photos:
             raise ImageError(
                 f"expected photographs of sheets in {', '.join(map(str, paths)) or 'nothing'}, found none",
                 zh="沒有找到照片。",
+            )
+        if most is not None and len(photos) > most:
+            raise ImageError(
+                f"expected at most {most} photographs at a time, got {len(photos)}",
+                zh=f"一次最多 {most} 張照片，這裡有 {len(photos)} 張；請分幾次。",
             )
         yield photos
 
@@ -73,7 +82,7 @@ def read_photo(photo: SheetPhoto) -> npt.NDArray[np.uint8]:
     return read_colours(photo.path, reduction=PHOTO_SIZE)
 
 
-def _of_path(path: Path, stack: contextlib.ExitStack) -> list[SheetPhoto]:
+def _of_path(path: Path, name: str, stack: contextlib.ExitStack) -> list[SheetPhoto]:
     if path.is_dir():
         found = sorted(Path(folder) / name for folder, _, names in os.walk(path) for name in names)
         pictures = [one for one in found if one.suffix.lower() in _SUFFIXES and not one.name.startswith(".")]
@@ -81,10 +90,10 @@ def _of_path(path: Path, stack: contextlib.ExitStack) -> list[SheetPhoto]:
     with open_file(path, error_type=ImageError, expected="a photograph, a folder, a zip or a PDF") as stream:
         is_zip = stream.read(HEAD).startswith(b"PK\x03\x04")
     if not is_zip:
-        return _of_file(path, path.name)
+        return _of_file(path, name)
     folder = stack.enter_context(temporary_folder()) / "zip"
     unpack(path, folder)
-    return _of_path(folder, stack)
+    return _of_path(folder, name, stack)
 
 
 def _of_file(path: Path, name: str) -> list[SheetPhoto]:

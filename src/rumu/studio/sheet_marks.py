@@ -26,7 +26,7 @@ from rumu.outputs import UnfinishedRows, whole_file
 from rumu.studio.sheet_inputs import SheetPhoto, read_photo, sheet_photos
 
 if TYPE_CHECKING:
-    from rumu.gallery.sheet_masters import SheetMasters
+    from rumu.gallery.sheet_masters import SheetMaster
     from rumu.pipeline import PreparedMaster
     from rumu.values import Assessment
 
@@ -85,7 +85,7 @@ def mark_sheets(
                 unfinished.add(k, facts, stamp=stamps[k])
                 advance(next(done), len(photos))
             found = [unfinished.row(k)[0] for k in range(len(photos))]
-        _write_tables(found, out)
+        write_tables(found, out)
         finished = True
     finally:
         unfinished.close(finished=finished)
@@ -133,29 +133,29 @@ def mark_photo(
 
 def mark_cell(task: CellTask) -> Facts:
     """The mark of one cell, as values of JSON."""
+    return cell_facts(assess_cell(task)[0])
+
+
+def assess_cell(task: CellTask) -> tuple[Assessment, SheetMaster]:
+    """The mark of one cell, and the master that was printed there."""
     from rumu import pipeline
 
-    master, script = _prepared_master(task.masters, task.character)
+    prepared, master = _prepared_master(task.masters, task.character)
     mark = pipeline.assess(
-        task.picture, master, script=script, character=task.character, framed=True, **task.terms
+        task.picture, prepared, script=master.script, character=task.character, framed=True, **task.terms
     )
-    return _mark_facts(mark)
+    return mark, master
 
 
 @functools.lru_cache(maxsize=64)
-def _prepared_master(masters: str, character: str) -> tuple[PreparedMaster, str | None]:
-    """The master of a cell, made ready once in each process, and its script."""
+def _prepared_master(masters: str, character: str) -> tuple[PreparedMaster, SheetMaster]:
+    """The master of a cell, made ready once in each process, and as it was printed."""
     from rumu import pipeline
-
-    master = _masters(masters, character).by_character[character]
-    prepared = pipeline.prepare_master(master.picture, character=character, script=master.script)
-    return prepared, master.script
-
-
-def _masters(name: str, character: str) -> SheetMasters:
     from rumu.gallery.sheet_masters import open_masters
 
-    return open_masters(name, character)
+    master = open_masters(masters, character).by_character[character]
+    prepared = pipeline.prepare_master(master.picture, character=character, script=master.script)
+    return prepared, master
 
 
 def _mark_all(
@@ -181,12 +181,7 @@ def _mark_all(
 
 def _mark_by_character(tasks: Sequence[CellTask], *, processes: int, executor: Executor) -> Iterator[Facts]:
     """Mark cells, in order; those of one character in one process, which makes its master ready once."""
-    places: dict[str, list[int]] = {}
-    for k, task in enumerate(tasks):
-        places.setdefault(task.character, []).append(k)
-    parts = 1 if len(places) >= processes else processes
-    groups = [one[n::parts] for one in places.values() for n in range(parts) if one[n::parts]]
-    groups.sort(key=len, reverse=True)  # the longest first, so that no process waits for it at the end
+    groups = by_character([task.character for task in tasks], processes=processes)
     answers = in_order(
         _mark_cells, ([tasks[k] for k in group] for group in groups), processes=processes, executor=executor
     )
@@ -196,6 +191,19 @@ def _mark_by_character(tasks: Sequence[CellTask], *, processes: int, executor: E
         for k, mark in zip(group, found, strict=True)
     }
     yield from (marks[k] for k in range(len(tasks)))
+
+
+def by_character(characters: Sequence[str], *, processes: int) -> list[list[int]]:
+    """Numbers of cells in groups, each of one character; few characters are parted for all processes.
+
+    The longest come first, so that no process waits for it at the end.
+    """
+    places: dict[str, list[int]] = {}
+    for k, character in enumerate(characters):
+        places.setdefault(character, []).append(k)
+    parts = 1 if len(places) >= processes else processes
+    groups = [one[n::parts] for one in places.values() for n in range(parts) if one[n::parts]]
+    return sorted(groups, key=len, reverse=True)
 
 
 def _mark_cells(tasks: Sequence[CellTask]) -> list[Facts]:
@@ -231,7 +239,8 @@ def _check_folder(out: Path) -> None:
         )
 
 
-def _write_tables(found: Sequence[Facts], out: Path) -> None:
+def write_tables(found: Sequence[Facts], out: Path) -> None:
+    """Write what was found as a table and as JSON."""
     with whole_file(out / FACTS) as part:
         part.write_text(json.dumps({"photos": list(found)}, ensure_ascii=False, indent=1), encoding="utf-8")
     with whole_file(out / TABLE) as part, part.open("w", newline="", encoding="utf-8") as stream:
@@ -261,7 +270,8 @@ def _rows(facts: Facts) -> Iterator[dict[str, Any]]:
         yield row
 
 
-def _mark_facts(mark: Assessment) -> Facts:
+def cell_facts(mark: Assessment) -> Facts:
+    """What a table says of the mark of a cell, as values of JSON."""
     interval = mark.interval and [round(bound, 2) for bound in mark.interval]
     return {
         "score": None if mark.score is None else round(mark.score, 2),

@@ -59,6 +59,11 @@ class WorkerPool:
         self._executor: Executor | None = None
         self._stopped = False
 
+    @property
+    def processes(self) -> int:
+        """How many pieces of work run at a time."""
+        return self._processes or _THREADS
+
     def start(self, warm_up: Callable[[Storage], object]) -> None:
         """Start all workers and run `warm_up` in each; use threads where processes cannot be started."""
         executor = self._running_executor()

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rumu.gallery.store import Gallery
     from rumu.pipeline import PreparedMaster
     from rumu.studio.marking import MarkedCopy
+    from rumu.studio.sheet_cells import ReadSheet
 
 _MAX_MASTERS = 12  # prepared masters that stay in memory of each process
 
@@ -56,6 +57,50 @@ def mark(
         calibration=load_calibration_of(storage),
         framed=framed,
     )
+
+
+def read_sheet(storage: Storage, *, data: bytes) -> ReadSheet:
+    """Find the cells of a photographed practice sheet. Raises Unusable, see `sheet_cells`."""
+    from rumu.studio import sheet_cells
+
+    return sheet_cells.read_sheet(_open_gallery(storage), data)
+
+
+def mark_sheet_cells(
+    storage: Storage, *, masters: str, character: str, pictures: list[bytes]
+) -> list[MarkedCopy]:
+    """Mark the cells of one character of a sheet."""
+    from rumu.studio import sheet_cells
+    from rumu.studio.marking import load_calibration_of
+
+    calibration = load_calibration_of(storage)
+    return sheet_cells.mark_cells(masters, character, pictures, calibration=calibration)
+
+
+def look_at_photograph(storage: Storage, *, data: bytes, corners: list[list[float]] | None) -> dict[str, Any]:
+    """Whether a picture is of a practice sheet, and the corners of the printed cell near some."""
+    import numpy as np
+
+    from rumu.gallery.assets import decode_picture
+    from rumu.pages.cell_flatten import refine_corners
+    from rumu.pages.sheet_reading import is_sheet
+
+    picture = np.asarray(decode_picture(data).convert("RGB"))
+    sheet = is_sheet(picture)
+    cell = refine_corners(picture, np.array(corners)) if corners is not None and not sheet else None
+    return {"sheet": sheet, "cell": None if cell is None else cell.round(2).tolist()}
+
+
+def flatten_cell(storage: Storage, *, data: bytes, corners: list[list[float]]) -> bytes:
+    """Return the cell between four corners of a picture as a PNG. Raises ImageError for corners of none."""
+    import numpy as np
+
+    from rumu.gallery.assets import decode_picture
+    from rumu.pages import cell_flatten
+    from rumu.studio.sheet_cells import png_of
+
+    picture = np.asarray(decode_picture(data).convert("RGB"))
+    return png_of(cell_flatten.flatten_cell(picture, np.array(corners)))
 
 
 def plan_sheet(storage: Storage, *, request: SheetRequest) -> dict[str, Any]:

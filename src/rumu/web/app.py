@@ -27,8 +27,10 @@ from rumu.web.routes import (
     jobs,
     marks,
     people,
+    photographs,
     practice,
     printing,
+    sheets,
     tours,
     works,
 )
@@ -47,6 +49,8 @@ _ABOUT = (
 _ROUTERS = (
     *(people.router, people.people_router, works.router, imports.router, works.annotations_router),
     *(tours.router, marks.router, attempts.router, practice.router, printing.router, classes.router),
+    sheets.router,
+    photographs.router,
     *(comparisons.router, jobs.router, iiif.router, characters.router, works.slash_router),
 )
 

@@ -6,6 +6,7 @@ It is pure ASGI, so that a body is counted while it streams in, and a request is
 from __future__ import annotations
 
 import logging
+import re
 from collections import Counter
 
 from anyio.to_thread import run_sync
@@ -35,11 +36,9 @@ SECURITY_HEADERS = {
     "Permissions-Policy": "camera=(self), microphone=(), geolocation=(), payment=(), usb=()",
     "Cross-Origin-Opener-Policy": "same-origin",
 }
-_LARGE_UPLOADS = (
-    "/api/works",
-    "/api/pages",
-    "/api/imports",
-)  # by teachers only, who are known before the body is read
+_SHEETS_OF_CLASS = re.compile(r"/api/classes/[^/]+/sheets")
+_LARGE_UPLOADS = re.compile(rf"/api/works|/api/pages|/api/imports|{_SHEETS_OF_CLASS.pattern}")
+"""By teachers only, who are known before the body is read."""
 
 
 _HSTS = "max-age=31536000"  # a year, for this host alone: others of its domain may be without HTTPS
@@ -112,7 +111,7 @@ class SecurityMiddleware:
         tickets = [ticket for ticket in tickets if service.tickets.has_csrf_token(ticket, token)]
         if not tickets:
             raise HTTPException(403, "csrf")
-        if method == "POST" and path in _LARGE_UPLOADS:
+        if method == "POST" and _LARGE_UPLOADS.fullmatch(path):
             session = await run_sync(service.identify, tickets)
             if session is None:
                 raise HTTPException(401, "login")
@@ -131,7 +130,10 @@ class SecurityMiddleware:
     def _max_body(self, path: str) -> int:
         limits = self._service.settings.body_limits
         sizes = {"/api/marks": limits.mark, "/api/works": limits.work, "/api/pages": limits.work}
-        sizes["/api/imports"] = limits.zip
+        sizes |= {"/api/photographs": limits.mark, "/api/photographs/cell": limits.mark}
+        sizes |= {"/api/sheets": limits.sheet, "/api/imports": limits.zip}
+        if _SHEETS_OF_CLASS.fullmatch(path):
+            return limits.zip
         return sizes.get(path, limits.default)
 
 

@@ -17,6 +17,7 @@ class BodyLimits:
 
     default: int = 256 * 1024
     mark: int = 12 * MIB
+    sheet: int = 32 * MIB
     work: int = 80 * MIB
     zip: int = 1024 * MIB
 

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from rumu.database.tables import Attempt, Job, Task, new_id
+from rumu.database.tables import Attempt, Job, SheetUpload, Task, new_id
 
 ROLES = ("visitor", "周", "吳", "陳", "林", "館主")
 """Nobody; a pupil of another class; the pupil whose things these are; another teacher; theirs; the owner."""
@@ -50,6 +50,11 @@ READING = {
     ),
     "/api/practice-sheet?works=regular-shui": LOGIN,
     "/api/practice-sheet.pdf?text=水&class={class}": CLASS_TEACH,
+    "/api/sheets": LOGIN,
+    "/api/sheets/{upload}": OWN,
+    **dict.fromkeys(
+        ("/api/sheets/{upload}/marks.csv", "/api/sheets/{upload}/cells/0/0/0"), (401, *[404] * 5)
+    ),
     "/api/comparisons/next": LOGIN,
     **dict.fromkeys((ATTEMPT, f"{ATTEMPT}/picture", f"{ATTEMPT}/viewer", f"{ATTEMPT}/files/thumb"), OWN),
     f"{ATTEMPT}/strokes": OWN,
@@ -89,6 +94,11 @@ CHANGING = {
     ("POST", "/api/password", '{"old": "wrong", "new": "quite another one"}'): (401, *[403] * 5),
     ("POST", "/api/invitations/0123456789ab", '{"name": "a", "password": "tiger bamboo"}'): (404,) * 6,
     ("POST", "/api/works", ""): (401, 403, 403, 422, 422, 422),
+    ("POST", "/api/sheets", ""): (401, *[422] * 5),
+    ("POST", "/api/photographs", ""): (422,) * 6,
+    ("POST", "/api/photographs/cell", ""): (422,) * 6,
+    ("POST", f"{CLASS}/sheets", ""): (401, 403, 403, 422, 422, 422),
+    ("DELETE", "/api/sheets/none", ""): (401, *[404] * 5),
     ("POST", "/api/imports", ""): (401, 403, 403, 422, 422, 422),
     ("POST", "/api/pages", ""): (401, 403, 403, 422, 422, 422),
     ("POST", "/api/museums", "{}"): (401, 403, 403, 403, 403, 422),
@@ -116,9 +126,13 @@ def browsers_and_ids(world, copy_of):
         "job": new_id(),
         "tour": tour,
         "token": token,
+        "upload": new_id(),
     }
     with world.service.gallery.database.writing() as session:
         session.add(Task(id=ids["task"], class_id=ids["class"], work_id="regular-tian"))
+        session.add(
+            SheetUpload(id=ids["upload"], person_id=ids["pupil"], class_id=ids["class"], files="sheets/none")
+        )
         session.add(Job(id=ids["job"], kind="test", state="done", person_id=ids["pupil"]))
     return {role: world.browser(None if role == "visitor" else role) for role in ROLES}, ids
 
