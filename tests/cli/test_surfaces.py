@@ -196,3 +196,15 @@ def test_an_stl_that_cannot_be_made(rumu, desk, tmp_path, monkeypatch):
         assert rumu("stl", desk / "master.png", "-o", tmp_path / "a.stl", *wrong).code == 2
     assert rumu("stl", desk / "master.png", "-o", tmp_path / "a.obj").code == 2
     assert not (tmp_path / "a.stl").exists()
+
+
+def test_a_photograph_is_left_out_and_each_is_told_of(rumu, capture, tmp_path):
+    whole = rumu("reconstruct", capture, "-o", tmp_path / "out", "--write", "height", "--json").facts
+    assert [row["name"] for row in whole["photographs"]] == [f"lamp {i}.png" for i in range(5)]
+    assert max(row["residual"] for row in whole["photographs"]) < 0.02
+    fewer = rumu(
+        "reconstruct", capture, "-o", tmp_path / "out", "--write", "height", "--leave-out", "lamp 4", "--json"
+    ).facts
+    assert [row["name"] for row in fewer["photographs"]] == [f"lamp {i}.png" for i in range(4)]
+    ended = rumu("reconstruct", capture, "-o", tmp_path / "out", "--leave-out", "lamp 9.png")
+    ended.failed_with("lights.lp", "lamp 9.png")

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -59,6 +60,7 @@ def read_capture(
     encoding: Encoding = "auto",
     orientation: Orientation = "auto",
     within: Path | None = None,
+    leave_out: Collection[str] = (),
     progress: Progress | None = None,
 ) -> Capture:
     """Read a capture folder.
@@ -78,6 +80,8 @@ def read_capture(
     within : path, optional
         A folder that holds the capture and every file that may be read, such as that of an upload. Without it
         an .lp and capture.json may name files anywhere.
+    leave_out : collection of str, optional
+        Names of photographs that are not used, with or without their suffix.
     progress : callable, optional
         Called with what is done, how many parts of it are done and how many there are.
 
@@ -104,6 +108,7 @@ def read_capture(
     _check_choice("encoding", encoding, ENCODINGS)
     _check_choice("orientation", orientation, ORIENTATIONS)
     images, description, lamps = _find_files(Path(path), within)
+    lamps = _without(lamps, leave_out)
     folder = images.folder
     chosen = _entry(folder, "encoding", description.encoding, ENCODINGS) if encoding == "auto" else encoding
     turned = (
@@ -153,6 +158,33 @@ def _find_files(path: Path, within: Path | None) -> tuple[FolderImages, Descript
     lamps = _read_lamps(images, named, description)
     _check_lamps(lamps)
     return images, description, lamps
+
+
+def _without(lamps: _Lamps, names: Collection[str]) -> _Lamps:
+    """The lamps without the photographs of these names. Raises CaptureError for a name of none."""
+    left_out = set()
+    for name in names:
+        plain = Path(name).name
+        found = {i for i, image in enumerate(lamps.images) if plain in (image.name, image.stem)}
+        if not found:
+            raise capture_error(
+                lamps.file,
+                en=f"expected the name of a photograph to leave out, got {name}",
+                zh=f"要除去的照片 {name} 不在這組照片裡",
+            )
+        left_out |= found
+    if not left_out:
+        return lamps
+    kept = [i for i in range(len(lamps.images)) if i not in left_out]
+    strengths = None if lamps.strengths is None else lamps.strengths[kept]
+    fewer = replace(
+        lamps,
+        images=tuple(lamps.images[i] for i in kept),
+        lights=lamps.lights[kept],
+        strengths=None if strengths is None else strengths / strengths.mean(),
+    )
+    _check_lamps(fewer)
+    return fewer
 
 
 def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:

@@ -51,6 +51,10 @@ def reconstruct(
         bool,
         typer.Option("--lamps-as-given", help="Take the lamps as they are, though others fit better."),
     ] = False,
+    leave_out: Annotated[
+        list[str] | None,
+        typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
+    ] = None,
     write: Annotated[
         str,
         typer.Option(
@@ -60,16 +64,19 @@ def reconstruct(
     as_json: AsJson = False,
 ) -> Outcome:
     """Photographs of one sheet under three or more lamps -> albedo, normals, height, mesh, report."""
+    from dataclasses import asdict
+
     from rumu import pipeline
     from rumu.capture.folder import read_capture
     from rumu.outputs import whole_folder
     from rumu.surface.folder import MARKER
     from rumu.surface.frame_check import exposure_notes
+    from rumu.surface.photograph_table import fault_notes, photograph_table, table_text
 
     files = _files_to_write(write)
     check_writable(whole_folder(out, marker=MARKER))
     with stages() as progress:
-        capture = read_capture(capture_dir, progress=progress)
+        capture = read_capture(capture_dir, leave_out=leave_out or (), progress=progress)
         if mm_per_pixel is not None:
             capture = capture.changed(spacing=finite(mm_per_pixel))
         if lamps_as_given:
@@ -77,9 +84,13 @@ def reconstruct(
         surface = pipeline.reconstruct(
             capture, solver=solver, integrator=integrator, rectify=rectify, progress=progress
         )
-        notes, title = (*capture.notes, *exposure_notes(capture, surface)), capture_dir.resolve().name
+        table = photograph_table(capture, surface)
+        notes = (*capture.notes, *exposure_notes(capture, surface), *fault_notes(table))
+        title = capture_dir.resolve().name
         del capture  # its photographs
-        return _write_surface(surface, out, title=title, notes=notes, files=files, progress=progress)
+        done = _write_surface(surface, out, title=title, notes=notes, files=files, progress=progress)
+    facts = {**done.facts, "photographs": [asdict(row) for row in table]}
+    return Outcome(facts, f"{done.text}\n{table_text(table)}")
 
 
 def _files_to_write(wanted: str) -> list[str]:

@@ -155,6 +155,19 @@ def _laid_on_the_others(
     return found
 
 
+def shift_between(
+    frame: FloatArray, wanted: FloatArray, *, settings: FrameCheckSettings | None = None
+) -> float:
+    """By how many pixels a frame (h, w) lies beside what it should look like, by phase correlation."""
+    import cv2
+
+    here, there = (
+        _details(np.ascontiguousarray(one), settings or FrameCheckSettings()) for one in (frame, wanted)
+    )
+    (dx, dy), _ = cv2.phaseCorrelate(there, here, _window(here[None]))
+    return float(np.hypot(dx, dy))
+
+
 def _window(frames: FloatArray) -> FloatArray:
     import cv2
 

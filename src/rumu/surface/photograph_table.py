@@ -1,0 +1,182 @@
+"""How each photograph of a capture fits the surface that was made of all: which one should be left out.
+
+A photograph is compared with what Lambert's law makes of the surface under its lamp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rumu.surface.frame_check import shift_between
+from rumu.surface.stereo import SATURATION, SHADOW_FLOOR
+from rumu.values import Bilingual, Capture, FloatArray, Surface
+
+_NAMED = 3  # bad photographs that are each given a sentence
+
+
+@dataclass(frozen=True, slots=True)
+class PhotographLimits:
+    """When a photograph is named as bad.
+
+    residual: times the median of all photographs, and at least this share of the brightness (least_residual).
+    moved: pixels of the photograph. sharpness: share of what the surface shows. saturated: of the pixels.
+    pixels: most that are looked at. side: of the square in the middle whose sharpness is judged, in pixels.
+    """
+
+    residual: float = 3.0
+    least_residual: float = 0.03
+    moved: float = 3.0
+    sharpness: float = 0.5
+    saturated: float = 0.2
+    pixels: int = 20_000
+    side: int = 512
+
+
+@dataclass(frozen=True, slots=True)
+class PhotographRow:
+    """One photograph.
+
+    strength: of its lamp, mean 1, as the surface shows it. residual: median |brightness - law| in shares of
+    the brightness. shadow, saturated: shares of the pixels. sharpness: strength of fine detail as a share of
+    what the surface shows under this lamp. moved: pixels by which it lies beside that.
+    faults: what is bad about it; empty for a good one.
+    """
+
+    name: str
+    strength: float
+    residual: float
+    shadow: float
+    saturated: float
+    sharpness: float
+    moved: float
+    faults: tuple[Bilingual, ...] = ()
+
+
+def photograph_table(
+    capture: Capture, surface: Surface, *, limits: PhotographLimits | None = None
+) -> list[PhotographRow]:
+    """A row for each photograph of a capture, in their order. surface: made of it, with nothing left out."""
+    limits = limits or PhotographLimits()
+    chosen = np.flatnonzero(surface.mask)
+    chosen = chosen[:: max(1, len(chosen) // limits.pixels)]
+    values = capture.photographs.at(chosen)
+    values = values if values.ndim == 2 else values.mean(axis=2)
+    albedo = surface.albedo if surface.albedo.ndim == 2 else surface.albedo.mean(axis=2)
+    law = capture.lights @ surface.normals.reshape(-1, 3)[chosen].T.astype(np.float64)
+    law = np.maximum(law, 0) * albedo.reshape(-1)[chosen]
+    strength, residual = np.array([_fit_of(one, lit) for one, lit in zip(values, law, strict=True)]).T
+    beside = _beside_the_law(capture, surface, albedo, limits)
+    usual = float(np.median(residual))
+    names = capture.names or tuple(f"photograph {i + 1}" for i in range(len(values)))
+    rows = []
+    for i, name in enumerate(names):
+        row = PhotographRow(
+            name=name,
+            strength=float(strength[i] / strength.mean()),
+            residual=float(residual[i]),
+            shadow=float((values[i] <= SHADOW_FLOOR).mean()),
+            saturated=float((values[i] >= SATURATION).mean()),
+            sharpness=beside[i][0],
+            moved=beside[i][1],
+        )
+        rows.append(_with_faults(row, usual, limits))
+    return rows
+
+
+def _fit_of(values: FloatArray, law: FloatArray) -> tuple[float, float]:
+    """The strength of a lamp, and the median of what contradicts the law under it. Both arrays (P,)."""
+    lit = (law > 0.05 * max(float(law.max()), 1e-9)) & (values > SHADOW_FLOOR) & (values < SATURATION)
+    if not lit.any():
+        return 1.0, 1.0
+    strength = float(np.median(values[lit] / law[lit]))
+    return strength, float(np.median(np.abs(values[lit] / (strength * law[lit]) - 1)))
+
+
+def _beside_the_law(
+    capture: Capture, surface: Surface, albedo: FloatArray, limits: PhotographLimits
+) -> list[tuple[float, float]]:
+    """Sharpness and movement of each photograph, in a square in the middle. albedo: (H, W)."""
+    height, width = capture.mask.shape
+    top, left = max(0, (height - limits.side) // 2), max(0, (width - limits.side) // 2)
+    square = slice(top, top + limits.side), slice(left, left + limits.side)
+    frames = capture.photographs.rows(top, min(height, top + limits.side))[:, :, square[1]]
+    frames = frames if frames.ndim == 3 else frames.mean(axis=3)
+    normals = surface.normals[square]
+    found = []
+    for frame, light in zip(frames, capture.lights.astype(np.float32), strict=True):
+        wanted = np.maximum(normals @ light, np.float32(0)) * albedo[square]
+        sharpness = _detail(frame) / max(_detail(wanted), 1e-9)
+        found.append((sharpness, shift_between(frame, wanted)))
+    return found
+
+
+def _detail(frame: FloatArray) -> float:
+    """How strong the finest detail of a frame (h, w) is beside its brightness, noise left out."""
+    import cv2
+
+    smooth = cv2.GaussianBlur(np.ascontiguousarray(frame, dtype=np.float32), (0, 0), 1.0)
+    edges = np.abs(cv2.Laplacian(smooth, cv2.CV_32F))
+    return float(np.quantile(edges, 0.95)) / max(float(frame.mean()), 1e-6)
+
+
+def _with_faults(row: PhotographRow, usual: float, limits: PhotographLimits) -> PhotographRow:
+    share = f"{100 * row.residual:.1f} %"
+    tests = (
+        (
+            row.residual > max(limits.least_residual, limits.residual * usual),
+            Bilingual(f"亮度有 {share} 與表面不合", f"{share} of its brightness contradicts the surface"),
+        ),
+        (
+            row.moved > limits.moved,
+            Bilingual(f"錯開了 {row.moved:.1f} 像素", f"it lies {row.moved:.1f} pixels beside the others"),
+        ),
+        (
+            row.sharpness < limits.sharpness,
+            Bilingual("不清晰", "it is blurred"),
+        ),
+        (
+            row.saturated > limits.saturated,
+            Bilingual(
+                f"{100 * row.saturated:.0f} % 過曝", f"{100 * row.saturated:.0f} % of it is overexposed"
+            ),
+        ),
+    )
+    return replace(row, faults=tuple(words for holds, words in tests if holds))
+
+
+def fault_notes(rows: Sequence[PhotographRow]) -> tuple[Bilingual, ...]:
+    """One sentence for each photograph that is named as bad, or one for all when they are many."""
+    bad = [row for row in rows if row.faults]
+    if len(bad) > _NAMED:
+        worst = sorted(bad, key=lambda row: -row.residual)[:_NAMED]
+        zh, en = ("、".join(row.name for row in worst), ", ".join(row.name for row in worst))
+        return (
+            Bilingual(
+                f"有 {len(bad)} 張照片不合，最差的是 {zh}；可用 --leave-out 除去。",
+                f"{len(bad)} photographs fit badly, {en} worst; --leave-out does without them",
+            ),
+        )
+    return tuple(
+        Bilingual(
+            f"{row.name}：{'；'.join(fault.zh for fault in row.faults)}。可用 --leave-out {row.name} 除去。",
+            f"{row.name}: {'; '.join(fault.en for fault in row.faults)}. "
+            f"--leave-out {row.name} does without it",
+        )
+        for row in bad
+    )
+
+
+def table_text(rows: Sequence[PhotographRow]) -> str:
+    """The table as lines of text, one photograph in each."""
+    width = max(len(row.name) for row in rows)
+    head = f"  {'':<{width}}  strength  residual  shadow  white  sharpness  moved"
+    lines = [
+        f"  {row.name:<{width}}{row.strength:10.2f}{100 * row.residual:8.1f} %{100 * row.shadow:6.0f} %"
+        f"{100 * row.saturated:5.0f} %"
+        f"{row.sharpness:11.2f}{row.moved:7.1f}"
+        for row in rows
+    ]
+    return "\n".join([head, *lines])
