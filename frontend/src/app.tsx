@@ -3,6 +3,7 @@ import type { ComponentType } from "preact";
 import { post, refreshSession, session } from "./api";
 import { common, language } from "./i18n";
 import { matchPath, navigate, type PageProps, route } from "./router";
+import { Foot } from "./home/Foot";
 import { routes } from "./routes";
 import { ErrorPage, Loading } from "./ui";
 
@@ -35,7 +36,7 @@ export function App() {
           <div class="trouble">
             <h1>{common("nothere")}</h1>
             <p>
-              <a href="#/">{common("home")}</a>
+              <a href="#/gallery">{common("home")}</a>
             </p>
           </div>
         ) : !pageState || pageState.path !== matched.pattern ? (
@@ -46,6 +47,7 @@ export function App() {
           <pageState.Page key={path} params={matched.params ?? {}} query={query} />
         )}
       </main>
+      <Foot />
     </>
   );
 }
@@ -59,7 +61,7 @@ function toMain(event: Event): void {
 function Header({ path }: { path: string }) {
   const person = session.value?.person ?? null;
   const links: [string, Parameters<typeof common>[0], boolean][] = [
-    ["/", "gallery", true],
+    ["/gallery", "gallery", true],
     ["/collections", "collections", true],
     ["/tours", "tours", true],
     ["/studio", "studio", true],
@@ -109,7 +111,7 @@ function Header({ path }: { path: string }) {
 
 /** Whether a page belongs to a menu entry: a work to the gallery; a page to write on, or a sheet of paper, to the studio. */
 const isWithin = (path: string, href: string): boolean =>
-  href === "/" ? path.startsWith("/works/") : path.startsWith(`${href}/`) || (href === "/studio" && /^\/sheets(\/|$)/.test(path));
+  href === "/gallery" ? path.startsWith("/works/") : path.startsWith(`${href}/`) || (href === "/studio" && /^\/sheets(\/|$)/.test(path));
 
 async function logout(): Promise<void> {
   await post("api/logout");

@@ -7,7 +7,9 @@ type Load = () => Promise<{ default: ComponentType<PageProps> }>;
 
 /** Path patterns, `:name` for a parameter; the first that matches is shown. */
 export const routes: [string, Load][] = [
-  ["/", () => import("./gallery/GalleryPage")],
+  ["/", () => import("./home/HomePage")],
+  ["/about", () => import("./home/AboutPage")],
+  ["/gallery", () => import("./gallery/GalleryPage")],
   ["/works/:id", () => import("./gallery/WorkPage")],
   ["/characters/:character", () => import("./gallery/GatherPage")],
   ["/collections", () => import("./gallery/CollectionsPage")],

@@ -27,6 +27,9 @@ export type WorkCard = {
   thumb_normals: string;
 };
 
+/** The home page. cover: with files small enough for a phone. */
+export type Home = { cover: (WorkCard & { picture: string; normals: string }) | null; chosen: boolean; works: number };
+
 /** A character's strokes in the order of writing, in a square of side 1, y down. */
 export type CharacterStrokes = {
   character: string;

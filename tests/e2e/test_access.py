@@ -15,7 +15,10 @@ from conftest import absent
 
 AXE = Path(__file__).parents[2] / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
-OPEN = ("/", "/works/regular-shui", "/collections", "/tours", "/studio", "/studio/regular-shui", "/login")
+OPEN = (
+    *("/", "/about", "/gallery", "/works/regular-shui", "/collections", "/tours", "/studio"),
+    *("/studio/regular-shui", "/login"),
+)
 OWNERS = ("/add", "/practice", "/classes", "/judge", "/people")
 
 LogIn = Callable[..., Visitor]

@@ -41,13 +41,13 @@ function CollectionItem({ item, onChange }: { item: Collection; onChange: (() =>
   const works = useLoaded((signal) => get<Page<WorkCard>>(url, signal), item.id);
   return (
     <li class="collection-card">
-      <a class="collection-works" href={`#/?collection=${encodeURIComponent(item.id)}`} aria-label={localize(item.title)}>
+      <a class="collection-works" href={`#/gallery?collection=${encodeURIComponent(item.id)}`} aria-label={localize(item.title)}>
         {(works.value?.items ?? []).map((work) => (
           <RelitThumb key={work.id} work={work} />
         ))}
       </a>
       <div>
-        <h2><a href={`#/?collection=${encodeURIComponent(item.id)}`}>{localize(item.title)}</a></h2>
+        <h2><a href={`#/gallery?collection=${encodeURIComponent(item.id)}`}>{localize(item.title)}</a></h2>
         {localize(item.note) && <p>{localize(item.note)}</p>}
         <p class="note">
           <Facts items={[t(item.works === 1 ? "countOne" : "count", { n: item.works.toLocaleString() }), item.licence && <>{t("licence")}{t("colon")}<Licence licence={item.licence} /></>]} />

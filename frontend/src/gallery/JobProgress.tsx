@@ -62,7 +62,7 @@ function Outcome({ result }: { result: Imported }) {
         {work ? (
           <a class="button" href={`#/works/${encodeURIComponent(work)}`}>{t("seeIt")}</a>
         ) : (
-          <a class="button" href={collections[0] ? `#/?collection=${encodeURIComponent(collections[0])}` : "#/"}>{t("seeAll")}</a>
+          <a class="button" href={collections[0] ? `#/gallery?collection=${encodeURIComponent(collections[0])}` : "#/gallery"}>{t("seeAll")}</a>
         )}
       </p>
     </>

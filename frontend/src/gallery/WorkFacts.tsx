@@ -41,7 +41,7 @@ export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; fac
         ))}
         <div>
           <dt>{t("collection")}</dt>
-          <dd>{alone ? localize(work.collection_title) : <a href={`#/?collection=${encodeURIComponent(work.collection)}`}>{localize(work.collection_title) || work.collection}</a>}</dd>
+          <dd>{alone ? localize(work.collection_title) : <a href={`#/gallery?collection=${encodeURIComponent(work.collection)}`}>{localize(work.collection_title) || work.collection}</a>}</dd>
         </div>
       </dl>
     </header>

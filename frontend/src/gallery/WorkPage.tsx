@@ -1,5 +1,5 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { get, remove, ServiceError, session } from "../api";
+import { get, put, remove, ServiceError, session } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import { t as ofWhole } from "../i18n/whole";
@@ -16,6 +16,7 @@ import { clearLastList } from "./listState";
 import { MuseumFacts } from "./MuseumFacts";
 import { NoteForm } from "./NoteForm";
 import { hasStrokeOrder, StrokeOrder } from "../strokes/StrokeOrder";
+import { ShareWork } from "./ShareWork";
 import { WorkFacts } from "./WorkFacts";
 import { type Edited, WorkForm } from "./WorkForm";
 import { WorkPicker } from "./WorkPicker";
@@ -134,6 +135,7 @@ function WorkView({ query, ...first }: { work: Work; facts: ViewerFacts; query: 
         {hasStrokeOrder(work) && <StrokeOrder key={work.character} character={work.character} />}
         <Notes notes={notes} chosen={chosen} choose={choose} owner={owner} edit={setForm} onDelete={(note) => void deleteNote(note)} />
         <Neighbours work={work} />
+        <ShareWork work={work} />
         {owner && <OwnerTools work={work} onSaved={(edited) => setEdited({ work: edited.work, facts: edited.facts ?? facts })} />}
       </aside>
       {form && <NoteForm work={work.id} note={form} onClose={() => setForm(null)} onSaved={saved} />}
@@ -170,15 +172,18 @@ function useCharacters(work: Work, at: string | null, remember: (id: string | nu
 
 function OwnerTools({ work, onSaved }: { work: Work; onSaved: (edited: Edited) => void }) {
   const [editing, setEditing] = useState(false);
+  const [atHome, setAtHome] = useState(false);
   const [error, setError] = useState<unknown>(null);
-  const deleteWork = () => confirm(t("sureRemoveWork")) && remove(workUrl(work.id)).then(() => (clearLastList(), navigate("/")), setError);
+  const deleteWork = () => confirm(t("sureRemoveWork")) && remove(workUrl(work.id)).then(() => (clearLastList(), navigate("/gallery")), setError);
   const close = () => setEditing(false);
   return (
     <div class="owner-tools">
       <p>
         <button type="button" class="quiet" onClick={() => setEditing(true)}>{t("editWork")}</button>
+        <button type="button" class="quiet" onClick={() => put("api/home", { work: work.id }).then(() => setAtHome(true), setError)}>{t("showAtHome")}</button>
         <button type="button" class="quiet" onClick={deleteWork}>{t("removeWork")}</button>
       </p>
+      {atHome && <p class="note" role="status">{t("isAtHome")}</p>}
       {error ? <ErrorMessage error={error} /> : null}
       {editing && <WorkForm work={work} onClose={close} onSaved={(edited) => (onSaved(edited), close())} />}
     </div>

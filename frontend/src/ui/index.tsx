@@ -35,7 +35,7 @@ export function ErrorPage({ error, retry }: ErrorProps) {
   return (
     <div class="trouble" role="alert">
       <h1>{reason(error)}</h1>
-      {retry && !missing ? <button type="button" onClick={retry}>{common("again")}</button> : <p><a href="#/">{common("home")}</a></p>}
+      {retry && !missing ? <button type="button" onClick={retry}>{common("again")}</button> : <p><a href="#/gallery">{common("home")}</a></p>}
     </div>
   );
 }

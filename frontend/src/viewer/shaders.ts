@@ -14,6 +14,42 @@ float heightAt(vec2 uv) {
   return mix(top, bottom, p.y - base.y);
 }`;
 
+/** GLSL of the warm lamp: colours, normals, shading and sheen. */
+export const lampFunctions = /* glsl */ `
+const vec3 warm = vec3(${WARM.map((v) => v.toFixed(4)).join(", ")});
+vec3 srgbToLinear(vec3 c) {
+  return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, vec3(lessThanEqual(c, vec3(0.04045))));
+}
+vec3 linearToSrgb(vec3 c) {
+  return mix(1.055 * pow(max(c, 0.0), vec3(1.0 / 2.4)) - 0.055, c * 12.92, vec3(lessThanEqual(c, vec3(0.0031308))));
+}
+vec3 decodeNormal(vec3 c) {
+  vec3 n = (c * 255.0 - 127.5) / 127.5;
+  return n / max(length(n), 1e-6);
+}
+vec3 exaggerate(vec3 n, float k) {
+  vec3 m = vec3(n.xy * k, n.z);
+  return m / max(length(m), 1e-6);
+}
+float shading(vec3 n, vec3 l) {
+  return max(dot(n, l), 0.0);
+}
+vec3 lambert(vec3 a, vec3 n, vec3 l) {
+  return min(a * shading(n, l), 1.0);
+}
+float exposure(vec3 l) {
+  return pow(max(l.z, 0.3), -0.7);
+}
+float inkSheen(vec3 a, vec3 n, vec3 l, vec3 toEye) {
+  float dark = max(1.0 - dot(a, vec3(0.2126, 0.7152, 0.0722)), 0.0);
+  vec3 halfway = l + toEye;
+  float towards = max(dot(n, halfway) / max(length(halfway), 1e-6), 0.0);
+  return dark * dark * pow(towards, 22.0) * min(shading(n, l) * 4.0, 1.0);
+}
+vec3 warmLamp(vec3 a, vec3 n, vec3 l, vec3 toEye, float sheen) {
+  return min((a * shading(n, l) + inkSheen(a, n, l, toEye) * sheen) * exposure(l) * warm, 1.0);
+}`;
+
 export const vertex = /* glsl */ `
 precision highp float;
 precision highp sampler2D;
@@ -60,39 +96,7 @@ in vec3 scenePosition;
 in float measured;
 out vec4 colour;
 ${sampling}
-const vec3 warm = vec3(${WARM.map((v) => v.toFixed(4)).join(", ")});
-vec3 srgbToLinear(vec3 c) {
-  return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, vec3(lessThanEqual(c, vec3(0.04045))));
-}
-vec3 linearToSrgb(vec3 c) {
-  return mix(1.055 * pow(max(c, 0.0), vec3(1.0 / 2.4)) - 0.055, c * 12.92, vec3(lessThanEqual(c, vec3(0.0031308))));
-}
-vec3 decodeNormal(vec3 c) {
-  vec3 n = (c * 255.0 - 127.5) / 127.5;
-  return n / max(length(n), 1e-6);
-}
-vec3 exaggerate(vec3 n, float k) {
-  vec3 m = vec3(n.xy * k, n.z);
-  return m / max(length(m), 1e-6);
-}
-float shading(vec3 n, vec3 l) {
-  return max(dot(n, l), 0.0);
-}
-vec3 lambert(vec3 a, vec3 n, vec3 l) {
-  return min(a * shading(n, l), 1.0);
-}
-float exposure(vec3 l) {
-  return pow(max(l.z, 0.3), -0.7);
-}
-float inkSheen(vec3 a, vec3 n, vec3 l, vec3 toEye) {
-  float dark = max(1.0 - dot(a, vec3(0.2126, 0.7152, 0.0722)), 0.0);
-  vec3 halfway = l + toEye;
-  float towards = max(dot(n, halfway) / max(length(halfway), 1e-6), 0.0);
-  return dark * dark * pow(towards, 22.0) * min(shading(n, l) * 4.0, 1.0);
-}
-vec3 warmLamp(vec3 a, vec3 n, vec3 l, vec3 toEye, float sheen) {
-  return min((a * shading(n, l) + inkSheen(a, n, l, toEye) * sheen) * exposure(l) * warm, 1.0);
-}
+${lampFunctions}
 vec3 mixPhotographs(vec3 a, vec3 b, vec3 c, vec3 w) {
   return max(w.x * a + w.y * b + w.z * c, 0.0);
 }

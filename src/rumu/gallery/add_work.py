@@ -7,20 +7,19 @@ deletes them.
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 import shutil
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, get_args
 
 from sqlalchemy import func, select
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError
-from rumu.gallery.assets import folder_digest, picture_key
+from rumu.gallery.assets import capture_key, folder_digest, picture_key, store_surface, surface_key
 from rumu.gallery.metadata import (
     EMPTY,
     NO_LICENCE,
@@ -107,38 +106,34 @@ def add_capture(
     """
     from rumu.capture.folder import read_capture
     from rumu.pipeline import reconstruct
-    from rumu.surface.folder import FLOATS, write_surface
     from rumu.surface.frame_check import exposure_notes
 
     path = Path(path)
     capture = read_capture(path, within=within)
     folder = path if path.is_dir() else path.parent
     with temporary_folder() as temporary:
-        photographs, reconstructed = temporary / "capture", temporary / "surface"
+        photographs = temporary / "capture"
         capture_digest = _copy_capture(capture, folder, photographs)
         surface = reconstruct(read_capture(photographs, within=photographs), solver=solver, rectify=rectify)
-        # what read_surface needs; pictures and meshes are derived when they are requested
-        write_surface(surface, reconstructed, files=FLOATS)
-        surface_digest = hashlib.sha256(f"{capture_digest} {solver} {rectify}".encode()).hexdigest()
-        capture_key = f"captures/{capture_digest[:2]}/{capture_digest}"
-        surface_key = f"surfaces/{surface_digest[:2]}/{surface_digest}"
-        for key, files in ((capture_key, photographs), (surface_key, reconstructed)):
-            with gallery.store.whole_folder(key):
-                for file in sorted(files.iterdir()):
-                    if not gallery.store.exists(f"{key}/{file.name}"):  # as another work may have it
-                        gallery.store.write(f"{key}/{file.name}", file.read_bytes())
+        photographs_key = capture_key(capture_digest)
+        reconstructed = surface_key(capture_digest, solver=solver, rectify=rectify)
+        with gallery.store.whole_folder(photographs_key):
+            for file in sorted(photographs.iterdir()):
+                if not gallery.store.exists(f"{photographs_key}/{file.name}"):  # as another work may have it
+                    gallery.store.write(f"{photographs_key}/{file.name}", file.read_bytes())
+            store_surface(gallery.store, reconstructed, surface)
     picture = _mean_photograph(capture)
     key = picture_key(picture, suffix=".png")
     gallery.store.write(key, picture)
     stored = StoredFiles(
         picture=key,
-        digest=metadata.digest(surface_digest),
+        digest=metadata.digest(PurePosixPath(reconstructed).name),
         width=surface.height.shape[1],
         height=surface.height.shape[0],
         kind="capture",
         height_source=surface.source,
-        surface=surface_key,
-        capture=capture_key,
+        surface=reconstructed,
+        capture=photographs_key,
         spacing=capture.spacing,
     )
     metadata = replace(metadata, origin=metadata.origin or folder.name)

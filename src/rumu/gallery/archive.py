@@ -24,6 +24,7 @@ from sqlalchemy.orm import Session
 from rumu.csv_tables import TableWriter
 from rumu.database.tables import Annotation, Base, Collection, Tour, Work
 from rumu.errors import GalleryError, OutputError
+from rumu.gallery.assets import surface_files
 from rumu.gallery.catalog import collection as find_collection
 from rumu.gallery.masters import LABELS
 from rumu.gallery.search_text import COLUMNS
@@ -155,11 +156,13 @@ def _read_works(session: Session, ids: Sequence[str]) -> Iterator[tuple[Work, li
 
 def _store_keys(gallery: Gallery, work: Work) -> Iterator[str]:
     yield work.picture
-    for folder in filter(None, (work.surface, work.capture)):
-        keys = list(gallery.store.keys(folder))
-        if not keys:
-            raise GalleryError(f"{work.id}: its files {folder} are missing from the store")
-        yield from keys
+    if work.capture is None:
+        return
+    keys = list(gallery.store.keys(work.capture))
+    if not keys:
+        raise GalleryError(f"{work.id}: its files {work.capture} are missing from the store")
+    yield from keys
+    yield from surface_files(gallery.store, work)
 
 
 def _to_json(row: Base) -> dict[str, Any]:

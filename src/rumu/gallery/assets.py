@@ -64,7 +64,7 @@ def assets_of(store: Store, work: Work) -> Assets:
     return Assets(
         digest=_digest(work.picture, work.surface, work.capture),
         picture=partial(store.read, work.picture),
-        surface=partial(_read_surface, store, work.surface),
+        surface=partial(_measured_surface, store, work.surface, work.capture),
         capture=partial(_read_capture, store, work.capture),
     )
 
@@ -91,6 +91,37 @@ def picture_key(data: bytes, *, suffix: str) -> str:
     """The key of a picture with this content. suffix: such as '.png', lower case."""
     digest = hashlib.sha256(data).hexdigest()
     return f"pictures/{digest[:2]}/{digest}{suffix}"
+
+
+def capture_key(digest: str) -> str:
+    """The key of the folder of a capture. digest: as `folder_digest` gives it."""
+    return f"captures/{digest[:2]}/{digest}"
+
+
+def surface_key(capture_digest: str, *, solver: str = "robust", rectify: str = "none") -> str:
+    """The key of the folder of the surface that is reconstructed from a capture in this way."""
+    digest = hashlib.sha256(f"{capture_digest} {solver} {rectify}".encode()).hexdigest()
+    return f"surfaces/{digest[:2]}/{digest}"
+
+
+def store_surface(store: Store, key: str, surface: Surface) -> None:
+    """Write what `read_surface` needs into the store; pictures and meshes are derived when requested."""
+    from rumu.surface.folder import FLOATS, MARKER, write_surface
+
+    with temporary_folder() as temporary, store.whole_folder(key):
+        write_surface(surface, temporary / "surface", files=FLOATS)
+        # the description last, by which readers know that the others are there
+        for file in sorted((temporary / "surface").iterdir(), key=lambda path: path.name == MARKER):
+            if not store.exists(f"{key}/{file.name}"):
+                store.write(f"{key}/{file.name}", file.read_bytes())
+
+
+def surface_files(store: Store, work: Work) -> list[str]:
+    """The keys of the files of a reconstructed surface; none where relief is computed from the picture."""
+    if work.surface is None:
+        return []
+    assets_of(store, work).surface()
+    return list(store.keys(work.surface))
 
 
 def folder_digest(files: Mapping[str, Path]) -> str:
@@ -186,9 +217,13 @@ def _relief(store: Store, key: str, method: str, spacing: float | None) -> Surfa
 
 
 @cached(_cache, condition=_cache_changed)
-def _read_surface(store: Store, key: str) -> Surface:
-    from rumu.surface.folder import read_surface
+def _measured_surface(store: Store, key: str, capture: str) -> Surface:
+    """The surface with this key; reconstructed from its photographs, and stored, when first needed."""
+    from rumu.pipeline import reconstruct
+    from rumu.surface.folder import MARKER, read_surface
 
+    if not store.exists(f"{key}/{MARKER}"):
+        store_surface(store, key, reconstruct(_read_capture(store, capture)))
     with store.local(key) as folder:
         return read_surface(folder)
 

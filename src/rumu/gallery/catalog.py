@@ -110,12 +110,12 @@ def works(gallery: Gallery, *, offset: int = 0, limit: int = 60, **filters: Any)
         where = (*conditions(asked, columns, search).values(), level(asked, columns, search))
         found: list[tuple[str, tuple[int, ...]]] = []
         if search.words:
-            found = find_works(session, search, where, _ORDER)
+            found = find_works(session, search, where, ORDER)
             total, on_page = len(found), dict(found[offset : offset + limit])
         else:
             total = session.scalar(select(func.count()).select_from(Work).where(*where)) or 0
             # Only ids are sorted, because sorting whole rows takes longer.
-            ids = select(Work.id).where(*where).order_by(*_ORDER).offset(offset).limit(limit)
+            ids = select(Work.id).where(*where).order_by(*ORDER).offset(offset).limit(limit)
             on_page = dict.fromkeys(session.scalars(ids), ())
         rows = {row.id: row for row in session.scalars(select(Work).where(Work.id.in_(on_page)))}
         return ListPage(
@@ -265,7 +265,7 @@ def delete_collection(gallery: Gallery, collection_id: str) -> int:
     return sum(row.parent_id is None for row in rows)
 
 
-_ORDER: Sequence[ColumnElement[Any]] = (
+ORDER: Sequence[ColumnElement[Any]] = (
     Work.collection_id != "starter",
     Work.collection_id.expression,
     Work.parent_id.is_not(None),
@@ -280,7 +280,7 @@ def _find(session: Session, work_id: str) -> Work:
     if row is None:
         known = session.scalars(select(Work.id)).all()
         of_character = session.scalars(
-            select(Work.id).where(Work.character == work_id).order_by(*_ORDER).limit(5)
+            select(Work.id).where(Work.character == work_id).order_by(*ORDER).limit(5)
         ).all()
         hint = suggest(work_id, known, of_character)
         raise GalleryError(f"no work {work_id!r} in the gallery{hint}")

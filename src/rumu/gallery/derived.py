@@ -100,7 +100,9 @@ KINDS = {
     "thumb": _webp(renderers.render_picture, longest=renderers.THUMB, quality=82),
     "thumb-normals": _webp(renderers.render_normals, longest=renderers.THUMB_NORMALS),
     "picture": _webp(renderers.render_picture, longest=renderers.SHOWN, quality=90),
-    "albedo": _webp(renderers.render_albedo),
+    "albedo": _webp(renderers.render_albedo, longest=renderers.MAP, quality=90),
+    "cover": _webp(renderers.render_albedo, longest=renderers.COVER, quality=80),
+    "cover-normals": _webp(renderers.render_normals, longest=renderers.COVER_NORMALS),
     "normals": _webp(renderers.render_normals, longest=renderers.MAP),
     "normals-16": FileKind(renderers.render_normals_16, "image/png", ".png"),
     "height16": FileKind(renderers.render_height_16, "image/png", ".png"),
@@ -120,10 +122,11 @@ def derived_file(gallery: Gallery, work_id: str, kind: str, *, shape: MeshShape 
     """A derived file of a work.
 
     kind: one of KINDS: 'thumb' (at most 256 px), 'thumb-normals' (128 px), 'picture' (for showing, at most
-        2048 px), 'albedo' and 'normals' (at most 1024 px; n = value / 127.5 - 1, y up), 'normals-16',
-        'height16' (16-bit PNG; 'facts' gives its scale), 'heights' (float32, little endian, row by row, at
-        most 512 px), 'mask', 'lamp-a' to 'lamp-c' (the photographs of a three-lamp work), 'glb', 'stl',
-        'ply', 'facts' (JSON). shape: of a mesh.
+        2048 px), 'albedo' and 'normals' (at most 1024 px; n = value / 127.5 - 1, y up), 'cover' and
+        'cover-normals' (the same for the home page, at most 900 and 450 px), 'normals-16', 'height16' (16-bit
+        PNG; 'facts' gives its scale), 'heights' (float32, little endian, row by row, at most 512 px), 'mask',
+        'lamp-a' to 'lamp-c' (the photographs of a three-lamp work), 'glb', 'stl', 'ply', 'facts' (JSON).
+    shape: of a mesh.
     Raises GalleryError for an unknown kind, one that this work does not have, or an unknown work; ImageError
     or RefusedImage when its picture cannot be used.
     """

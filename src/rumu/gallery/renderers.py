@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 Bytes = npt.NDArray[np.uint8]
 
 THUMB, THUMB_NORMALS, MAP, HEIGHTS, SHOWN = 256, 128, 1024, 512, 2048  # longest sides, pixels
+COVER, COVER_NORMALS = 900, 450  # of the home page, which a phone is to show within two seconds
 GLB_BYTES = 5_000_000
 _GLB_VERTICES = 60_000
 _FINE_VERTICES = 250_000  # of STL and PLY, which are for printing and measuring
@@ -99,12 +100,12 @@ def render_normals_16(assets: Assets) -> bytes:
     return _png(np.round((n + 1.0) * 32767.5).clip(0, 65535).astype(np.uint16)[..., ::-1])
 
 
-def render_albedo(assets: Assets) -> bytes:
+def render_albedo(assets: Assets, *, longest: int, quality: int) -> bytes:
     """Albedo in sRGB, WebP."""
     from rumu.surface.mesh import albedo_srgb
 
-    albedo = _reduce(assets.surface().albedo, MAP)
-    return _webp(_image(albedo_srgb(np.clip(albedo, 0, 1))), quality=90)
+    albedo = _reduce(assets.surface().albedo, longest)
+    return _webp(_image(albedo_srgb(np.clip(albedo, 0, 1))), quality=quality)
 
 
 def render_mask(assets: Assets) -> bytes:

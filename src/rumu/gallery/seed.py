@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 from sqlalchemy import select
 
 from rumu.database.tables import Annotation, Tour, Work
-from rumu.gallery.assets import picture_key
+from rumu.gallery.assets import capture_key, folder_digest, picture_key, surface_key
 from rumu.gallery.metadata import (
     CollectionMetadata,
     StoredFiles,
@@ -35,6 +36,37 @@ STARTER = CollectionMetadata(
     licence="named with each work",
 )
 SIDE = 512  # pixels of a starter picture
+STELE = CollectionMetadata(
+    id="starter-stele",
+    title=Bilingual(zh="一塊模擬的碑", en="A simulated stele"),
+    note=Bilingual(
+        zh="沒有這塊石頭：程式算出刻了字的石面在十盞燈下的樣子，再由這十張圖以光度立體法量出高低，"
+        "和量一塊真的碑一樣。",
+        en="There is no such stone: a program computed how a carved slab looks under ten lamps, and "
+        "photometric stereo measured its relief from these ten pictures, as it does with a real one.",
+    ),
+    source="scripts/make_stele.py of rumu",
+    licence="CC0-1.0",
+)
+"""The measured work that comes with the package."""
+_STELE_WORK = WorkMetadata(
+    title=Bilingual(zh="「入木三分」碑（模擬）", en="入木三分, a simulated stele"),
+    script="regular",
+    hand=Bilingual(zh="馬善政楷書（字型）", en="Ma Shan Zheng (the typeface)"),
+    dynasty="contemporary",
+    period=Bilingual(zh="當代（字型版本 2.003）", en="contemporary (font version 2.003)"),
+    material=Bilingual(
+        zh="程式模擬的刻石：石面、刻痕與十盞燈都由程式算出",
+        en="a carved stone simulated by a program: slab, grooves and ten lamps are computed",
+    ),
+    source="scripts/make_stele.py of rumu, with four characters of Ma Shan Zheng, "
+    "https://github.com/googlefonts/mashanzheng",
+    licence="CC0-1.0",
+    attribution="rumu; drawing of the characters: Copyright 2018 The MaShanZheng Project Authors (OFL-1.1)",
+    origin="starter_stele",
+)
+_STELE_PICTURE = "mean.jpg"  # beside the photographs, and none of them
+_STELE_SPACING = 0.35  # mm for each pixel, as its capture.json says
 
 
 def add_starter_works(gallery: Gallery) -> bool:
@@ -46,6 +78,7 @@ def add_starter_works(gallery: Gallery) -> bool:
         if session.scalar(select(Work.id).limit(1)) is not None:
             return False
     rows = [_work_row(gallery, work, position) for position, work in enumerate(starter_works())]
+    stele = _stele_row(gallery)
     file = resources.files("rumu.gallery").joinpath("starter_tours.json")
     texts = json.loads(file.read_text(encoding="utf-8"))
     annotations = [_split_languages(one) | {"position": n} for n, one in enumerate(texts["annotations"])]
@@ -55,6 +88,7 @@ def add_starter_works(gallery: Gallery) -> bool:
     ]
     with gallery.database.writing() as session:
         insert_works(session, STARTER, rows)
+        insert_works(session, STELE, [stele])
         insert_rows(session, Annotation, [row | {"work_id": row.pop("work")} for row in annotations])
         insert_rows(session, Tour, tours)
     return True
@@ -72,6 +106,33 @@ def _work_row(gallery: Gallery, work: StarterWork, position: int) -> dict[str, A
     )
     files = StoredFiles(picture=key, digest=work_digest(data, work.id), width=SIDE, height=SIDE)
     return work_row(metadata, files, work_id=work.id, collection=STARTER, position=position)
+
+
+def _stele_row(gallery: Gallery) -> dict[str, Any]:
+    """Store the stele's photographs; its surface is reconstructed from them when somebody looks at it."""
+    from PIL import Image
+
+    folder = Path(str(resources.files("rumu.gallery").joinpath("starter_stele")))
+    files = {path.name: path for path in sorted(folder.iterdir()) if path.name != _STELE_PICTURE}
+    digest = folder_digest(files)
+    for name, path in files.items():
+        gallery.store.write(f"{capture_key(digest)}/{name}", path.read_bytes())
+    picture = (folder / _STELE_PICTURE).read_bytes()
+    gallery.store.write(picture_key(picture, suffix=".jpg"), picture)
+    with Image.open(folder / _STELE_PICTURE) as image:
+        width, height = image.size
+    stored = StoredFiles(
+        picture=picture_key(picture, suffix=".jpg"),
+        digest=_STELE_WORK.digest(digest),
+        width=width,
+        height=height,
+        kind="capture",
+        height_source="photometric",
+        surface=surface_key(digest),
+        capture=capture_key(digest),
+        spacing=_STELE_SPACING,
+    )
+    return work_row(_STELE_WORK, stored, work_id="stele-ru-mu-san-fen", collection=STELE, position=0)
 
 
 def _split_languages(entry: dict[str, Any]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import base64
 import gzip
 import html
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -42,13 +43,10 @@ def single_page(gallery: Gallery, work_id: str, *, static: Path) -> bytes:
     """
     script, style = (_read_built(static, name) for name in (SCRIPT, STYLE))
     facts = page_facts(gallery, work_id)
-    title = " ".join(dict.fromkeys((facts["work"]["title"]["zh"], facts["work"]["title"]["en"])))
-    # Only "</" can end a script element; in JSON the character may be escaped.
-    data = json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
     page = _PAGE.format(
-        title=html.escape(title),
+        title=html.escape(page_title(facts)),
         style=style.replace("</style", "<\\/style"),
-        data=data,
+        data=page_json(facts),
         script=script.replace("</script", "<\\/script").replace("<!--", "<\\!--"),
     ).encode()
     if len(page) > LARGEST:
@@ -56,8 +54,24 @@ def single_page(gallery: Gallery, work_id: str, *, static: Path) -> bytes:
     return page
 
 
-def page_facts(gallery: Gallery, work_id: str) -> dict[str, Any]:
-    """The page's data: {work, viewer} as in the service's answers, with data: URLs for the files."""
+def page_title(facts: dict[str, Any]) -> str:
+    """The title of the page with these facts, in Chinese and English."""
+    return " ".join(dict.fromkeys((facts["work"]["title"]["zh"], facts["work"]["title"]["en"])))
+
+
+def page_json(facts: dict[str, Any]) -> str:
+    """The page's data as the text of its script element."""
+    # Only "</" can end a script element; in JSON the character may be escaped.
+    return json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def page_facts(
+    gallery: Gallery, work_id: str, *, url: Callable[[str, str], str] | None = None
+) -> dict[str, Any]:
+    """The page's data: {work, viewer} as in the service's answers.
+
+    url: makes the address of a kind of derived file with its ETag; by default a data: URL that holds it.
+    """
 
     def data_url(kind: str, _: str) -> str:
         if kind == "glb":  # it is for downloads only, and would double the page
@@ -66,7 +80,7 @@ def page_facts(gallery: Gallery, work_id: str) -> dict[str, Any]:
         data = gzip.compress(file.data, 6, mtime=0) if kind in _GZIPPED else file.data
         return f"data:{file.media_type};base64,{base64.b64encode(data).decode()}"
 
-    viewer = viewer_facts(gallery, work_id, url=data_url)
+    viewer = viewer_facts(gallery, work_id, url=url or data_url)
     width, height = viewer.pop("pixels")
     heights = viewer.pop("height")
     return {

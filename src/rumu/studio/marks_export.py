@@ -13,6 +13,7 @@ from sqlalchemy.orm import Session
 
 from rumu.csv_tables import csv_text
 from rumu.database.tables import Attempt, TeacherMark, Work
+from rumu.gallery.assets import surface_files
 from rumu.gallery.store import Store
 from rumu.studio.people import Identity
 
@@ -75,5 +76,5 @@ def _masters(store: Store, marks: Sequence[GivenMark]) -> Iterator[tuple[str, st
         if work.surface is None:
             yield name, work.picture
             continue
-        for key in store.keys(work.surface):
+        for key in surface_files(store, work):
             yield f"{name}/{PurePosixPath(key).relative_to(work.surface)}", key

@@ -22,6 +22,7 @@ from rumu.web.routes import (
     characters,
     classes,
     comparisons,
+    home,
     iiif,
     imports,
     jobs,
@@ -51,7 +52,7 @@ _ROUTERS = (
     *(tours.router, marks.router, attempts.router, practice.router, printing.router, classes.router),
     sheets.router,
     photographs.router,
-    *(comparisons.router, jobs.router, iiif.router, characters.router, works.slash_router),
+    *(comparisons.router, jobs.router, iiif.router, home.router, characters.router, works.slash_router),
 )
 
 

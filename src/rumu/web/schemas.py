@@ -327,26 +327,6 @@ class WorkUpdate(Schema):
     spacing: Spacing | None = None
 
 
-class CollectionRead(Schema):
-    """Works that belong together. works: how many there are."""
-
-    id: str
-    title: BilingualText
-    note: BilingualText
-    source: str
-    licence: str
-    works: int
-
-
-class CollectionUpdate(Schema):
-    """Fields that are left out stay as they are. note: a description."""
-
-    title: ShortBilingualInput | None = None
-    note: BilingualInput | None = None
-    source: LongText | None = None
-    licence: ShortText | None = None
-
-
 class HeightsFile(Schema):
     """url: of raw float32 values, little endian, row by row from the top, in `unit`."""
 

@@ -33,9 +33,10 @@ READING = {
     **dict.fromkeys(
         ("/api/collections/starter", "/api/works/regular-shui/viewer", "/api/tours/{tour}"), OPEN
     ),
-    **dict.fromkeys(("/api/invitations/{token}", "/api/characters/永"), OPEN),
+    **dict.fromkeys(("/api/invitations/{token}", "/api/characters/永", "/api/home"), OPEN),
     **dict.fromkeys(("/api/works/regular-shui/characters", "/api/characters/永/works"), OPEN),
     "/iiif/works/regular-shui/search?q=永": OPEN,
+    **dict.fromkeys(("/share/works/regular-shui", "/embed/works/regular-shui"), OPEN),
     **dict.fromkeys(
         ("/iiif/works/regular-shui/canvas", "/iiif/collections/starter.json", "/api/invitations/{token}"),
         OPEN,
@@ -83,6 +84,7 @@ CHANGING = {
     ),
     ("POST", "/api/tours", '{"title": {"zh": "a"}, "steps": []}'): (*OWNER[:5], 201),
     ("PATCH", "/api/works/regular-shui", "{}"): OWNER,
+    ("PUT", "/api/home", '{"work": null}'): OWNER,
     ("PATCH", "/api/people/{pupil}", '{"language": "en"}'): OWNER,
     ("DELETE", "/api/works/seal-none", ""): (*OWNER[:5], 404),
     ("PATCH", "/api/collections/starter", "{}"): OWNER,

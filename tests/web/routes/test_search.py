@@ -133,7 +133,7 @@ def test_a_page_of_a_search_is_a_part_of_the_same_order(visitor):
 )
 def test_odd_searches_are_answered(visitor, query):
     page = asked(visitor, query)
-    assert page["total"] == (30 + len(ADDED) if not query.strip("　 ") else 0)
+    assert page["total"] == (31 + len(ADDED) if not query.strip("　 ") else 0)
     assert bool(page["understood"]) is False
 
 

@@ -21,6 +21,7 @@ from rumu.gallery.whole_works import CharacterWithin, characters_within, count_c
 from rumu.studio.errors import Missing, Unusable
 from rumu.values import SCRIPTS
 from rumu.web.addresses import client_address, service_url
+from rumu.web.collection_schemas import CollectionRead, CollectionUpdate
 from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep, WorkId
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
@@ -29,8 +30,6 @@ from rumu.web.schemas import (
     AnnotationRead,
     AnnotationUpdate,
     CharacterWithinRead,
-    CollectionRead,
-    CollectionUpdate,
     Extended,
     SurfaceRead,
     WorkRead,
@@ -43,8 +42,8 @@ from rumu.web.service import Service
 router = APIRouter(tags=["works"])
 annotations_router = APIRouter(tags=["annotations"])
 FileKind = Literal[
-    "thumb", "thumb-normals", "picture", "albedo", "normals", "normals-16", "height16", "heights", "mask",
-    "lamp-a", "lamp-b", "lamp-c", "glb", "stl", "ply", "facts",
+    "thumb", "thumb-normals", "cover", "cover-normals", "picture", "albedo", "normals", "normals-16",
+    "height16", "heights", "mask", "lamp-a", "lamp-b", "lamp-c", "glb", "stl", "ply", "facts",
 ]  # fmt: skip
 
 
