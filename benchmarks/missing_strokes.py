@@ -1,10 +1,11 @@
 """Strokes that copies lack: `python benchmarks/missing_strokes.py [--every N] [--list] [--save FOLDER]`.
 
-Of every learner's copy (E3C, 810 copies of 25 characters) it is asked which canonical strokes are missing, as
-remarks tell it. A few copies do lack one; all that are told so have been looked at, see TRUE. Then one stroke
-of .04 of the ink or more, drawn by lot, is erased from each copy, which is asked again. Printed are how many
-whole copies are told of a missing stroke, how many erased strokes are told by their number, and how many
-copies have another one blamed. `--save` writes the pictures with an erased stroke.
+Of every learner's copy (E3C, 810 copies of 25 characters) it is asked which canonical strokes are missing and
+whether there is one too many, as remarks tell it. A few copies do lack one; all that are told so have been
+looked at, see TRUE. Then one stroke of .04 of the ink or more, drawn by lot, is erased from each copy, which is
+asked again. Printed are how many whole copies are told of a missing stroke, and of one too many, how many erased
+strokes are told by their number, and how many copies have another one blamed. `--save` writes the pictures with
+an erased stroke.
 """
 
 from __future__ import annotations
@@ -23,12 +24,13 @@ import cv2
 import numpy as np
 
 import rumu
+from rumu.assessment.remarks import write_remarks
 from rumu.errors import RumuError
 from rumu.executors import cores
 from rumu.pipeline import PreparedMaster, measure, prepare_master
 from rumu.strokes.correspondence import StrokeMatch, match_strokes
 from rumu.strokes.placement import stroke_numbers
-from rumu.values import FloatArray
+from rumu.values import FloatArray, Surface
 from rumu_lab.experiments.marked_copies import Copy, read_copies
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[2] / "shared" / "data"))
@@ -41,10 +43,14 @@ SEED = 11
 
 @dataclass(frozen=True)
 class Answer:
-    """Of one copy: strokes told as missing; the one erased and what is told then; why it was refused."""
+    """Of one copy: strokes told as missing; where one is told as too many; the one erased and what is told then.
+
+    refused: why it was.
+    """
 
     copy: Copy
     missing: tuple[int, ...] = ()
+    extra: tuple[str, ...] = ()
     erased: int | None = None
     told: tuple[int, ...] = ()
     refused: str = ""
@@ -56,10 +62,16 @@ def master_of(template: Path, character: str) -> PreparedMaster:
     return prepare_master(template, character=character)
 
 
-def match_of(picture: FloatArray | Path, master: PreparedMaster) -> StrokeMatch:
+def match_of(surface: Surface, master: PreparedMaster) -> StrokeMatch:
     """The master's strokes in a copy."""
-    surface = rumu.relief(picture)
     return match_strokes(surface, measure(surface, master).registration, master.stroke_model)
+
+
+def too_many(surface: Surface, master: PreparedMaster) -> tuple[str, ...]:
+    """What is said of strokes too many, told or kept back."""
+    registration = measure(surface, master).registration
+    review = write_remarks(surface, registration, master.stroke_model, character=master.canonical)
+    return tuple(remark.zh for remark in (*review.remarks, *review.untold) if remark.kind == "extra")
 
 
 def answer(copy: Copy, *, save: Path | None) -> Answer:
@@ -67,21 +79,22 @@ def answer(copy: Copy, *, save: Path | None) -> Answer:
     cv2.setNumThreads(1)
     master = master_of(copy.template, copy.character)
     try:
-        match = match_of(copy.image, master)
+        surface = rumu.relief(copy.image)
+        match, extra = match_of(surface, master), too_many(surface, master)
     except RumuError as error:
         return Answer(copy, refused=str(error))
     stroke = choose_stroke(match, random.Random(f"{SEED} {copy.image.name}"))
     if stroke is None:
-        return Answer(copy, match.missing)
+        return Answer(copy, match.missing, extra)
     picture = erase(cv2.imread(str(copy.image), cv2.IMREAD_GRAYSCALE), match, stroke)
     if save:
         save.mkdir(parents=True, exist_ok=True)
         cv2.imwrite(str(save / f"{copy.image.stem}-{stroke}.png"), picture)
     try:
-        told = match_of(picture / np.float32(255), master).missing
+        told = match_of(rumu.relief(picture / np.float32(255)), master).missing
     except RumuError as error:
-        return Answer(copy, match.missing, stroke, refused=str(error))
-    return Answer(copy, match.missing, stroke, told)
+        return Answer(copy, match.missing, extra, stroke, refused=str(error))
+    return Answer(copy, match.missing, extra, stroke, told)
 
 
 def choose_stroke(match: StrokeMatch, rng: random.Random) -> int | None:
@@ -136,7 +149,9 @@ def main() -> None:
     erased = [a for a in answers if a.erased is not None]
     right = [a for a in erased if a.erased in a.told]
     blamed = [a for a in erased if set(a.told) - {a.erased}]
+    more = [a for a in answers if a.extra]
     print(f"{len(answers)} copies: told of a missing stroke {len(true)} truly, {len(false)} falsely")
+    print(f"told of one too many: {len(more)}")
     print(
         f"{len(erased)} with a stroke erased: told by its number {len(right) / len(erased):.1%}, "
         f"another one blamed {len(blamed) / len(erased):.1%}"
@@ -148,6 +163,8 @@ def main() -> None:
             print(
                 a.copy.character, a.copy.image.stem, "missing", a.missing, "erased", a.erased, "told", a.told
             )
+        for a in more:
+            print(a.copy.character, a.copy.image.stem, *a.extra)
 
 
 if __name__ == "__main__":

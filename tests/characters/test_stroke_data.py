@@ -30,10 +30,28 @@ def names(character: str) -> list[str]:
         ("山", "豎 豎折 豎"),
         ("陳", "橫撇彎鉤 豎 橫 豎 橫折 橫 橫 豎 撇 捺"),
         ("乃", "橫折折折鉤 撇"),
+        ("傳", "撇 豎 橫 豎 橫折 橫 橫 豎 提 點 橫 豎鉤 點"),  # a vertical that was called a horizontal
+        ("黃", "橫 豎 豎 橫 橫 豎 橫折 橫 豎 橫 撇 點"),  # and the other way round
+        ("說", "點 橫 橫 橫 豎 橫折 橫 點 撇 豎 橫折 橫 撇 豎彎鉤"),  # a horizontal that was said to rise
+        ("地", "橫 豎 提 橫折鉤 豎 豎彎鉤"),  # one that does rise
+        ("會", "撇 捺 橫 豎 橫折 豎 點 撇 橫 豎 橫折 橫 橫"),  # a straight stroke that was said to bend
     ],
 )
 def test_strokes_are_named_in_the_order_of_writing(character, expected):
     assert " ".join(names(character)) == expected
+
+
+def test_no_straight_stroke_is_named_against_its_direction():
+    wrong = []
+    for character in known_characters()[::23]:
+        for stroke in find_character(character).strokes:
+            right, down = stroke.centre_line[-1] - stroke.centre_line[0]
+            length = np.hypot(*np.diff(stroke.centre_line, axis=0).T).sum()
+            if np.hypot(right, down) < 0.95 * length:
+                continue
+            if {"橫": abs(down) > right, "豎": down < abs(right)}.get(stroke.name.zh, False):
+                wrong.append((character, stroke.name.zh))
+    assert not wrong
 
 
 @pytest.mark.parametrize(

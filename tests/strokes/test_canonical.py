@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import rumu
+from rumu.assessment.thresholds import RemarkThresholds
 from rumu.characters.stroke_data import find_character
 from rumu.gallery.starter import starter_works
 from rumu.pipeline import PreparedMaster, measure, prepare_master
@@ -67,6 +68,17 @@ def test_works_of_the_starter_gallery_are_named() -> None:
     works = [work for work in starter_works(script="regular") if find_character(work.character)]
     laid = [prepare_master(work.path, character=work.character).stroke_model.laid for work in works]
     assert len(works) > 5 and np.mean([one is not None for one in laid]) > 0.9
+
+
+@pytest.mark.parametrize(("character", "numbers"), [("德", (10, 11)), ("書", (3, 4, 6))])
+def test_two_strokes_on_the_same_ink_are_not_sure(character: str, numbers: tuple[int, ...]) -> None:
+    """A master without the horizontal in 德's middle: its neighbour's ink is not told under two names."""
+    master = PreparedMaster(printed(character, without=numbers[:1]), character)
+    laid = master.stroke_model.laid
+    whole = PreparedMaster(printed(character), character).stroke_model.laid
+    assert laid is not None and whole is not None
+    least, before = (min(one.confidence[number - 1] for number in numbers) for one in (laid, whole))
+    assert least <= RemarkThresholds().confident < before
 
 
 @pytest.mark.parametrize(("written", "claimed"), [("書", "水"), ("天", "永"), ("合", "令")])

@@ -85,12 +85,25 @@ _SECOND_NAMES = {
 }
 """The other stroke that a letter may stand for."""
 
+_STRAIGHT = 0.9
+"""Chord over length from which a line does not bend."""
+_LEVEL, _UPRIGHT, _RISING = (-35.0, 20.0), (70.0, 110.0), -9.5
+"""Degrees, y downward, of a straight line that is a horizontal, or a vertical, and from which none rises."""
+_DOTS, _SLANTING = "kdl", "is"
+"""Letters of dots and right-falling strokes, which may lie and stand in any way, and of others that may be upright."""
+
 
 def stroke_name(letter: str, centre_line: FloatArray) -> Bilingual:
-    """The name of a stroke: of the two that a letter of cnchar may stand for, the one that its line shows.
+    """The name of a stroke: what a letter of cnchar stands for, unless its line shows another.
 
-    centre_line: (n, 2), x right, y down.
+    centre_line: (n, 2), x right, y down. Of the two strokes that a letter may stand for, the one that the line
+    shows. cnchar counts the strokes of some characters in another order than hanzi-writer, and those it does not
+    know were named like others of that shape, wrong ones among them (in 傳 the vertical through the middle was a
+    horizontal): a straight line that plainly lies level, or stands upright, is named by itself.
     """
+    plain = _plain_letter(letter, centre_line)
+    if plain != letter:
+        return STROKE_NAMES[plain]
     if letter not in _SECOND_NAMES:
         return STROKE_NAMES[letter]
     line = evenly_spaced(centre_line, 64)
@@ -108,6 +121,18 @@ def stroke_name(letter: str, centre_line: FloatArray) -> Bilingual:
         "y": right > down,
     }
     return (_SECOND_NAMES if is_second[letter] else STROKE_NAMES)[letter]
+
+
+def _plain_letter(letter: str, centre_line: FloatArray) -> str:
+    """The letter, or that of the horizontal or the vertical that the line plainly is."""
+    right, down = centre_line[-1] - centre_line[0]
+    chord, length = np.hypot(right, down), np.hypot(*np.diff(centre_line, axis=0).T).sum()
+    if chord < _STRAIGHT * length or letter in _DOTS:
+        return letter
+    angle = float(np.degrees(np.arctan2(down, right)))
+    if _LEVEL[0] <= angle <= _LEVEL[1] and (letter != "i" or angle > _RISING):
+        return "j"
+    return "f" if _UPRIGHT[0] <= angle <= _UPRIGHT[1] and letter not in _SLANTING else letter
 
 
 def evenly_spaced(line: FloatArray, count: int) -> FloatArray:

@@ -28,7 +28,7 @@ from rumu.strokes.centre_lines import (
 )
 from rumu.strokes.matching import LineMatch, MatchSettings, find_covered, match_lines
 from rumu.strokes.naming import PLAIN_KINDS
-from rumu.strokes.placement import unevenness
+from rumu.strokes.placement import claimed_twice, unevenness
 from rumu.values import BoolArray, FloatArray, IntArray
 
 _LOOSE = MatchSettings(shift_cost=2.0, affine_cost=5.0, bend_cost=12.0)
@@ -95,7 +95,7 @@ class LaidCharacter:
     lines: in the order of writing, cut at corners; each knows the number of its stroke. left_over: share of
         the canonical lines that found no ink, plus share of the ink that no canonical line explains.
     unevenness: mean square, rms radii, by which the lines leave one affine move of the canonical ones.
-    confidence: (strokes,) share of each canonical stroke that found ink of its own.
+    confidence: (strokes,) share of each canonical stroke that found ink of its own, which no other claims.
     """
 
     character: CanonicalCharacter
@@ -135,7 +135,11 @@ def lay_character(character: CanonicalCharacter, framed: FramedInk) -> LaidChara
     beside = ((ink.points.xy[:, None] - at) ** 2).sum(axis=2).min(axis=1) < (LAYING.near * ink.width) ** 2
     spare = _spare_lines(ink, (owner < 0) & ~beside)
     every = _with_neighbours((*named, *spare), ink.width)
-    confidence = np.array([float(covered[numbers == k + 1].mean()) for k in range(len(character.strokes))])
+    confidence = np.zeros(len(character.strokes))
+    for number in range(1, len(confidence) + 1):
+        own = numbers == number
+        shared = claimed_twice(points, at, points.xy, own=own, width=ink.width)
+        confidence[number - 1] = (covered[own] & ~shared).mean()
     return LaidCharacter(
         character=character,
         lines=CentreLines(every, sample_lines(every), ink.width),

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rumu.strokes.centre_lines import SCALE, SIDE, CentreLines, FramedInk, LinePoints, to_pixels
-from rumu.strokes.matching import LineMatch, MatchSettings, find_covered, match_lines
+from rumu.strokes.matching import LineMatch, MatchSettings, find_covered, match_lines, squared_distances
 from rumu.strokes.measures import MEASURES
 from rumu.values import BoolArray, FloatArray, IntArray
 
@@ -19,6 +19,9 @@ UNEVEN_WEIGHT = 2.0
 """Weight, beside shares of ink, of the mean square (rms radii) by which lines leave one affine move."""
 NEAR = 0.35
 """Reach of a line's neighbours, rms radii, when its place is predicted from theirs."""
+BESIDE, BESIDE_BEFORE, ALIKE = 0.6, 0.8, 0.5
+"""Stroke widths within which two points lie on the same ink; the same before they were moved, where that is no
+fault; and cosine of twice the angle from which they run alike."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,6 +166,21 @@ def _move_to_frame_of(master: LinePoints, kept: BoolArray, copy: LinePoints) -> 
     factor = kept_spread / max(all_spread, 1e-9)
     shift = kept_middle + factor * (copy_middle - all_middle) - factor * copy_middle
     return np.column_stack([factor * np.eye(2), shift])
+
+
+def claimed_twice(
+    points: LinePoints, moved: FloatArray, places: FloatArray, *, own: BoolArray, width: float
+) -> BoolArray:
+    """(k,) which of a stroke's points lie on ink that another stroke claims, though they did not before.
+
+    moved, places: (n, 2) all points, where they lie on the ink and where they came from. own: (n,) the stroke's.
+    """
+    alike = points.double[own] @ points.double[~own].T > ALIKE
+    close, before = (
+        ((squared_distances(at[own], at[~own]) < (reach * width) ** 2) & alike).any(axis=1)
+        for at, reach in ((moved, BESIDE), (places, BESIDE_BEFORE))
+    )
+    return np.asarray(close & ~before)
 
 
 def unevenness(points: LinePoints, moved: FloatArray, covered: BoolArray) -> float:

@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rumu.strokes.centre_lines import SCALE, CentreLines, FramedInk, LinePoints, pixels_at
+from rumu.strokes.centre_lines import SCALE, CentreLines, FramedInk, pixels_at
 from rumu.strokes.matching import MatchSettings
 from rumu.strokes.placement import (
     Placement,
+    claimed_twice,
     draw_discs,
     fill_in,
     lay_without,
@@ -50,8 +51,6 @@ class PresenceSettings:
     off_ink: distance from the copy's ink from which a point lies on bare paper. crossing: distance from
         another stroke within which a point is out of view; least_view: share of a stroke that must be in
         view, else all of it is taken to be.
-    beside, beside_alike: distance within which a point of another stroke that runs alike, by the cosine of
-        twice the angle, claims the same ink; beside_master: the same in the master, where it is no fault.
     suspicious: figure from which a stroke is tested, and most_tested: how many are.
     min_share: share of the master's ink in a stroke below which nothing is said of it; min_unnamed_share:
         the same of a line that is no canonical stroke; small_share: up to which `small_rule` holds.
@@ -67,9 +66,6 @@ class PresenceSettings:
     off_ink: float = 0.25
     crossing: float = 0.6
     least_view: float = 0.25
-    beside: float = 0.6
-    beside_alike: float = 0.5
-    beside_master: float = 0.8
     suspicious: float = 0.3
     most_tested: int = 4
     min_share: float = 0.025
@@ -257,7 +253,7 @@ def measure_presence(compared: Compared, whole: Placement) -> tuple[StrokePresen
             continue
         expected = predict_places(places, moved, ~own & whole.covered, own)
         bare_expected = off[pixels_at(expected)] > s.off_ink * width
-        claimed = _claimed(points, moved, places, own, width)
+        claimed = claimed_twice(points, moved, places, own=own, width=width)
         found.append(
             StrokePresence(
                 number,
@@ -281,16 +277,3 @@ def _share_in_view(
     if radius[seen].sum() < s.least_view * radius.sum():
         return float(np.average(bare, weights=radius))
     return float(np.average(bare[seen], weights=radius[seen]))
-
-
-def _claimed(
-    points: LinePoints, moved: FloatArray, places: FloatArray, own: BoolArray, width: float
-) -> BoolArray:
-    """(k,) which of a stroke's points lie on ink that another stroke claims, though they did not before."""
-    s = PRESENCE
-    alike = points.double[own] @ points.double[~own].T > s.beside_alike
-    close, before = (
-        ((((at[own][:, None] - at[~own]) ** 2).sum(axis=2) < (reach * width) ** 2) & alike).any(axis=1)
-        for at, reach in ((moved, s.beside), (places, s.beside_master))
-    )
-    return np.asarray(close & ~before)
