@@ -1,11 +1,11 @@
 """Strokes that copies lack: `python benchmarks/missing_strokes.py [--every N] [--list] [--save FOLDER]`.
 
-Of every learner's copy (E3C, 810 copies of 25 characters) it is asked which canonical strokes are missing and
-whether there is one too many, as remarks tell it. A few copies do lack one; all that are told so have been
-looked at, see TRUE. Then one stroke of .04 of the ink or more, drawn by lot, is erased from each copy, which is
-asked again. Printed are how many whole copies are told of a missing stroke, and of one too many, how many erased
-strokes are told by their number, and how many copies have another one blamed. `--save` writes the pictures with
-an erased stroke.
+Of every learner's copy (E3C, 810 copies of 25 characters) it is asked which canonical strokes are missing
+and whether there is one too many, as remarks tell it. A few copies do lack one; all that are told so have
+been looked at, see TRUE. Then one stroke of .04 of the ink or more, drawn by lot, is erased from each copy,
+which is asked again. Printed are how many whole copies are told of a missing stroke, and of one too many,
+how many erased strokes are told by their number, and how many copies have another one blamed. `--save`
+writes the pictures with an erased stroke.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ SEED = 11
 
 @dataclass(frozen=True)
 class Answer:
-    """Of one copy: strokes told as missing; where one is told as too many; the one erased and what is told then.
+    """Of one copy: strokes told as missing; what is said of one too many; the one erased, what is told then.
 
     refused: why it was.
     """

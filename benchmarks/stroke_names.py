@@ -1,13 +1,14 @@
 """Whether the strokes of masters get their right numbers and names: `python benchmarks/stroke_names.py`.
 
-Canonical strokes are laid on the 25 masters of the E3C copies and on 25 characters of each of four steles, evenly
-spread over the list. Somebody looked at each picture that `--draw FOLDER` makes, every stroke in a colour of its
-own with its number, and wrote down where each stroke truly lies: stroke_places.json holds what was seen, places in
-fractions of the picture, null where there is no such stroke or none can be made out. A stroke is told rightly when
-it is laid where it was seen and has the name that it should have, see NAMES. A master whose strokes are not named at
-all, since it is written otherwise than copybooks print it, and a stroke that is never spoken of, since too little of
-it was found, are counted apart. `--write` takes today's places of the masters that the file does not hold yet, to be
-looked at and mended; `--list` names each wrong one.
+Canonical strokes are laid on the 25 masters of the E3C copies and on 25 characters of each of four steles,
+evenly spread over the list. Somebody looked at each picture that `--draw FOLDER` makes, every stroke in a
+colour of its own with its number, and wrote down where each stroke truly lies: stroke_places.json holds
+what was seen, places in fractions of the picture, null where there is no such stroke or none can be made
+out. A stroke is told rightly when it is laid where it was seen and has the name that it should have, see
+NAMES. A master whose strokes are not named at all, since it is written otherwise than copybooks print it,
+and a stroke that is never spoken of, since too little of it was found, are counted apart. `--write` takes
+today's places of the masters that the file does not hold yet, to be looked at and mended; `--list` names
+each wrong one.
 """
 
 from __future__ import annotations

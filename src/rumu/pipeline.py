@@ -223,7 +223,8 @@ def measure(copy: Surface, master: PreparedMaster, *, limits: RefusalLimits | No
         raise RefusedImage(f"{error}; mark the ink of one image instead", reason="flat") from error
     registration = register_points(probe, reference)
     edges = describe_edge(canvas.ink) - edges
-    features = measure_features(registration, edges=edges, ink=master.ink)
+    strokes = master.stroke_model if master.character else None
+    features = measure_features(registration, edges=edges, ink=master.ink, copy=copy, strokes=strokes)
     figures = RefusalFigures(copy, master.outline, registration)
     refusal, highest = check_copy(figures, limits=limits)
     return Measurement(copy, master, registration, features, figures, refusal, highest)

@@ -18,7 +18,7 @@ from rumu.strokes.pose import CharacterPose
 
 LIMITS = RemarkThresholds()
 SQUARE = np.array([[0.1, 0.1], [0.2, 0.1], [0.2, 0.2], [0.1, 0.2], [0.1, 0.1]])
-NO_FAULT = InkMeasures((), 0.0, 0.0, 1.0, 0.0, None, (), (), True, 0.0, 1.0)
+NO_FAULT = InkMeasures((), 0.0, 0.0, 0.0, 1.0, 0.0, None, (), (), True, 0.0, 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -51,11 +51,11 @@ def words(findings, kind):
         ({"filled": (FilledWhite(0.9, SQUARE), FilledWhite(0.8, SQUARE + 0.5))}, "filled",
          "有 2 處留白糊住了，左上部最甚。",
          "The white has run shut in 2 places, most of all at the top left."),
-        ({"patches": (InkPatch(0.05, 1.2, True, False, SQUARE),)}, "blot", "左上部有一團墨漬。",
+        ({"patches": (InkPatch(0.05, 1.2, 2.0, True, False, SQUARE),)}, "blot", "左上部有一團墨漬。",
          "There is a blot at the top left."),
-        ({"patches": (InkPatch(0.05, 1.2, False, False, SQUARE),)}, "blot", "左上部濺了一滴墨。",
+        ({"patches": (InkPatch(0.05, 1.2, 2.0, False, False, SQUARE),)}, "blot", "左上部濺了一滴墨。",
          "A drop of ink fell on the paper at the top left."),
-        ({"patches": (InkPatch(0.05, 5.0, False, False, SQUARE),)}, "extra",
+        ({"patches": (InkPatch(0.05, 5.0, 2.0, False, False, SQUARE),)}, "extra",
          "左上部多出一筆，約佔全字墨跡的 5%。",
          "There is a stroke too many at the top left, about 5% of the ink."),
     ],
@@ -65,6 +65,21 @@ def test_of_the_ink(*, itself, change, kind, zh, en):
     strokes = name_all(match, registration, LIMITS, explained=np.zeros_like(match.places))
     found = list(find_ink_faults(replace(NO_FAULT, **change), strokes, match, LIMITS))
     assert words(found, kind) == (zh, en)
+
+
+@pytest.mark.parametrize(
+    ("patch", "unfound"),
+    [
+        (InkPatch(0.05, 5.0, 0.6, True, False, SQUARE), 0.0),  # a heavy end's edge
+        (InkPatch(0.05, 5.0, 2.0, True, True, SQUARE), 0.0),  # the brush was not lifted
+        (InkPatch(0.05, 5.0, 2.0, True, False, SQUARE), 0.06),  # a stroke that stands elsewhere
+    ],
+)
+def test_ink_that_strokes_account_for_is_no_stroke_too_many(itself, patch, unfound):
+    match, registration = itself
+    strokes = name_all(match, registration, LIMITS, explained=np.zeros_like(match.places))
+    ink = replace(NO_FAULT, patches=(patch,), unfound=unfound)
+    assert [f.remark.kind for f in find_ink_faults(ink, strokes, match, LIMITS)] == []
 
 
 @pytest.mark.parametrize("change", [{"bare": 0.1}, {"darkness": 0.5}, {"paleness": 0.4}])

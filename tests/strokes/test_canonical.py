@@ -16,6 +16,7 @@ from rumu.pipeline import PreparedMaster, measure, prepare_master
 from rumu.strokes.canonical import lay_character
 from rumu.strokes.correspondence import StrokeMatch, match_strokes
 from rumu.strokes.naming import HORIZONTAL, name_strokes, stroke_title
+from rumu.strokes.placement import stroke_numbers
 from rumu.values import Surface
 
 SIDE = 360
@@ -46,6 +47,10 @@ def printed(
 
 def matched(copy: Surface, master: PreparedMaster) -> StrokeMatch:
     return match_strokes(copy, measure(copy, master).registration, master.stroke_model)
+
+
+def share_missing_for_the_mark(copy: Surface, master: PreparedMaster) -> float:
+    return sum(r.share for r in measure(copy, master).features.regions if r.kind == "missing")
 
 
 @pytest.mark.parametrize("character", "永書水天方寧德語")
@@ -129,7 +134,15 @@ def test_names_tell_number_kind_and_part() -> None:
 )
 def test_a_stroke_that_was_left_out_is_told(character: str, number: int) -> None:
     master = PreparedMaster(printed(character), character)
-    assert matched(printed(character, without=(number,)), master).missing == (number,)
+    copy = printed(character, without=(number,))
+    match = matched(copy, master)
+    assert match.missing == (number,)
+    # the mark rests on the same answer
+    points, own = match.master.points, stroke_numbers(match.master) == number
+    share = float(points.radius[own].sum() / points.radius.sum())
+    assert share_missing_for_the_mark(copy, master) == pytest.approx(share)
+    whole, mark = (rumu.assess(one, master, remarks=False).score for one in (printed(character), copy))
+    assert whole is not None and mark is not None and mark < whole - 20
 
 
 @pytest.mark.parametrize("character", "天永方語德書")
@@ -145,7 +158,9 @@ def test_a_stroke_that_stands_elsewhere_is_not_missing(
     character: str, moved: dict[int, tuple[int, int]]
 ) -> None:
     master = PreparedMaster(printed(character), character)
-    assert matched(printed(character, moved=moved), master).missing == ()
+    copy = printed(character, moved=moved)
+    assert matched(copy, master).missing == ()
+    assert share_missing_for_the_mark(copy, master) == 0.0
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,9 @@ import numpy as np
 
 from rumu.assessment.edges import EDGE_NUMBERS, PATCH_NUMBERS, PLAIN
 from rumu.registration.icp import pose_probe
+from rumu.strokes.correspondence import MasterStrokes
 from rumu.strokes.omissions import MasterInk, Region, find_regions
-from rumu.values import FloatArray, Registration
+from rumu.values import FloatArray, Registration, Surface
 
 RESIDUALS = (
     "position",
@@ -121,10 +122,18 @@ class Features:
         return np.concatenate([self.residuals.logarithms(), patches, plain, [full]])
 
 
-def measure_features(registration: Registration, *, edges: FloatArray, ink: MasterInk) -> Features:
+def measure_features(
+    registration: Registration,
+    *,
+    edges: FloatArray,
+    ink: MasterInk,
+    copy: Surface | None = None,
+    strokes: MasterStrokes | None = None,
+) -> Features:
     """Features of one registration.
 
-    edges: (EDGE_NUMBERS,) description of the copy's edge less the master's. ink: the master's.
+    edges: (EDGE_NUMBERS,) description of the copy's edge less the master's. ink: the master's. copy, strokes:
+    the copy, and the master's strokes where its character is known, see `find_regions`.
     """
     return Features(
         residuals=residuals(registration),
@@ -132,7 +141,7 @@ def measure_features(registration: Registration, *, edges: FloatArray, ink: Mast
         offset=float(np.hypot(*registration.shift)),
         size=float(np.log(registration.scale)),
         weight=ink_weight(registration),
-        regions=find_regions(registration, ink),
+        regions=find_regions(registration, ink, copy=copy, strokes=strokes),
         edges=tuple(edges.tolist()),
     )
 

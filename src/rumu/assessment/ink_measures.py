@@ -11,7 +11,7 @@ from rumu.strokes.centre_lines import SCALE, FramedInk, from_pixels, pixels_at
 from rumu.strokes.correspondence import MasterStrokes, StrokeMatch
 from rumu.strokes.edges import InnerWhite, look_at_edge, white_left
 from rumu.strokes.measures import edge_tremor
-from rumu.strokes.placement import draw_discs
+from rumu.strokes.placement import draw_discs, stroke_numbers
 from rumu.values import BoolArray, FloatArray, Registration, Surface
 
 
@@ -55,14 +55,15 @@ INK = InkSettings()
 class InkPatch:
     """Ink of the copy that belongs to none of the master's strokes.
 
-    share: of the copy's ink. slender: its area over that of its largest disc; a disc is 1.
-    attached: whether it touches a stroke. link: whether it leads from one stroke to another, as a brush does
-        that is not lifted. outline: (n, 2) its edge on the copy's picture, closed, in fractions of it, origin
-        top left.
+    share: of the copy's ink. slender: its area over that of its largest disc; a disc is 1. reach: how far
+        from the strokes it goes, in stroke widths. attached: whether it touches a stroke. link: whether it
+        leads from one stroke to another, as a brush does that is not lifted. outline: (n, 2) its edge on
+        the copy's picture, closed, in fractions of it, origin top left.
     """
 
     share: float
     slender: float
+    reach: float
     attached: bool
     link: bool
     outline: FloatArray
@@ -96,7 +97,8 @@ class StickingOut:
 class InkMeasures:
     """What is measured of the copy's ink.
 
-    patches: ink that no stroke explains, largest first; blots and extra strokes alike.
+    patches: ink that no stroke explains, largest first; blots and extra strokes alike. unfound: share of the
+        master's ink whose strokes found none here, though they are not missing: patches may be theirs.
     bare: share of the inside of its strokes that is bare, beyond the master's. tremor: how much more than the
         master's its edges swing about their own smoothed line, rms radii; rough: so many times the master's.
     torn: how much more than the master's its edges are frayed and turn about; 1 is plainly torn.
@@ -109,6 +111,7 @@ class InkMeasures:
     """
 
     patches: tuple[InkPatch, ...]
+    unfound: float
     bare: float
     tremor: float
     rough: float
@@ -138,6 +141,7 @@ def measure_ink(
     own, own_master = darkness / max(darkest, 1e-6), darkness_master / max(darkest_master, 1e-6)
     return InkMeasures(
         patches=_find_patches(framed, tube, strokes.copy.width * SCALE),
+        unfound=_unfound_share(strokes, itself),
         bare=_bare(strokes, framed.ink, strokes.covered) - _bare(itself, master.framed.ink, strokes.covered),
         tremor=(tremor - master.tremor) / SCALE,
         rough=tremor / max(master.tremor, INK.least_tremor),
@@ -221,8 +225,16 @@ def _find_patches(framed: FramedInk, tube: BoolArray, width: float) -> tuple[Ink
         around = cv2.dilate(own.view(np.uint8), np.ones((5, 5), np.uint8)) > 0
         attached = bool((around & framed.ink & tube).any())
         link = attached and _is_link(own, away, tube, reach=0.6 * width)
-        found.append(InkPatch(area / total, slender, attached, link, _outline_of(own, framed)))
+        reach = float(away[own].max()) / width
+        found.append(InkPatch(area / total, slender, reach, attached, link, _outline_of(own, framed)))
     return tuple(sorted(found, key=lambda p: -p.share))
+
+
+def _unfound_share(strokes: StrokeMatch, itself: StrokeMatch) -> float:
+    """Share of the master's ink, without what is missing, that is found in the master and not in the copy."""
+    missing = np.isin(stroke_numbers(strokes.master), strokes.missing)
+    radius = strokes.master.points.radius
+    return float(radius[itself.covered & ~strokes.covered & ~missing].sum() / radius.sum())
 
 
 def _is_link(patch: BoolArray, away: FloatArray, tube: BoolArray, *, reach: float) -> bool:

@@ -27,7 +27,8 @@ def find_ink_faults(
     yield from _find_edge_fault(ink, limits, dry=dry)
     if not dry:
         for patch in ink.patches:
-            yield from _find_patch_fault(patch, strokes, match, limits)
+            yield from _find_blot(patch, strokes, match, limits)
+        yield from _find_extra_strokes(ink, limits)
     if dry:
         remark = Remark(
             "dry", ink.bare, "of the ink", severity("dry", ink.bare, limits.bare), None,
@@ -82,32 +83,58 @@ def _is_stroke(
     return away >= limits.off * limits.displaced or named.stroke.length - 1.0 >= limits.off * limits.length
 
 
-def _find_patch_fault(
+def _find_blot(
     patch: InkPatch, strokes: Sequence[NamedStroke], match: StrokeMatch, limits: RemarkThresholds
 ) -> Iterator[Finding]:
-    """Ink that belongs to none of the strokes: a blot, or a stroke too many."""
-    region = box(patch.outline)
-    zh, en = place_of(np.array([region[0] + region[2], region[1] + region[3]]) / 2)
-    round_one, outline = patch.slender < limits.round, as_lines(patch.outline)
-    if round_one and _is_stroke(patch, strokes, match, limits):
+    """Round ink that belongs to none of the strokes."""
+    if (
+        patch.slender >= limits.round
+        or patch.share < limits.blot
+        or _is_stroke(patch, strokes, match, limits)
+    ):
         return
-    if round_one and patch.share >= limits.blot:
-        text = (
-            (f"{zh}有一團墨漬。", f"There is a blot at the {en}.")
-            if patch.attached
-            else (f"{zh}濺了一滴墨。", f"A drop of ink fell on the paper at the {en}.")
-        )
-        severe = ink_severity("blot", patch.share)
-        remark = Remark("blot", patch.share, "of the ink", severe, region, *text, outline)
-        yield Finding(remark, patch.share / limits.blot, WHOLE["blot"], "blot")
-    elif not round_one and not patch.link and patch.share >= limits.extra:
+    region = box(patch.outline)
+    zh, en = _place_of_box(region)
+    text = (
+        (f"{zh}有一團墨漬。", f"There is a blot at the {en}.")
+        if patch.attached
+        else (f"{zh}濺了一滴墨。", f"A drop of ink fell on the paper at the {en}.")
+    )
+    severe, outline = ink_severity("blot", patch.share), as_lines(patch.outline)
+    remark = Remark("blot", patch.share, "of the ink", severe, region, *text, outline)
+    yield Finding(remark, patch.share / limits.blot, WHOLE["blot"], "blot")
+
+
+def _find_extra_strokes(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[Finding]:
+    """Long ink that belongs to none of the strokes, where there is more of it than what strokes did not find.
+
+    Such a stroke stands elsewhere, and the ink is its own. What lies along another stroke is its edge.
+    """
+    extra = [
+        patch
+        for patch in ink.patches
+        if patch.slender >= limits.round
+        and not patch.link
+        and patch.share >= limits.extra
+        and (patch.reach >= limits.extra_reach or not patch.attached)
+    ]
+    if sum(patch.share for patch in extra) - ink.unfound < limits.extra:
+        return
+    for patch in extra:
+        region = box(patch.outline)
+        zh, en = _place_of_box(region)
         remark = Remark(
             "extra", patch.share, "of the ink", ink_severity("extra", patch.share), region,
             f"{zh}多出一筆，約佔全字墨跡的 {patch.share:.0%}。",
             f"There is a stroke too many at the {en}, about {patch.share:.0%} of the ink.",
-            outline,
+            as_lines(patch.outline),
         )  # fmt: skip
         yield Finding(remark, patch.share / limits.extra, WHOLE["extra"], "extra")
+
+
+def _place_of_box(region: Box) -> Bilingual:
+    """Where the middle of a box lies."""
+    return place_of(np.array([region[0] + region[2], region[1] + region[3]]) / 2)
 
 
 def _find_filled_white(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[Finding]:

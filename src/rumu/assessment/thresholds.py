@@ -26,7 +26,8 @@ class RemarkThresholds:
     hook_bare: share of a hook that must be bare paper, and hook_covered: that may have found ink, for it not
         to have been flicked out. leg_found: share of a part of a bent stroke that may have found ink, or lie
         on any, for it to be missing; leg_share: of the ink that it must hold.
-    extra, blot: share of the copy's ink; round: how slender a blot may be; off: what is at a stroke
+    extra, blot: share of the copy's ink; extra_reach: stroke widths that a stroke too many which joins
+        another must go away from it; round: how slender a blot may be; off: what is at a stroke
         that is so many times out of its place, or too long, is that stroke and no blot.
     displaced: fraction of the cell, of what the measurement is sure of, which is less than what
         the eye sees; stretched: share of a stroke's change of length by which its middle may
@@ -63,6 +64,7 @@ class RemarkThresholds:
     leg_found: float = 0.25
     leg_share: float = 0.04
     extra: float = 0.012
+    extra_reach: float = 1.0
     blot: float = 0.009
     round: float = 2.6
     off: float = 2.0

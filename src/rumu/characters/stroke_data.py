@@ -90,16 +90,17 @@ _STRAIGHT = 0.9
 _LEVEL, _UPRIGHT, _RISING = (-35.0, 20.0), (70.0, 110.0), -9.5
 """Degrees, y downward, of a straight line that is a horizontal, or a vertical, and from which none rises."""
 _DOTS, _SLANTING = "kdl", "is"
-"""Letters of dots and right-falling strokes, which may lie and stand in any way, and of others that may be upright."""
+"""Letters of dots and right-falling strokes, which may lie in any way; and of others that may be upright."""
 
 
 def stroke_name(letter: str, centre_line: FloatArray) -> Bilingual:
     """The name of a stroke: what a letter of cnchar stands for, unless its line shows another.
 
-    centre_line: (n, 2), x right, y down. Of the two strokes that a letter may stand for, the one that the line
-    shows. cnchar counts the strokes of some characters in another order than hanzi-writer, and those it does not
-    know were named like others of that shape, wrong ones among them (in 傳 the vertical through the middle was a
-    horizontal): a straight line that plainly lies level, or stands upright, is named by itself.
+    centre_line: (n, 2), x right, y down. Of the two strokes that a letter may stand for, the one that the
+    line shows. cnchar counts the strokes of some characters in another order than hanzi-writer, and those
+    it does not know were named like others of that shape, wrong ones among them (in 傳 the vertical through
+    the middle was a horizontal): a straight line that plainly lies level, or stands upright, is named by
+    itself.
     """
     plain = _plain_letter(letter, centre_line)
     if plain != letter:

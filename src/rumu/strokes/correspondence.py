@@ -266,7 +266,7 @@ def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> 
         ink = cv2.resize(coarse, (SIDE, SIDE), interpolation=cv2.INTER_LINEAR)
     moved = cv2.warpAffine(ink, M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
     changed = replace(master.framed, ink=np.asarray(moved > 127))
-    return _match_framed(changed, master, places=master.itself.moved)
+    return _match_framed(changed, master, places=master.itself.moved, lacks_nothing=True)
 
 
 def _shrink(found: MatchedStroke, doubt: StrokeUncertainty) -> MatchedStroke:
@@ -294,16 +294,19 @@ def _relative_to(itself: MatchedStroke, found: MatchedStroke) -> MatchedStroke:
     return replace(found, **ratios, **ends)
 
 
-def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None) -> StrokeMatch:
+def _match_framed(
+    framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None, lacks_nothing: bool = False
+) -> StrokeMatch:
     """Strokes of some ink in the common frame against a master's.
 
     places: (n, 2) where the same measurement has the master's own points; None when this is the master.
+    lacks_nothing: whether the ink is known to hold all of the master's strokes.
     """
     copy, model = find_segments(framed), master.lines
     total = float(model.points.radius.sum())
     laid = place_lines(model.points, copy.points, width=max(model.width, copy.width), total=total)
     missing: tuple[int, ...] = ()
-    if places is not None:
+    if places is not None and not lacks_nothing:
         missing, laid = find_missing(Compared(model, copy, framed, places), laid)
         if missing:
             framed, copy, laid = _lay_rest(Compared(model, copy, framed, places), missing)

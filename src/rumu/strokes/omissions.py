@@ -3,7 +3,8 @@
 Strokes that people write are a little displaced everywhere, so distances alone would take every displaced
 stroke for a missing one. The master's strokes are therefore matched with the copy's ink (see `matching`):
 ink that one stroke explains is not available to another, and a missing stroke finds no ink. A coarse pass
-with the ridges of the copy's ink finds candidates; a fine pass with its centre lines confirms them.
+with the ridges of the copy's ink finds candidates. Where the canonical strokes are known the answer is then
+that of `presence`, the same that remarks give; else a fine pass with the ink's centre lines confirms them.
 """
 
 from __future__ import annotations
@@ -25,11 +26,15 @@ from rumu.strokes.centre_lines import (
     LinePoints,
     find_segments,
     find_strokes,
+    frame_copy,
     pixels_at,
     sample_lines,
 )
+from rumu.strokes.correspondence import MasterStrokes
 from rumu.strokes.matching import MatchSettings, find_covered, match_lines
-from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration
+from rumu.strokes.placement import place_lines, stroke_numbers
+from rumu.strokes.presence import Compared, find_missing
+from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration, Surface
 
 RegionKind = Literal["missing", "extra"]
 
@@ -73,7 +78,8 @@ class OmissionSettings:
         but for complete_share of it.
     quick_points, quick_match, quick: points on the master's lines, matching, and what counts, in the first
         pass, which is to miss nothing. second_pass_share: share of the ink missing in it from which there is
-        a second. full: what counts in the second.
+        a second, and presence_share: from which canonical strokes are asked for. full: what counts in the
+        second.
     surplus_distance: distance off the master's ink from which unexplained ink is too much. unfound_distance:
         distance off the copy's ink from which a point counts as not found where that is weighed.
     first_discount, missing_discount, extra_discount: displacement that strokes commonly have, from which
@@ -94,6 +100,7 @@ class OmissionSettings:
     quick: MissingSettings = _QUICK
     full: MissingSettings = _FULL
     second_pass_share: float = 0.015
+    presence_share: float = 0.005
     surplus_distance: float = 0.12
     unfound_distance: float = 0.05
     first_discount: tuple[float, float] = (0.08, 1.2)
@@ -125,23 +132,35 @@ class Region:
     strokes: float
 
 
-def find_regions(registration: Registration, master: MasterInk) -> tuple[Region, ...]:
+def find_regions(
+    registration: Registration,
+    master: MasterInk,
+    *,
+    copy: Surface | None = None,
+    strokes: MasterStrokes | None = None,
+) -> tuple[Region, ...]:
     """Missing strokes and surplus ink, less what displacement may explain.
 
-    Nothing for a copy that is plainly complete, and for one whose strokes are too thin to have a ridge.
+    copy, strokes: the copy itself, and the master's strokes where its character is known: then whole strokes
+    are missing, or none. Nothing for a copy that is plainly complete, and for one whose strokes are too thin
+    to have a ridge.
     """
     if _is_plainly_whole(registration):
         return ()
-    copy = _ink_points(pose_probe(registration)[:, :2], _posed_directions(registration))
-    ridges = copy.ridges()
+    ink = _ink_points(pose_probe(registration)[:, :2], _posed_directions(registration))
+    ridges = ink.ridges()
     if not len(ridges.xy):
         return ()
-    quick = _lay(copy, ridges, master, points=master.sparse_points, settings=OMISSIONS.quick_match)
+    quick = _lay(ink, ridges, master, points=master.sparse_points, settings=OMISSIONS.quick_match)
     extra, extra_at = (
         quick.extra - _displacement_discount(quick, OMISSIONS.extra_discount),
         quick.copy.xy[quick.unexplained],
     )
-    missing, missing_at = _confirm_missing(copy, master, quick)
+    first, _ = quick.missing(OMISSIONS.quick, master.lines.lines)
+    if copy is not None and strokes is not None and first > OMISSIONS.presence_share and strokes.laid:
+        missing, missing_at = _missing_strokes(frame_copy(copy, registration), strokes)
+    else:
+        missing, missing_at = _confirm_missing(ink, master, quick, first)
     up = np.array([1.0, -1.0])
     found = (
         Region("missing", missing_at * up, missing, missing / master.usual_stroke_share),
@@ -150,9 +169,23 @@ def find_regions(registration: Registration, master: MasterInk) -> tuple[Region,
     return tuple(region for region in found if region.share > 0.0)
 
 
-def _confirm_missing(copy: InkPoints, master: MasterInk, quick: InkCoverage) -> tuple[float, FloatArray]:
-    """The share of the master's ink that is missing in both passes, and where, (n, 2), y down."""
-    first, _ = quick.missing(OMISSIONS.quick, master.lines.lines)
+def _missing_strokes(framed: FramedInk, strokes: MasterStrokes) -> tuple[float, FloatArray]:
+    """The share of the master's ink in the canonical strokes that a copy lacks, and where, (n, 2), y down."""
+    lines, copy = strokes.lines, find_segments(framed)
+    points, width = lines.points, max(lines.width, copy.width)
+    whole = place_lines(points, copy.points, width=width, total=float(points.radius.sum()))
+    missing, _ = find_missing(Compared(lines, copy, framed, strokes.itself.moved), whole)
+    gone = np.isin(stroke_numbers(lines), missing)
+    return float(_ink_shares(points)[gone].sum()), points.xy[gone]
+
+
+def _confirm_missing(
+    copy: InkPoints, master: MasterInk, quick: InkCoverage, first: float
+) -> tuple[float, FloatArray]:
+    """The share of the master's ink that is missing in both passes, and where, (n, 2), y down.
+
+    first: the share that the quick pass says.
+    """
     if first - _displacement_discount(quick, OMISSIONS.first_discount) <= OMISSIONS.second_pass_share:
         return 0.0, np.zeros((0, 2))
     segments = find_segments(copy.framed).points

@@ -20,8 +20,8 @@ UNEVEN_WEIGHT = 2.0
 NEAR = 0.35
 """Reach of a line's neighbours, rms radii, when its place is predicted from theirs."""
 BESIDE, BESIDE_BEFORE, ALIKE = 0.6, 0.8, 0.5
-"""Stroke widths within which two points lie on the same ink; the same before they were moved, where that is no
-fault; and cosine of twice the angle from which they run alike."""
+"""Stroke widths within which two points lie on the same ink; the same before they were moved, where that is
+no fault; and cosine of twice the angle from which they run alike."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,7 +173,8 @@ def claimed_twice(
 ) -> BoolArray:
     """(k,) which of a stroke's points lie on ink that another stroke claims, though they did not before.
 
-    moved, places: (n, 2) all points, where they lie on the ink and where they came from. own: (n,) the stroke's.
+    moved, places: (n, 2) all points, where they lie on the ink and where they came from. own: (n,) the
+    stroke's.
     """
     alike = points.double[own] @ points.double[~own].T > ALIKE
     close, before = (

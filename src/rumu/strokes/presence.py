@@ -272,6 +272,8 @@ def _share_in_view(
 ) -> float:
     """Share of a stroke that is bare, of what is in view: not where another stroke crosses it."""
     s = PRESENCE
+    if bare.all() or not bare.any():
+        return float(bare.all())
     apart = ((at[:, None] - others) ** 2).sum(axis=2).min(axis=1, initial=np.inf)
     seen = apart > (s.crossing * width) ** 2
     if radius[seen].sum() < s.least_view * radius.sum():

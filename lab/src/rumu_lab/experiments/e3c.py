@@ -130,7 +130,7 @@ def measure_copy(copy: Copy) -> MeasuredCopy:
     from rumu.assessment.features import sim_paper, similarity
 
     try:
-        m = measure(pipeline.surface_of(copy.image), master_at(copy.template))
+        m = measure(pipeline.surface_of(copy.image), master_at(copy.template, copy.character))
     except RefusedImage as refusal:
         return MeasuredCopy(copy, None, refused=str(refusal))
     if m.refusal is not None:

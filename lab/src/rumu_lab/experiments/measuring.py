@@ -63,11 +63,14 @@ def spread(
 
 
 @functools.lru_cache(maxsize=32)
-def master_at(path: Path) -> PreparedMaster:
-    """The master in a file, prepared once in a process: its copies come in a row."""
+def master_at(path: Path, character: str | None = None) -> PreparedMaster:
+    """The master in a file, prepared once in a process: its copies come in a row.
+
+    character: what is written; None where strokes need no names.
+    """
     from rumu import pipeline
 
-    return pipeline.prepare_master(path)
+    return pipeline.prepare_master(path, character=character)
 
 
 def _call(work: Callable[[Any], Any], version: str, item: Any) -> Any:
