@@ -31,7 +31,7 @@ class MemoryCosts:
     threads: photographs that are decoded at the same time.
     """
 
-    pixel: int = 30
+    pixel: int = 36
     colour: int = 8
     fixed: int = 300 * _MB
     threads: int = min(4, os.cpu_count() or 1)
