@@ -15,6 +15,7 @@ import pytest
 import rumu
 from rumu.characters.stroke_data import find_character
 from rumu.errors import ImageError, RefusedImage, RumuError
+from rumu.pages.page_ink import find_page_ink
 
 POEM = (
     "永和九年歲在癸丑", "暮春之初會于會稽", "山陰之蘭亭修禊事", "也群賢畢至少長咸",
@@ -175,6 +176,35 @@ def test_a_white_on_black_rubbing(columns_page):
     drawn = columns_page(POEM, frame=False)
     page = rumu.read_page(255 - drawn.picture, text=TEXT)
     assert page.text == "\n".join(POEM)
+
+
+def test_a_rubbing_of_large_characters_that_stand_close_on_grained_stone(columns_page):
+    drawn = columns_page(POEM, frame=False, side=62, pitch=72, pace=66)
+    grain = cv2.GaussianBlur(np.random.default_rng(2).normal(0, 40, drawn.gray.shape), (0, 0), 1.2)
+    rubbing = np.clip(255 - drawn.picture + grain[..., None], 0, 255).astype(np.uint8)
+    assert rumu.read_page(rubbing, text=TEXT).text == "\n".join(POEM)
+
+
+def test_thin_strokes_of_a_blurred_page_are_ink(columns_page):
+    drawn = columns_page(POEM, side=26, pitch=40, pace=29)
+    faint = 240 - 0.75 * (240.0 - cv2.GaussianBlur(drawn.picture, (0, 0), 1.3))
+    ink = find_page_ink(faint.astype(np.uint8)).ink
+    strokes = drawn.gray < 90
+    assert ink[strokes].mean() > 0.97
+    assert not ink[cv2.erode((drawn.gray > 230).astype(np.uint8), np.ones((9, 9))) > 0].any()
+
+
+def test_a_heading_outside_of_a_frame_that_leans_and_bends_is_left_out(columns_page):
+    drawn = columns_page(POEM)
+    height, width = drawn.gray.shape
+    page = DrawnPage(np.full((height, width + 80), 240, np.uint8))
+    page.gray[:, :width] = np.where(np.arange(width) > width - 60, 240, drawn.gray)  # its right line goes
+    y = np.arange(50, height - 50)
+    x = width - 50 + 30 * ((y - 50) / height) ** 0.7
+    cv2.polylines(page.gray, [np.column_stack([x, y]).astype(np.int32)], False, 40, 3)
+    for k, character in enumerate("群賢畢至"):
+        page.draw(character, width + 30, 90 + 30 * k, 24)
+    assert places(rumu.read_page(page.picture)) == [(0, c, k) for c in range(6) for k in range(8)]
 
 
 def test_silk_on_a_lighter_mount_is_no_ink(columns_page):

@@ -24,8 +24,11 @@ class PageInkSettings:
     colour: from which difference between its channels, 0-255, a pixel counts as coloured.
     coloured_writing: share of the ink that must be coloured before coloured ink counts as writing.
     rubbing: share of the page that must be dark for a rubbing, white on black.
-    marks: widths of marks that are compared, light and dark, as shares of the page's longer side.
+    surroundings: side of the window whose median is the ground of a mark, as a share of the longer side.
     faint: what share of the darkness of ink a faint mark has at least.
+    stroke: side of the window in which ink is as dark as its darkest, as a share of the longer side;
+    half: how dark it is there at least, as a share of that; thin: and as a share of what is asked elsewhere;
+    above_grain: and by how many standard deviations of the ground it is darker than it.
     """
 
     ground: float = 0.05
@@ -34,8 +37,12 @@ class PageInkSettings:
     colour: int = 60
     coloured_writing: float = 0.6
     rubbing: float = 0.55
-    marks: tuple[float, ...] = (0.008, 0.02, 0.05)
+    surroundings: float = 0.07
     faint: float = 0.25
+    stroke: float = 0.008
+    half: float = 0.5
+    thin: float = 0.5
+    above_grain: float = 4.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +73,7 @@ def find_page_ink(picture: Picture, *, settings: PageInkSettings | None = None) 
         gray = (255 - gray).astype(np.uint8)
     darkness = _darkness(gray, settings)
     threshold = _threshold(darkness, settings)
-    ink, colour = _without_colour(darkness > threshold, picture, settings)
+    ink, colour = _without_colour(darkness > _asked(darkness, threshold, settings), picture, settings)
     faint = darkness > max(settings.faint * threshold, settings.contrast / 2)
     return PageInk(ink=ink, faint=faint, colour=colour, polarity=polarity)
 
@@ -78,7 +85,7 @@ def _gray(picture: Picture) -> Picture:
 
 
 def _is_rubbing(gray: Picture, settings: PageInkSettings) -> bool:
-    """Whether the middle of the page is mostly dark and its thin marks are rather light than dark."""
+    """Whether the middle of the page is mostly dark and its marks are lighter than what is around them."""
     import cv2
 
     height, width = gray.shape
@@ -88,13 +95,9 @@ def _is_rubbing(gray: Picture, settings: PageInkSettings) -> bool:
     _, dark = cv2.threshold(small, 0, 255, cv2.THRESH_BINARY_INV | cv2.THRESH_OTSU)
     if (dark > 0).mean() < settings.rubbing:
         return False
-    light_marks = dark_marks = 0.0
-    for share in settings.marks:
-        side = max(3, round(share * max(small.shape)))
-        window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
-        light_marks += float(cv2.morphologyEx(small, cv2.MORPH_TOPHAT, window).mean())
-        dark_marks += float(cv2.morphologyEx(small, cv2.MORPH_BLACKHAT, window).mean())
-    return light_marks > dark_marks
+    side = max(3, round(settings.surroundings * max(small.shape))) | 1
+    ground = cv2.medianBlur(small, min(side, 255))
+    return float(cv2.subtract(small, ground).mean()) > float(cv2.subtract(ground, small).mean())
 
 
 def _darkness(gray: Picture, settings: PageInkSettings) -> FloatArray:
@@ -124,6 +127,21 @@ def _threshold(darkness: FloatArray, settings: PageInkSettings) -> float:
         return settings.strongest
     level, _ = cv2.threshold(marks.reshape(-1, 1), 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
     return float(np.clip(level / 255, settings.contrast, settings.strongest))
+
+
+def _asked(darkness: FloatArray, threshold: float, settings: PageInkSettings) -> FloatArray:
+    """(H, W) float32: the darkness from which on there is ink: less where the darkest nearby is less.
+
+    A thin stroke that the camera has blurred is as gray as the edge of a thick one.
+    """
+    import cv2
+
+    side = max(3, round(settings.stroke * max(darkness.shape))) | 1
+    darkest = cv2.dilate(darkness, np.ones((side, side), np.uint8))
+    light, usual = np.percentile(darkness[::4, ::4], [10, 50])
+    grain = usual + settings.above_grain * (usual - light) / 1.28  # of paper, stone or silk
+    least = max(settings.contrast, settings.thin * threshold, float(grain))
+    return np.asarray(np.clip(settings.half * darkest, min(least, threshold), threshold), np.float32)
 
 
 def _without_colour(

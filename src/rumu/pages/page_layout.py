@@ -16,7 +16,8 @@ class LayoutSettings:
     grain: pixels that a character measures where lines are counted. coverage: share of the text's width or
     height that a parting line covers at least. lean: the steepest line, as rise over run. run: the shortest
     piece of a line. apart: how far two parting lines are apart at least. blank: the lowest empty strip that
-    parts two registers without a line.
+    parts two registers without a line. piece: the shortest piece of a line that bends; long: share of the
+    text's extent that it covers at least; thin: how far its pixels lie from its curve.
     """
 
     grain: float = 10.0
@@ -25,6 +26,9 @@ class LayoutSettings:
     run: float = 1.2
     apart: float = 0.9
     blank: float = 0.9
+    piece: float = 0.5
+    long: float = 0.6
+    thin: float = 0.15
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +72,51 @@ def parting_lines(
     peaks = _peaks(counts, least=settings.coverage * (end - begin), apart=settings.apart * size * factor)
     margin = flat.shape[1]  # as _best_lean shifts
     found = [_fit(x, y, peak - margin + lean * x, settings.apart * size * factor / 2) for peak in peaks]
+    found += _bent_lines(small > 25, found, (begin, end), size * factor, settings)
     scale = [
         factor,
         1.0,
         1 / factor,
     ]  # a curve a x² + b x + c of the small picture, in pixels of the large one
     return [PartingLine(tuple(float(a * b) for a, b in zip(curve, scale, strict=True))) for curve in found]
+
+
+def _bent_lines(
+    mask: BoolArray,
+    known: list[FloatArray],
+    extent: tuple[float, float],
+    size: float,
+    settings: LayoutSettings,
+) -> list[FloatArray]:
+    """Curves of connected lines that bend or lean too much to fall into one row, apart from those known."""
+    import cv2
+
+    piece = max(3, round(settings.piece * size))
+    flat = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, np.ones((1, piece), np.uint8))
+    joined = cv2.dilate(flat, np.ones((3, 3), np.uint8))
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(joined, connectivity=8)
+    found: list[FloatArray] = []
+    middle, least = sum(extent) / 2, settings.long * (extent[1] - extent[0])
+    for k in range(1, count):
+        if stats[k, cv2.CC_STAT_WIDTH] < least:
+            continue
+        y, x = np.nonzero((labels == k) & (flat > 0))
+        if len(np.unique(x)) < max(least, 4):
+            continue
+        each = 1 / np.bincount(x)[x]  # what hangs on the line, such as the mark of a fold, weighs little
+        weights = each
+        for _ in range(6):
+            curve = np.polyfit(x, y, 2, w=weights)
+            off = np.abs(y - np.polyval(curve, x)) / (settings.thin * size)
+            weights = each / (1 + off**2)
+        on_line = x[(off < 1) & (x >= extent[0]) & (x <= extent[1])]
+        rise = abs(np.diff(np.polyval(curve, extent))[0])
+        if len(np.unique(on_line)) < least or rise > 2 * settings.lean * (extent[1] - extent[0]):
+            continue
+        at = np.polyval(curve, middle)
+        if all(abs(np.polyval(one, middle) - at) > settings.apart * size for one in [*known, *found]):
+            found.append(np.asarray(curve))
+    return found
 
 
 def _fit(x: IntArray, y: IntArray, line: FloatArray, reach: float) -> FloatArray:
