@@ -4,7 +4,8 @@ Sheets of 24 learners' copies (e3c and e3c-more of RUMU_DATA), of every grid, he
 written on, and photographed by the simulated camera of the laboratory, whose map is known. Printed are: the
 share of cells that are found and right; how far their corners lie from the truth, of photographs of 12
 megapixels; the overlap of the ink; by how much marks differ from those of the unphotographed copies; what was
-refused. With --marks 0 nothing is marked; --time measures one photograph of 24 cells instead.
+refused. With --marks 0 nothing is marked; --time measures one photograph of 24 cells instead, whole and, in
+one process with one thread, by its parts.
 """
 
 from __future__ import annotations
@@ -217,8 +218,41 @@ def measure_time(copies: dict[str, list[Path]], folder: Path, home: Path) -> Non
         busy = sum(os.times()[:4]) - sum(used[:4])
         seconds = time.perf_counter() - started
         print(
-            f"{len(facts['cells'])} cells of {count} characters: {seconds:.2f} s, {busy:.2f} s of processors"
+            f"{len(facts['cells'])} cells of {count} characters: {seconds:.2f} s, {busy:.2f} s of processors "
+            "(two new processes and their libraries among them)"
         )
+    measure_parts(home / "photo.jpg")
+
+
+def measure_parts(path: Path) -> None:
+    """Processor seconds of the parts of a photograph's way to its marks; run with OMP_NUM_THREADS=1."""
+    from rumu.gallery.sheet_masters import open_masters
+    from rumu.studio.sheet_inputs import SheetPhoto, read_photo
+    from rumu.studio.sheet_marks import CellTask, assess_cell
+
+    cv2.setNumThreads(1)
+    used = [time.process_time()]
+    picture = read_photo(SheetPhoto(path.name, path))
+    used.append(time.process_time())
+    sheet = locate_sheet(picture)
+    cells = read_cells(sheet, open_masters(sheet.page.master, sheet.page.text).shapes)
+    used.append(time.process_time())
+    tasks = [CellTask(one.picture, sheet.page.master, one.cell.character, {}) for one in cells]
+    assess_cell(tasks[-1])  # loads the libraries
+    times: list[list[float]] = []
+    for _ in range(2):
+        each = []
+        for task in tasks[:8]:
+            started = time.process_time()
+            assess_cell(task)
+            each.append(time.process_time() - started)
+        times.append(each)
+    first, again = (float(np.median(each)) for each in times)
+    print(
+        f"processor time in one thread: decoding {used[1] - used[0]:.2f} s, finding and cutting "
+        f"{used[2] - used[1]:.2f} s, the first cell of a character {first:.2f} s, "
+        f"each further one {again:.2f} s"
+    )
 
 
 if __name__ == "__main__":

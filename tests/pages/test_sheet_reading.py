@@ -135,6 +135,53 @@ def test_a_hidden_marker_does_no_harm(written, page, masters, sheets):
     assert sheet.page == page and len(read_cells(sheet, masters.shapes)) == len(WRITTEN)
 
 
+def test_two_hidden_corners_and_a_strong_shade_do_no_harm(written, page, masters, sheets):
+    hidden = written.copy()
+    hidden[:200, :160] = (190, 150, 130)
+    hidden[-200:, -160:] = (150, 120, 100)
+    picture, pixels = sheets.photograph(hidden, size=(2400, 2000))
+    height, width = picture.shape[:2]
+    across = np.linspace(0, 1, width)[None, :, None] + np.linspace(0, 0.5, height)[:, None, None]
+    shade = 1 - 0.55 / (1 + np.exp((across - 0.7) / 0.05))  # the shadow of a hand: its edge crosses the page
+    sheet = locate_sheet(np.clip(picture * shade, 0, 255).astype(np.uint8))
+    assert sheet.page == page
+    corners = np.concatenate([cell.box.corners for cell in page.cells])
+    assert np.hypot(*(sheet.places.pixels(corners) - pixels(corners)).T).max() < 1.5
+    assert {(c.cell.row, c.cell.column) for c in read_cells(sheet, masters.shapes)} == WRITTEN
+
+
+def drawn_pictures() -> dict[str, np.ndarray]:
+    """Pictures that are no sheets: other documents, codes, boards, scenes."""
+    rng = np.random.default_rng(7)
+    lines = np.full((1200, 900, 3), 245, np.uint8)
+    for row in range(60, 1150, 40):
+        for left in range(60, 840, 22):
+            cv2.putText(lines, chr(65 + int(rng.integers(26))), (left, row), 0, 0.7, (20, 20, 20), 2)
+    board = np.kron(np.indices((12, 9)).sum(axis=0) % 2, np.ones((90, 90))).astype(np.uint8) * 255
+    other = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    markers = np.full((1200, 900), 255, np.uint8)
+    for number in range(12):
+        y, x = 60 + number // 3 * 280, 60 + number % 3 * 280
+        markers[y : y + 160, x : x + 160] = cv2.aruco.generateImageMarker(other, number, 160)
+    code = cv2.QRCodeEncoder.create().encode("https://example.org/a-page-of-another-program")
+    code = cv2.resize(np.pad(code, 4, constant_values=255), (700, 700), interpolation=cv2.INTER_NEAREST)
+    scene = cv2.GaussianBlur(rng.integers(0, 256, (900, 1200, 3), dtype=np.uint8), (0, 0), 25)
+    scene = cv2.normalize(scene, None, 0, 255, cv2.NORM_MINMAX)
+    grid = np.full((1200, 900, 3), 240, np.uint8)
+    for at in range(50, 1200, 100):
+        cv2.line(grid, (50, at), (850, at), (200, 60, 60), 4)
+        cv2.line(grid, (at, 50), (at, 1150), (200, 60, 60), 4)
+    gray = {"board": board, "markers of another kind": markers, "code": code}
+    coloured = {name: np.repeat(one[..., None], 3, axis=2) for name, one in gray.items()}
+    return coloured | {"text": lines, "scene": scene, "grid": grid}
+
+
+@pytest.mark.parametrize("turn", [0, 1])
+@pytest.mark.parametrize("name", drawn_pictures())
+def test_no_cell_is_read_in_what_is_no_sheet(name, turn):
+    assert refusal(np.ascontiguousarray(np.rot90(drawn_pictures()[name], turn))) == "no sheet"
+
+
 def test_a_blurred_or_dark_picture_is_told(written, sheets):
     picture, _ = sheets.photograph(written)
     assert refusal(cv2.GaussianBlur(picture, (0, 0), 3.5)) in ("blurred", "no sheet")

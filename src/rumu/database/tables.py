@@ -1,7 +1,7 @@
 """All tables of the database. Pictures, surfaces and other files lie in the store; a table holds their keys.
 
 Times are UTC. Texts in two languages stand in two columns, `_zh` (traditional Chinese) and `_en`; an
-attribute without the ending holds both. Positions on a work are fractions of its width and height, origin top left.
+attribute without the ending holds both. Positions on a work are fractions of its size, origin top left.
 """
 
 from __future__ import annotations
