@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from starlette.testclient import TestClient
 
@@ -59,7 +61,7 @@ def test_every_answer_says_what_a_browser_may_do(world, url):
 def test_pages_keep_to_the_policy(world, url):
     page = TestClient(world.app).get(url).text
     assert "<style" not in page and "style=" not in page and "onclick" not in page
-    assert "<script>" not in page and "http://" not in page and "https://" not in page
+    assert "<script>" not in page and re.search(r"(src|href|action)=.?https?:", page) is None
 
 
 def test_a_refusal_has_the_headers_too(world):
