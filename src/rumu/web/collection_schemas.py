@@ -42,7 +42,7 @@ class HomeRead(Schema):
 class CoverUpdate(Schema):
     """work: the id of a work, or null to leave the choice to the service."""
 
-    work: str | None
+    work: ShortText | None
 
 
 class CollectionRead(Schema):
