@@ -73,6 +73,7 @@ def test_a_character_takes_what_is_known_of_its_page(bare, scroll):
 def test_every_database_holds_a_page_with_its_characters(gallery, page):
     """On SQLite and on PostgreSQL: added once, found, counted, changed, deleted."""
     before = catalog.works(gallery).total
+    masters = catalog.works(gallery, masters=True).total
     added = add_page(gallery, page, text=page_text(), metadata=METADATA)
     again = add_page(gallery, page, text=page_text(), metadata=METADATA)
     assert (again.id, again.new, again.characters, again.named) == (
@@ -83,7 +84,7 @@ def test_every_database_holds_a_page_with_its_characters(gallery, page):
     )
     assert catalog.works(gallery).total == before + 1
     assert catalog.works(gallery, query="書者 水").total == 1
-    assert catalog.works(gallery, masters=True).total == before + len(CHARACTERS)
+    assert catalog.works(gallery, masters=True).total == masters + len(CHARACTERS)
     assert (
         dict((one.value, one.count) for one in count_facets(gallery, Filters(query="水"))["script"])[
             "regular"
@@ -94,7 +95,7 @@ def test_every_database_holds_a_page_with_its_characters(gallery, page):
     first = characters_within(gallery, added.id)[0].id
     catalog.change_work(gallery, first, {"character": "龍"})
     catalog.delete_work(gallery, added.id)
-    assert catalog.works(gallery, masters=True).total == before
+    assert catalog.works(gallery, masters=True).total == masters
 
 
 def test_small_characters_are_cut_large_enough_to_be_opened(bare, tmp_path):
