@@ -110,7 +110,7 @@ def test_too_many_pages_and_pages_that_are_not_there_are_told(world, code_of):
 
 
 def test_an_address_may_ask_so_often_and_no_more(new_world, code_of):
-    world = new_world(rate_limits=RateLimitSettings(sheets="2/minute"))
+    world = new_world(rate_limits=RateLimitSettings(sheets="2/hour"))
     browser = world.browser()
     answers = [browser("GET", "/api/practice-sheet?text=水") for _ in range(3)]
     assert [answer.status_code for answer in answers] == [200, 200, 429] and code_of(

@@ -105,7 +105,7 @@ def test_nobody_else_sees_what_somebody_sent(world, sheet):
 
 
 def test_a_person_may_send_so_many_and_no_more(new_world, code_of):
-    world = new_world(rate_limits=RateLimitSettings(photos="1/minute"))
+    world = new_world(rate_limits=RateLimitSettings(photos="1/hour"))
     pupil = world.browser("吳")
     answers = [sent(pupil, b"no picture") for _ in range(2)]
     assert [answer.status_code for answer in answers] == [422, 429] and code_of(answers[1]) == "too_often"
