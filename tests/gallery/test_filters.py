@@ -35,5 +35,8 @@ def test_a_choice_narrows_the_others_but_not_itself(gallery):
 
 def test_choices_are_named_in_both_languages(gallery):
     found = count_facets(gallery, Filters())
-    assert {(v.zh, v.en) for v in found["collection"]} == {("入門碑帖", "Starter gallery")}
+    assert {(v.zh, v.en) for v in found["collection"]} == {
+        ("入門碑帖", "Starter gallery"),
+        ("一塊模擬的碑", "A simulated stele"),
+    }
     assert {(v.zh, v.en) for v in found["dynasty"]} == {("當代", "contemporary")}
