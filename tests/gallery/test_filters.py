@@ -17,7 +17,7 @@ def test_each_count_is_what_choosing_it_gives(gallery):
         "none": 1,
         "seal": 5,
         "clerical": 6,
-        "regular": 6,
+        "regular": 7,
         "running": 6,
         "cursive": 6,
     }
