@@ -75,4 +75,4 @@ def test_the_demo_ends_in_a_gallery_that_is_ready(tmp_path, own_home):
         thumbs = list((own_home / "files" / "derived").rglob("*thumb*"))
         demo.send_signal(signal.SIGINT)
         assert demo.wait(120) == 130  # on a busy machine its workers end slowly
-    assert "nobody wrote them" in said and len(thumbs) == 60
+    assert "nobody wrote them" in said and len(thumbs) == 62
