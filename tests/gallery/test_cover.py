@@ -33,7 +33,6 @@ def test_the_measured_work_stands_on_the_home_page_until_another_is_chosen(galle
 
 def test_an_bare_has_no_cover(bare) -> None:
     assert cover.cover_work(bare) == (None, False)
-    assert cover.count_works(bare) == 0
 
 
 def test_the_stele_is_measured_from_its_photographs_when_it_is_first_looked_at(gallery) -> None:

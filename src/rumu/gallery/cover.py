@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sqlalchemy import delete, func, select
+from sqlalchemy import delete, select
 
 from rumu.database.tables import Setting, Work
 from rumu.gallery.catalog import ORDER, work
@@ -38,9 +38,3 @@ def choose_cover(gallery: Gallery, work_id: str | None) -> None:
         session.execute(delete(Setting).where(Setting.name == _NAME))
         if work_id is not None:
             session.add(Setting(name=_NAME, value=work_id))
-
-
-def count_works(gallery: Gallery) -> int:
-    """How many works the gallery has."""
-    with gallery.database.reading() as session:
-        return session.scalar(select(func.count()).select_from(Work)) or 0

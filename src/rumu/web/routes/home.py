@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
 from rumu.database.tables import Work
-from rumu.gallery import cover
+from rumu.gallery import catalog, cover
 from rumu.gallery.single_page import SCRIPT, STYLE, page_facts, page_json, page_title
 from rumu.gallery.vocabulary import HEIGHT_SOURCES
 from rumu.web.addresses import base_url, service_url
@@ -29,7 +29,7 @@ _FRAMED = CONTENT_SECURITY_POLICY.replace("frame-ancestors 'self'", "frame-ances
 def get_home(service: ServiceDep) -> dict[str, Any]:
     """What the home page shows: one work that is lit there, and how many works the gallery has."""
     work, chosen = cover.cover_work(service.gallery)
-    return {"cover": work, "chosen": chosen, "works": cover.count_works(service.gallery)}
+    return {"cover": work, "chosen": chosen, "works": catalog.works(service.gallery, limit=0).total}
 
 
 @router.put("/api/home", response_model=HomeRead)
