@@ -22,7 +22,6 @@ export const t = translator({
   useTilt: { zh: "傾斜手機來移動燈", en: "Move the lamp by tilting the phone" },
   noTilt: { zh: "這支手機沒有答應讓網頁知道它怎麼傾斜。", en: "This phone does not tell the page how it is tilted." },
   seeWork: { zh: "看這件作品：{title}", en: "See this work: {title}" },
-  exhibitions: { zh: "專題", en: "Collections" },
   empty: { zh: "展廳裡還沒有作品。", en: "There are no works in the gallery yet." },
   about: { zh: "關於這裡", en: "About" },
   aboutMarks: { zh: "評分是什麼意思", en: "What a mark means" },

@@ -83,7 +83,6 @@ export const t = translator({
   unnamed: { zh: "紙上沒有印名字，所以沒有存入誰的練習。", en: "The sheet names nobody, so it is kept in nobody's practice." },
   noMark: { zh: "未評", en: "no mark" },
   cellAlt: { zh: "寫的「{character}」", en: "{character} as it was written" },
-  cellsOf: { zh: "第 {row} 行第 {column} 格", en: "row {row}, cell {column}" },
   anotherSheet: { zh: "再交一張", en: "Send another" },
   // of a class
   classPhotos: { zh: "上傳全班的練習紙", en: "Photographs of the class's sheets" },

@@ -41,6 +41,5 @@ export const t = translator({
   choose: { zh: "選「{title}」", en: "Choose {title}" },
   unknownScript: { zh: "書體未詳", en: "Script not known" },
   unknownTime: { zh: "時代未詳", en: "time not known" },
-  unknownHand: { zh: "書者未詳", en: "hand not known" },
   other: { zh: "換一個字", en: "Another character" },
 });
