@@ -62,7 +62,7 @@ def open_executor(processes: int, *, dask: str | None = None) -> Iterator[tuple[
     """
     if dask is not None:
         with _dask_client(dask, processes) as client:
-            yield client.get_executor(pure=False), sum(client.ncores().values())
+            yield _DaskExecutor(client), sum(client.ncores().values())
         return
     if processes == 1:
         yield None, 1
@@ -73,6 +73,21 @@ def open_executor(processes: int, *, dask: str | None = None) -> Iterator[tuple[
         finished = True
     finally:
         end_executor(executor, kill=not finished)
+
+
+class _DaskExecutor(Executor):
+    """Work on a Dask cluster; an answer that a killed worker took along is computed again.
+
+    The client's own executor copies each answer into another future, and fails where the worker is killed
+    while it does so.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    def submit(self, fn: Callable[..., Answer], /, *args: Any, **kwargs: Any) -> Future[Answer]:
+        future: Future[Answer] = self._client.submit(fn, *args, pure=False, **kwargs)
+        return future
 
 
 @contextlib.contextmanager
