@@ -110,6 +110,15 @@ def test_modules_and_public_functions_say_what_they_are(path):
     assert not silent
 
 
+def test_no_two_classes_share_a_name():
+    places = {}
+    for path in FILES:
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef):
+                places.setdefault(node.name, []).append(path.relative_to(SRC).as_posix())
+    assert {name: found for name, found in places.items() if len(found) > 1} == {}
+
+
 def test_every_module_of_a_test_has_a_module_to_test():
     """tests/<package>/test_<module>.py mirrors src/rumu/<package>/<module>.py, or a script's name."""
     packages = [package for package in (ROOT / "tests").iterdir() if (SRC / package.name).is_dir()]

@@ -32,7 +32,7 @@ Picture = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True)
-class SheetSettings:
+class SheetReadingSettings:
     """When a photograph is refused, and how its cells are cut.
 
     flat: pixels of the flat page for each millimetre. contrast: least gray levels between the black and the
@@ -92,13 +92,13 @@ def is_sheet(picture: Picture) -> bool:
     return len({number for number, _ in find_markers(_gray(picture))}) >= 3
 
 
-def locate_sheet(picture: Picture, *, settings: SheetSettings | None = None) -> LocatedSheet:
+def locate_sheet(picture: Picture, *, settings: SheetReadingSettings | None = None) -> LocatedSheet:
     """Find the sheet in a photograph.
 
     picture: (H, W, 3) uint8 sRGB; any rotation.
     Raises RefusedImage, with reason 'no sheet', 'two sheets', 'cut off', 'dark', 'blurred' or 'unreadable'.
     """
-    settings = settings or SheetSettings()
+    settings = settings or SheetReadingSettings()
     markers = find_markers(_gray(picture))
     if len({number for number, _ in markers}) < 3:
         raise RefusedImage(
@@ -122,13 +122,13 @@ def locate_sheet(picture: Picture, *, settings: SheetSettings | None = None) -> 
 
 
 def read_cells(
-    sheet: LocatedSheet, masters: Mapping[str, MasterShape], *, settings: SheetSettings | None = None
+    sheet: LocatedSheet, masters: Mapping[str, MasterShape], *, settings: SheetReadingSettings | None = None
 ) -> tuple[WrittenCell, ...]:
     """What was written in the cells of a sheet, in reading order; empty cells are left out.
 
     masters: by character, as they were printed; only a sheet printed in black and white needs them.
     """
-    settings = settings or SheetSettings()
+    settings = settings or SheetReadingSettings()
     cells = []
     for cell in sheet.page.cells:
         if not cell.is_for_writing:
@@ -144,7 +144,7 @@ def read_cells(
 
 
 def _locate(
-    picture: Picture, page: SheetPage, places: PaperMap, settings: SheetSettings, *, blur: float
+    picture: Picture, page: SheetPage, places: PaperMap, settings: SheetReadingSettings, *, blur: float
 ) -> LocatedSheet:
     """The sheet whose code was read, mapped by all that is printed on it."""
     height, width = picture.shape[:2]
@@ -177,7 +177,9 @@ def _gray(picture: Picture) -> Picture:
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
 
 
-def _check_light(picture: Picture, markers: list[tuple[int, FloatArray]], settings: SheetSettings) -> float:
+def _check_light(
+    picture: Picture, markers: list[tuple[int, FloatArray]], settings: SheetReadingSettings
+) -> float:
     """Standard deviation, in pixels, by which the markers' edges are smeared; raises where it is too dark."""
     spreads, contrasts = [], []
     for _, corners in markers:
@@ -247,7 +249,7 @@ def _cut(sheet: LocatedSheet, cell: SheetCell, side: int) -> npt.NDArray[np.floa
     return np.asarray(pixels.astype(np.float32) / np.maximum(paper, 1.0), np.float32)
 
 
-def _is_written(gray: Picture, settings: SheetSettings) -> bool:
+def _is_written(gray: Picture, settings: SheetReadingSettings) -> bool:
     """Whether there is ink in a cell's picture."""
     rim = round(settings.rim * len(gray))
     inner = gray[rim:-rim, rim:-rim]
