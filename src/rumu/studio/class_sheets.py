@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import io
 import pickle
-import time
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,15 +20,13 @@ from sqlalchemy import select
 from rumu.database.tables import Attempt, Person, Task
 from rumu.studio import classes
 from rumu.studio.attempts import add_attempt
-from rumu.studio.pictures import UprightPicture
-from rumu.studio.sheet_cells import marked_copy, png_of, work_of_master
+from rumu.studio.sheet_cells import copy_cell, png_of, work_of_master
 from rumu.studio.sheet_inputs import SheetPhoto, sheet_photos
 from rumu.studio.sheet_marks import (
     CELLS,
     TABLE,
     CellTask,
     Facts,
-    assess_cell,
     cell_facts,
     mark_photo,
     write_tables,
@@ -111,19 +108,15 @@ def _mark_photo(
     copies: list[MarkedCopy] = []
     works: dict[str, str] = {}
 
-    def mark(tasks: Sequence[CellTask]) -> Iterator[Facts]:
+    def run(tasks: Sequence[CellTask]) -> Iterator[Facts]:
         for task in tasks:
-            started = time.perf_counter()
-            found, master = assess_cell(task)
-            picture = UprightPicture(
-                png_of(task.picture), "png", task.picture.shape[1], task.picture.shape[0]
-            )
-            copies.append(marked_copy(picture, found, master, seconds=time.perf_counter() - started))
+            copy, mark, master = copy_cell(task, png_of(task.picture))
+            copies.append(copy)
             if task.character not in works:
                 works[task.character] = work_of_master(gallery, master)
-            yield cell_facts(found)
+            yield cell_facts(mark)
 
-    facts = mark_photo(photo, photo.digest(), out=out, terms={"calibration": calibration}, run=mark)
+    facts = mark_photo(photo, photo.digest(), out=out, terms={"calibration": calibration}, run=run)
     return _MarkedPhoto(facts, copies if facts["cells"] else [], works)
 
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rumu.gallery.store import Gallery
     from rumu.pages.sheet_reading import LocatedSheet, WrittenCell
     from rumu.studio.marking import MarkedCopy
+    from rumu.studio.sheet_marks import CellTask
     from rumu.values import Assessment
 
 MAX_BYTES = 30 * 2**20
@@ -98,17 +99,26 @@ def mark_cells(
     import numpy as np
     from PIL import Image
 
-    from rumu.studio.sheet_marks import CellTask, assess_cell
+    from rumu.studio.sheet_marks import CellTask
 
     copies = []
     for data in pictures:
-        started = time.perf_counter()
         with Image.open(io.BytesIO(data), formats=["PNG"]) as opened:
             picture = np.asarray(opened.convert("L"))
-        mark, master = assess_cell(CellTask(picture, masters, character, {"calibration": calibration}))
-        upright = UprightPicture(data, "png", picture.shape[1], picture.shape[0])
-        copies.append(marked_copy(upright, mark, master, seconds=time.perf_counter() - started))
+        copy, _, _ = copy_cell(CellTask(picture, masters, character, {"calibration": calibration}), data)
+        copies.append(copy)
     return copies
+
+
+def copy_cell(task: CellTask, data: bytes) -> tuple[MarkedCopy, Assessment, SheetMaster]:
+    """A cell as a marked copy, its mark, and the master that was printed there. data: its picture, a PNG."""
+    from rumu.studio.sheet_marks import assess_cell
+
+    started = time.perf_counter()
+    mark, master = assess_cell(task)
+    height, width = task.picture.shape
+    picture = UprightPicture(data, "png", width, height)
+    return marked_copy(picture, mark, master, seconds=time.perf_counter() - started), mark, master
 
 
 def marked_copy(
