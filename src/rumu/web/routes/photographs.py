@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from functools import partial
-from typing import Annotated, Any
+from collections.abc import Callable
+from typing import Annotated, Any, TypeVar
 
 from anyio.to_thread import run_sync
 from fastapi import APIRouter, File, Form, Request, Response, UploadFile
@@ -20,6 +20,7 @@ from rumu.web.service import Service
 from rumu.web.studio_schemas import Point
 
 router = APIRouter(tags=["marks"])
+Answer = TypeVar("Answer")
 
 Photograph = Annotated[UploadFile, File(description="A photograph, 10 MB and 24 MP at most.")]
 CornerText = Annotated[
@@ -55,9 +56,8 @@ async def look_at_photograph(
     """Say whether a photograph is of a practice sheet, and where the printed cell near a square is."""
     _count(request, service, user.id if user else None)
     near = _read_corners(corners) if corners else None
-    look = partial(_in_worker, service, worker_tasks.look_at_photograph, picture, near)
-    found: dict[str, Any] = await run_sync(look, limiter=service.marking_limiter)
-    return found
+    look = worker_tasks.look_at_photograph
+    return await run_sync(_call, service, look, picture, near, limiter=service.marking_limiter)
 
 
 @router.post("/api/photographs/cell", response_class=Response)
@@ -71,8 +71,8 @@ async def flatten_cell(
 ) -> Response:
     """The cell between four corners of a photograph, as a square picture without perspective."""
     _count(request, service, user.id if user else None)
-    flatten = partial(_in_worker, service, worker_tasks.flatten_cell, picture, _read_corners(corners))
-    data = await run_sync(flatten, limiter=service.marking_limiter)
+    around, flatten = _read_corners(corners), worker_tasks.flatten_cell
+    data = await run_sync(_call, service, flatten, picture, around, limiter=service.marking_limiter)
     return Response(data, media_type="image/png", headers={"Cache-Control": "no-store"})
 
 
@@ -82,7 +82,10 @@ def _count(request: Request, service: Service, person_id: str | None) -> None:
     )
 
 
-def _in_worker(service: Service, work: Any, picture: UploadFile, corners: list[list[float]] | None) -> Any:
+def _call(
+    service: Service, work: Callable[..., Answer], picture: UploadFile, corners: list[list[float]] | None
+) -> Answer:
+    """The answer of a worker to a picture, once it is read and known to be one."""
     data = picture.file.read(MAX_BYTES + 1)
     check_picture(data)
     return service.workers.call(work, data=data, corners=corners)

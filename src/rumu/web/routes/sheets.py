@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import PurePosixPath
@@ -50,8 +49,8 @@ async def add_sheet(
     `dark` or `blurred`, and those whose code cannot be read (`unreadable`).
     """
     service.rate_limiter.hit(service.settings.rate_limits.photos, "photos", user.id)
-    read = functools.partial(_add_sheet, service, user, picture.file, picture.filename or "")
-    return await run_sync(read, limiter=service.marking_limiter)
+    name = picture.filename or ""
+    return await run_sync(_add_sheet, service, user, picture.file, name, limiter=service.marking_limiter)
 
 
 @router.get("/api/sheets", response_model=SheetUploadPage)
