@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rumu.database.tables import Work
     from rumu.gallery.sheet_masters import SheetMasters
     from rumu.gallery.store import Gallery
-    from rumu.pages.sheet_layout import SheetPage
+    from rumu.pages.sheet_layout import Grid, Help, Paper, SheetPage
 
 MAX_CHARACTERS = 200
 """Characters of one sheet."""
@@ -37,9 +37,9 @@ class SheetRequest:
     text: str
     works: tuple[str, ...] = ()
     master: str = "strokes"
-    paper: str = "A4"
-    grid: str = "mi"
-    model: str = "faint"
+    paper: Paper = "A4"
+    grid: Grid = "mi"
+    model: Help = "faint"
     cell: float = 28.0
     times: int = 0
     strokes: bool = True
@@ -89,10 +89,10 @@ def plan_sheet(gallery: Gallery, request: SheetRequest) -> SheetPlan:
     whole = SheetPage(
         text=characters,
         master=masters.name,
-        paper=request.paper,  # type: ignore[arg-type]
+        paper=request.paper,
         cell=request.cell,
-        grid=request.grid,  # type: ignore[arg-type]
-        help=request.model,  # type: ignore[arg-type]
+        grid=request.grid,
+        help=request.model,
         times=request.times,
         strokes=request.strokes,
     )

@@ -130,10 +130,11 @@ class SheetUploadRead(Schema):
 def _photo(photo: dict[str, Any], number: int, shown: UploadDetails) -> dict[str, Any]:
     names = ("photo", "refused", "sheet", "number", "count")
     person = shown.pupils.get(photo.get("person") or "")
+    pupil = photo.get("pupil") or ""
     return {name: photo.get(name) for name in names} | {
-        "pupil": photo.get("pupil") or "",
+        "pupil": pupil,
         "person": person,
-        "is_of_another": bool(person and photo.get("pupil")) and not is_named(person, photo["pupil"]),  # type: ignore[arg-type]
+        "is_of_another": person is not None and pupil != "" and not is_named(person, pupil),
         "empty": photo.get("empty", 0),
         "mean": mean_score(photo["cells"]),
         "cells": [_cell(cell, number, shown) for cell in photo["cells"]],
