@@ -38,8 +38,8 @@ class Kind:
     registers, columns, rows: how many of each. pitch, pace: from column to column, character to character.
     frame, ruled: lines around the registers, between the columns. double: how often two to six small
     characters stand in two lines after a character. across: rows from the left instead of columns. side: of
-    a character, in pixels. loose: by how much characters differ in size and stray, as a share. last: share of
-    the columns that end early. dress: what is done with the page of paper.
+    a character, in pixels. loose: by how much characters differ in size and stray, as a share. early: share
+    of the columns that end early. dress: what is done with the page of paper.
     """
 
     registers: int = 1
