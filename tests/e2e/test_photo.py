@@ -7,6 +7,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 from playwright.sync_api import Page, expect
@@ -67,6 +69,42 @@ def test_the_first_crop_is_the_cell_and_its_mark_that_of_the_cell(visitor: Visit
     found = square(page)
     assert found["x"] == pytest.approx(200, abs=8) and found["y"] == pytest.approx(400, abs=8)
     assert found["width"] == pytest.approx(512, abs=12)
+
+
+def test_a_cell_photographed_from_the_side_is_taken_by_its_four_corners(visitor: Visitor) -> None:
+    page = visitor.go("/studio/regular-shui")
+    sheet = Image.new("RGB", (900, 1200), cell().getpixel((4, 4)))
+    sheet.paste(cell(), (200, 400))
+    ImageDraw.Draw(sheet).rectangle((200, 400, 712, 912), outline=(196, 60, 50), width=5)
+    flat = np.array([[0, 0], [900, 0], [900, 1200], [0, 1200]], np.float32)
+    seen = np.array([[120, 60], [820, 20], [900, 1150], [10, 1190]], np.float32)
+    view = cv2.getPerspectiveTransform(flat, seen)
+    picture = cv2.warpPerspective(np.asarray(sheet), view, (900, 1200), borderMode=cv2.BORDER_REPLICATE)
+    choose(page, jpeg(Image.fromarray(picture)))
+    corners = page.get_by_role("slider", name=re.compile("corner"))
+    expect(corners).to_have_count(4)
+    true = cv2.perspectiveTransform(
+        np.array([[[200, 400], [712, 400], [712, 912], [200, 912]]], np.float32), view
+    )[0]
+    knobs = [corners.nth(k).locator("circle").last for k in range(4)]
+    found = [[float(knob.get_attribute(name) or 0) for name in ("cx", "cy")] for knob in knobs]
+    assert found == pytest.approx(true, abs=8)
+    assert marked(page)["mark"]["refused"] is None  # type: ignore[index]
+    preview = page.locator(".flat-cell img")
+    before = preview.get_attribute("src")
+    box = knobs[2].bounding_box()
+    assert box is not None
+    at = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(*at)
+    page.mouse.down()
+    page.mouse.move(at[0] - 40, at[1] - 30, steps=4)
+    page.mouse.up()
+    page.keyboard.press("Shift+ArrowLeft")  # the corner that was dragged has the focus
+    moved = [float(knobs[2].get_attribute(name) or 0) for name in ("cx", "cy")]
+    assert moved[0] < found[2][0] - 40 and moved[1] < found[2][1] - 20
+    expect(preview).not_to_have_attribute("src", str(before))
+    page.get_by_label("Drag each corner by itself").uncheck()
+    expect(corners).to_have_count(0)
 
 
 def test_ink_that_the_crop_cuts_off_is_red_and_said(visitor: Visitor) -> None:

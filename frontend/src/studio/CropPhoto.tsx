@@ -4,6 +4,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { t } from "../i18n/studio";
 import type { Grid, WorkCard } from "../types";
 import { masterShape } from "./canvas";
+import { PickPhoto } from "../sheets/PickPhoto";
 import { SheetFound } from "../sheets/SheetFound";
 import { ErrorMessage, useDelayed, useLoaded } from "../ui";
 import { CornerBox } from "./CornerBox";
@@ -69,7 +70,8 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
     }
   };
   const file = useRef<File | null>(null);
-  const open = (chosen: File) => {
+  const open = ([chosen]: File[]) => {
+    if (!chosen) return;
     file.current = chosen;
     void take(upright(chosen));
   };
@@ -106,8 +108,8 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
         </p>
       )}
       <div class="row">
-        <PickFile label={t("takePhoto")} camera onFile={open} />
-        <PickFile label={t("choosePhoto")} onFile={open} />
+        <PickPhoto label={t("takePhoto")} camera types={TYPES} onFiles={open} />
+        <PickPhoto label={t("choosePhoto")} types={TYPES} onFiles={open} />
         {photo && (
           <>
             <button type="button" class="quiet" onClick={() => turn(-90)}>
@@ -203,19 +205,5 @@ function CropNotes({ opened, square }: { opened: OpenedPhoto; square: Square }) 
       </p>
       <p class="note">{t("cropHint")}</p>
     </div>
-  );
-}
-
-function PickFile({ label, camera, onFile }: { label: string; camera?: boolean; onFile: (file: File) => void }) {
-  const pick = (event: Event & { currentTarget: HTMLInputElement }) => {
-    const file = event.currentTarget.files?.[0];
-    event.currentTarget.value = ""; // so that the same file can be chosen again
-    if (file) onFile(file);
-  };
-  return (
-    <label class={`button quiet pick${camera ? " camera" : ""}`}>
-      {label}
-      <input type="file" class="visually-hidden" accept={TYPES} {...(camera ? { capture: "environment" } : {})} onChange={pick} />
-    </label>
   );
 }

@@ -1,13 +1,12 @@
 // The four corners of a cell in a photograph, where it was taken from the side or the paper lies askew. Lengths in pixels.
 
-import type { Size, Square } from "./crop";
+import { MIN_SIDE, type Size, type Square } from "./crop";
 
 export type Point = readonly [x: number, y: number];
 /** Clockwise from the upper left. */
 export type Corners = readonly [Point, Point, Point, Point];
 
 export const TURN = { most: 15, step: 0.5 }; // degrees of the fine turn
-const SHORTEST = 32; // pixels of a side; a smaller cell cannot be marked
 
 export const cornersOf = ({ x, y, side }: Square): Corners => [[x, y], [x + side, y], [x + side, y + side], [x, y + side]];
 
@@ -39,7 +38,7 @@ export function isCell(corners: Corners): boolean {
   const ways = corners.map((corner, k) => [corners[(k + 1) % 4]![0] - corner[0], corners[(k + 1) % 4]![1] - corner[1]] as const);
   return ways.every(([x, y], k) => {
     const [nx, ny] = ways[(k + 1) % 4]!;
-    return x * ny - y * nx > 0 && Math.hypot(x, y) >= SHORTEST;
+    return x * ny - y * nx > 0 && Math.hypot(x, y) >= MIN_SIDE;
   });
 }
 

@@ -5,7 +5,7 @@ export type Size = { width: number; height: number };
 export type Handle = "nw" | "ne" | "sw" | "se";
 export const HANDLES: Handle[] = ["nw", "ne", "sw", "se"];
 
-const MIN_SIDE = 32; // pixels; a smaller cell cannot be marked
+export const MIN_SIDE = 32; // pixels; a smaller cell cannot be marked
 
 export function moveSquare(square: Square, dx: number, dy: number, size: Size): Square {
   const clamp = (value: number, max: number) => Math.min(Math.max(0, value), Math.max(0, max));
