@@ -11,7 +11,7 @@ import type { WorkCard } from "../types";
 import { ErrorMessage, Field, useDelayed, useLoaded } from "../ui";
 import { Choices } from "./Choices";
 import { SheetGridIcon } from "./icons";
-import { CELL, GRIDS, HELPS, isAsked, LONGEST_PUPIL, MASTERS, MAX_CHARACTERS, MAX_TIMES, PAPERS, readRequest, requestQuery, type SheetRequest, sheetUrl } from "./request";
+import { CELL, GRIDS, HELPS, isAsked, LONGEST_PUPIL, MASTERS, MAX_CHARACTERS, MAX_TIMES, PAPER_SIZES, PAPERS, readRequest, requestQuery, type SheetRequest, sheetUrl } from "./request";
 import "../studio/studio.css";
 import "./sheets.css";
 
@@ -174,7 +174,10 @@ function Preview({ asked }: { asked: SheetRequest }) {
             )}
           </div>
           <p class="note" role="status">{t("holds", { characters: [...plan.text].length, cells: plan.cells, pages: plan.pages })}</p>
-          <img class="sheet-page" src={sheetUrl(rested, ".png", number)} alt={t("previewAlt", { n: number, pages: plan.pages })} />
+          <img
+            class="sheet-page" src={sheetUrl(rested, ".png", number)} alt={t("previewAlt", { n: number, pages: plan.pages })}
+            {...PAPER_SIZES[rested.paper]}
+          />
           <p class="note">{t("printAdvice")}</p>
         </>
       )}

@@ -4,6 +4,7 @@ import { query } from "../api";
 import { SCRIPTS } from "../gallery/labels";
 
 export const PAPERS = ["A4", "Letter"] as const;
+export const PAPER_SIZES = { A4: { width: 210, height: 297 }, Letter: { width: 216, height: 279 } }; // millimetres
 export const GRIDS = ["mi", "nine", "tian", "hui", "none"] as const;
 export const HELPS = ["faint", "outlined", "beside", "shrinking", "none"] as const;
 export const MASTERS = ["strokes", ...SCRIPTS] as const;
