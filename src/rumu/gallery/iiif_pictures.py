@@ -46,16 +46,23 @@ class ImageService:
     sizes: tuple[tuple[int, int], ...]
     limit: tuple[int | None, int | None, int | None]
 
+    def url(self, region: str, size: tuple[int, int] | None) -> str:
+        """The address of a part of the picture. size: (width, height) that it comes in, None for its own."""
+        if size is None:
+            asked = "max" if self.version == 3 else "full"
+        else:
+            asked = f"{size[0]},{size[1]}" if self.version == 3 else f"{size[0]},"
+        return f"{self.base}/{region}/{asked}/0/{'native' if self.version == 1 else 'default'}.jpg"
+
 
 @dataclass(frozen=True, slots=True)
 class FetchedPicture:
-    """A picture as it is stored. reduced: whether the museum has it larger. urls: that it was made of."""
+    """A picture as it is stored. urls: that it was made of."""
 
     data: bytes
     suffix: str
     width: int
     height: int
-    reduced: bool
     urls: tuple[str, ...]
 
 
@@ -153,12 +160,10 @@ def _number(value: Any) -> int:
 def _of_service(
     web: MuseumWeb, service: ImageService, canvas: CanvasPicture, *, near: str, max_pixels: int
 ) -> FetchedPicture:
-    factor = 1
-    while -(-service.width // factor) * -(-service.height // factor) > max_pixels:
-        factor *= 2
+    factor = _reduction(service.width, service.height, max_pixels)
     if factor == 1 and not _is_limited(service):
         try:
-            whole = _single(web, _whole_url(service), near)
+            whole = _single(web, service.url("full", None), near)
         except (NotThere, ImageError):
             pass
         else:
@@ -170,6 +175,14 @@ def _of_service(
         return _smaller(web, service, canvas, near=near, max_pixels=max_pixels)
 
 
+def _reduction(width: int, height: int, max_pixels: int) -> int:
+    """By which power of 2 the sides of a picture are reduced, for it to have no more pixels than that."""
+    factor = 1
+    while -(-width // factor) * -(-height // factor) > max_pixels:
+        factor *= 2
+    return factor
+
+
 def _is_limited(service: ImageService) -> bool:
     """Whether the whole picture is larger than the server gives at once."""
     width, height, area = service.limit
@@ -178,14 +191,6 @@ def _is_limited(service: ImageService) -> bool:
         or (height is not None and service.height > height)
         or (area is not None and service.width * service.height > area)
     )
-
-
-def _whole_url(service: ImageService) -> str:
-    size, quality = (
-        ("max" if service.version == 3 else "full"),
-        ("native" if service.version == 1 else "default"),
-    )
-    return f"{service.base}/full/{size}/0/{quality}.jpg"
 
 
 def _of_tiles(web: MuseumWeb, service: ImageService, factor: int, near: str) -> FetchedPicture:
@@ -216,7 +221,7 @@ def _of_tiles(web: MuseumWeb, service: ImageService, factor: int, near: str) -> 
                 )
             whole.paste(part, (x, y))
             urls.append(url)
-    return FetchedPicture(_packed(whole), ".jpg", width, height, factor > 1, tuple(urls))
+    return FetchedPicture(_packed(whole), ".jpg", width, height, tuple(urls))
 
 
 def _tile_url(service: ImageService, factor: int, tile: tuple[int, int], at: tuple[int, int]) -> str:
@@ -226,13 +231,8 @@ def _tile_url(service: ImageService, factor: int, tile: tuple[int, int], at: tup
     listed = service.tile is not None  # else the server computes: it may have given the whole smaller
     whole = listed and (wide, high) == (service.width, service.height)
     region = "full" if whole else f"{x},{y},{wide},{high}"
-    width, height = -(-wide // factor), -(-high // factor)
-    if whole and factor == 1:
-        size = "max" if service.version == 3 else "full"
-    else:
-        size = f"{width},{height}" if service.version == 3 else f"{width},"
-    quality = "native" if service.version == 1 else "default"
-    return f"{service.base}/{region}/{size}/0/{quality}.jpg"
+    size = None if whole and factor == 1 else (-(-wide // factor), -(-high // factor))
+    return service.url(region, size)
 
 
 def _smaller(
@@ -240,20 +240,13 @@ def _smaller(
 ) -> FetchedPicture:
     """The largest listed size, else whatever the server gives as the whole."""
     fitting = [one for one in service.sizes if one[0] * one[1] <= max_pixels]
-    urls = []
-    for width, height in reversed(fitting):
-        size = f"{width},{height}" if service.version == 3 else f"{width},"
-        urls.append(f"{service.base}/full/{size}/0/{'native' if service.version == 1 else 'default'}.jpg")
-    urls += [_whole_url(service), *([canvas.picture] if canvas.picture else [])]
+    urls = [service.url("full", size) for size in (*reversed(fitting), None)]
     last: GalleryError | ImageError | None = None
-    for url in dict.fromkeys(urls):
+    for url in dict.fromkeys(filter(None, (*urls, canvas.picture))):
         try:
-            found = _single(web, url, near)
+            return _single(web, url, near)
         except (NotThere, ImageError) as error:
             last = error
-        else:
-            smaller = (found.width, found.height) != (service.width, service.height)
-            return FetchedPicture(found.data, found.suffix, found.width, found.height, smaller, found.urls)
     raise last or NotThere(f"{service.base}: gives no picture", zh="伺服器不給圖。")
 
 
@@ -261,20 +254,16 @@ def _single(web: MuseumWeb, url: str, near: str) -> FetchedPicture:
     """A picture as the server gives it. Raises ImageError when it cannot be read."""
     data = web.picture_bytes(url, near=near)
     picture: Picture = decode_picture(data)
-    return FetchedPicture(data, _suffix(data), picture.width, picture.height, False, (url,))
+    return FetchedPicture(data, _suffix(data), picture.width, picture.height, (url,))
 
 
 def _within(found: FetchedPicture, max_pixels: int) -> FetchedPicture:
     """The picture, reduced where a server gives only one that is too large."""
-    factor = 1
-    while -(-found.width // factor) * -(-found.height // factor) > max_pixels:
-        factor *= 2
+    factor = _reduction(found.width, found.height, max_pixels)
     if factor == 1:
         return found
     small = decode_picture(found.data).convert("RGB").reduce(factor)
-    return replace(
-        found, data=_packed(small), suffix=".jpg", width=small.width, height=small.height, reduced=True
-    )
+    return replace(found, data=_packed(small), suffix=".jpg", width=small.width, height=small.height)
 
 
 def _packed(picture: Picture) -> bytes:
