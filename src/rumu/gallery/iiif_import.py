@@ -121,7 +121,7 @@ def _manifests_of(
     web: MuseumWeb, collection: MuseumCollection, url: str, left_out: list[tuple[str, Bilingual]]
 ) -> Iterator[tuple[str, MuseumManifest]]:
     """The manifests of a collection and of those within it, each once; (address, manifest)."""
-    waiting = [(urljoin(url, address), 1, url) for address, _ in collection.members]
+    waiting = [(urljoin(url, address), 1, url) for address in collection.members]
     seen = {url}
     count = 0
     while waiting:
@@ -141,7 +141,7 @@ def _manifests_of(
                 return
             yield address, found
         elif depth < _DEEPEST:
-            within = [(urljoin(address, member), depth + 1, address) for member, _ in found.members]
+            within = [(urljoin(address, member), depth + 1, address) for member in found.members]
             waiting = within + waiting
 
 

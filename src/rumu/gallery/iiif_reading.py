@@ -54,11 +54,11 @@ class MuseumManifest:
 
 @dataclass(frozen=True, slots=True)
 class MuseumCollection:
-    """A list of manifests and further collections: (address, whether it is a collection) of each."""
+    """A list of manifests and further collections. members: their addresses, each once."""
 
     id: str
     label: Texts
-    members: tuple[tuple[str, bool], ...]
+    members: tuple[str, ...]
 
 
 def read_presentation(data: bytes, *, url: str) -> MuseumManifest | MuseumCollection:
@@ -275,11 +275,7 @@ def _list(value: Any) -> list[Any]:
 
 
 def _collection(facts: dict[str, Any], url: str) -> MuseumCollection:
-    members: list[tuple[str, bool]] = []
-    for one in (*_list(facts.get("items")), *_list(facts.get("members"))):
-        if isinstance(one, dict):
-            members.append((_address(one), _plain_kind(one) == "collection"))
-    members += [(_address(one), False) for one in _list(facts.get("manifests"))]
-    members += [(_address(one), True) for one in _list(facts.get("collections"))]
-    told = dict.fromkeys((address, is_collection) for address, is_collection in members if address)
-    return MuseumCollection(_address(facts) or url, read_texts(facts.get("label")), tuple(told))
+    members = [_address(one) for name in ("items", "members") for one in _objects(facts.get(name))]
+    members += [_address(one) for name in ("manifests", "collections") for one in _list(facts.get(name))]
+    told = tuple(dict.fromkeys(filter(None, members)))
+    return MuseumCollection(_address(facts) or url, read_texts(facts.get("label")), told)

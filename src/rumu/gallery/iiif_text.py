@@ -10,8 +10,8 @@ import math
 import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from typing import Any
+from urllib.parse import urlencode
 
 from rumu.database.tables import Work
 from rumu.gallery.catalog import work
@@ -104,14 +104,14 @@ def search_text(gallery: Gallery, work_id: str, query: str, *, base: str) -> dic
     name = f"{base.rstrip('/')}/iiif/works/{row.id}/search"
     items, contexts = [], []
     for number, match in enumerate(_matches(characters, query)):
-        parts = [list(some) for _, some in groupby(match.characters, lambda one: one.line)]
+        parts = text_lines(match.characters)
         for part, members in enumerate(parts):
             text = "".join(one.character for one in members)
             items.append(_text_annotation(f"{name}/{number}-{part}", text, places.target(members), places))
         contexts.append(_context(f"{name}/{number}", match, items[-len(parts)]["id"]))
     page: dict[str, Any] = {
         "@context": SEARCH_CONTEXT,
-        "id": f"{name}?{_encoded(query)}",
+        "id": f"{name}?{urlencode({'q': query})}",
         "type": "AnnotationPage",
         "items": items,
     }
@@ -169,9 +169,3 @@ def _context(name: str, match: _Match, annotation: str) -> dict[str, Any]:
         "motivation": "contextualizing",
         "target": {"type": "SpecificResource", "source": annotation, "selector": [selector]},
     }
-
-
-def _encoded(query: str) -> str:
-    from urllib.parse import urlencode
-
-    return urlencode({"q": query})

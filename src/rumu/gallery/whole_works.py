@@ -33,7 +33,7 @@ UNKNOWN_CHARACTER = "〓"
 class CharacterWithin:
     """A character of a page, in reading order.
 
-    id: of its work. place: as rows.PlaceRow. meant: its variants are found by it, '' where it is unknown.
+    id: of its work. character: '' where it is unknown. place: as rows.PlaceRow.
     """
 
     id: str
