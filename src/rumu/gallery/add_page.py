@@ -29,6 +29,7 @@ from rumu.gallery.metadata import (
     WorkMetadata,
     insert_rows,
     insert_works,
+    next_position,
     work_digest,
     work_row,
 )
@@ -210,9 +211,7 @@ def _insert_page(
         session.flush()
         return {column.name: getattr(existing, column.name) for column in Work.__table__.columns}
     if position is None:
-        after_last = select(func.coalesce(func.max(Work.position) + 1, 0))
-        of_collection = (Work.collection_id == collection.id, Work.parent_id.is_(None))
-        position = session.execute(after_last.where(*of_collection)).scalar_one()
+        position = next_position(session, collection.id)
     row = work_row(metadata, files, collection=collection, position=position, text=text)
     insert_works(session, collection, [row])
     return row

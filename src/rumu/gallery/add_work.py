@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, get_args
 
-from sqlalchemy import func, select
+from sqlalchemy import select
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError
@@ -27,6 +27,7 @@ from rumu.gallery.metadata import (
     StoredFiles,
     WorkMetadata,
     insert_works,
+    next_position,
     slug,
     work_row,
 )
@@ -195,9 +196,7 @@ def add_stored_work(
         existing = session.scalar(select(Work.id).where(Work.digest == files.digest))
         if existing is not None:
             return AddedWork(existing, new=False)
-        after_last = select(func.coalesce(func.max(Work.position) + 1, 0))
-        wholes = (Work.collection_id == collection.id, Work.parent_id.is_(None))
-        position = session.execute(after_last.where(*wholes)).scalar_one()
+        position = next_position(session, collection.id)
         row = work_row(metadata, files, collection=collection, position=position, **more)
         return AddedWork(row["id"], new=bool(insert_works(session, collection, [row])))
 

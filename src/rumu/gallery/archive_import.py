@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
-from sqlalchemy import func, select, update
+from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
 from rumu.database.tables import Annotation, Collection, Tour, Work, now
@@ -20,7 +20,7 @@ from rumu.errors import GalleryError
 from rumu.gallery.archive import BATCH, FORMAT, MANIFEST, WORKS, ImportResult, Progress, split
 from rumu.gallery.archive_files import ArchiveFiles
 from rumu.gallery.catalog import CHANGEABLE
-from rumu.gallery.metadata import CollectionMetadata, insert_rows
+from rumu.gallery.metadata import CollectionMetadata, insert_rows, next_position
 from rumu.gallery.rows import ExportedWork, ExportManifest, TourRow, read_row
 from rumu.gallery.search_text import search_columns
 from rumu.gallery.store import Gallery
@@ -240,9 +240,7 @@ def _move_to_end(session: Session, rows: Any) -> None:
         if row["parent_id"] is not None:
             continue
         if name not in following:
-            last = select(func.coalesce(func.max(Work.position) + 1, 0))
-            wholes = (Work.collection_id == name, Work.parent_id.is_(None))
-            following[name] = session.scalar(last.where(*wholes)) or 0
+            following[name] = next_position(session, name)
         row["position"] = following[name]
         following[name] += 1
 

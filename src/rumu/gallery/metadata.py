@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from sqlalchemy import func, select
+
 from rumu.database.tables import Collection, Work, now
 from rumu.gallery.rows import CollectionRow, WorkRow, check_row
 from rumu.gallery.search_text import search_columns
@@ -122,6 +124,13 @@ def work_row(
 
 def _columns(name: str, text: Bilingual, *, max_length: int | None = _MAX_LENGTH) -> dict[str, str]:
     return {f"{name}_zh": text.zh[:max_length], f"{name}_en": text.en[:max_length]}
+
+
+def next_position(session: Session, collection_id: str) -> int:
+    """The position after the last work of a collection; characters stand on their pages, and do not count."""
+    after_last = select(func.coalesce(func.max(Work.position) + 1, 0))
+    wholes = (Work.collection_id == collection_id, Work.parent_id.is_(None))
+    return session.execute(after_last.where(*wholes)).scalar_one()
 
 
 def work_digest(content: bytes | str, *label: str) -> str:
