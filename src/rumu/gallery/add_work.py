@@ -19,7 +19,14 @@ from sqlalchemy import select
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError
-from rumu.gallery.assets import capture_key, folder_digest, picture_key, store_surface, surface_key
+from rumu.gallery.assets import (
+    capture_key,
+    folder_digest,
+    picture_key,
+    store_files,
+    store_surface,
+    surface_key,
+)
 from rumu.gallery.metadata import (
     EMPTY,
     NO_LICENCE,
@@ -119,9 +126,7 @@ def add_capture(
         photographs_key = capture_key(capture_digest)
         reconstructed = surface_key(capture_digest, solver=solver, rectify=rectify)
         with gallery.store.whole_folder(photographs_key):
-            for file in sorted(photographs.iterdir()):
-                if not gallery.store.exists(f"{photographs_key}/{file.name}"):  # as another work may have it
-                    gallery.store.write(f"{photographs_key}/{file.name}", file.read_bytes())
+            store_files(gallery.store, photographs_key, sorted(photographs.iterdir()))
             store_surface(gallery.store, reconstructed, surface)
     picture = _mean_photograph(capture)
     key = picture_key(picture, suffix=".png")

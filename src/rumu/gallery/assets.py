@@ -12,7 +12,7 @@ import dataclasses
 import hashlib
 import math
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -104,6 +104,13 @@ def surface_key(capture_digest: str, *, solver: str = "robust", rectify: str = "
     return f"surfaces/{digest[:2]}/{digest}"
 
 
+def store_files(store: Store, key: str, files: Iterable[Path]) -> None:
+    """Write files into a folder of the store, in this order; those that it has, as of another work, stay."""
+    for file in files:
+        if not store.exists(f"{key}/{file.name}"):
+            store.write(f"{key}/{file.name}", file.read_bytes())
+
+
 def store_surface(store: Store, key: str, surface: Surface) -> None:
     """Write what `read_surface` needs into the store; pictures and meshes are derived when requested."""
     from rumu.surface.folder import FLOATS, MARKER, write_surface
@@ -111,9 +118,8 @@ def store_surface(store: Store, key: str, surface: Surface) -> None:
     with temporary_folder() as temporary, store.whole_folder(key):
         write_surface(surface, temporary / "surface", files=FLOATS)
         # the description last, by which readers know that the others are there
-        for file in sorted((temporary / "surface").iterdir(), key=lambda path: path.name == MARKER):
-            if not store.exists(f"{key}/{file.name}"):
-                store.write(f"{key}/{file.name}", file.read_bytes())
+        files = sorted((temporary / "surface").iterdir(), key=lambda path: path.name == MARKER)
+        store_files(store, key, files)
 
 
 def surface_files(store: Store, work: Work) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Any
 from sqlalchemy import select
 
 from rumu.database.tables import Annotation, Tour, Work
-from rumu.gallery.assets import capture_key, folder_digest, picture_key, surface_key
+from rumu.gallery.assets import capture_key, folder_digest, picture_key, store_files, surface_key
 from rumu.gallery.metadata import (
     CollectionMetadata,
     StoredFiles,
@@ -115,14 +115,14 @@ def _stele_row(gallery: Gallery) -> dict[str, Any]:
     folder = Path(str(resources.files("rumu.gallery").joinpath("starter_stele")))
     files = {path.name: path for path in sorted(folder.iterdir()) if path.name != _STELE_PICTURE}
     digest = folder_digest(files)
-    for name, path in files.items():
-        gallery.store.write(f"{capture_key(digest)}/{name}", path.read_bytes())
+    store_files(gallery.store, capture_key(digest), files.values())
     picture = (folder / _STELE_PICTURE).read_bytes()
-    gallery.store.write(picture_key(picture, suffix=".jpg"), picture)
+    key = picture_key(picture, suffix=".jpg")
+    gallery.store.write(key, picture)
     with Image.open(folder / _STELE_PICTURE) as image:
         width, height = image.size
     stored = StoredFiles(
-        picture=picture_key(picture, suffix=".jpg"),
+        picture=key,
         digest=_STELE_WORK.digest(digest),
         width=width,
         height=height,
