@@ -44,8 +44,12 @@ def read_colours(path: str | os.PathLike[str], *, reduction: Reduction = FULL_SI
 
     Formats, `reduction` and errors: as of `read_image`.
     """
-    stored = decode(path, reduction=reduction, floats=False)
-    values = stored.values if stored.values.dtype.kind == "u" else _unit_range(stored.values, name=path)
+    return colours_of(decode(path, reduction=reduction, floats=False), name=path)
+
+
+def colours_of(stored: Stored, *, name: object) -> Bytes:
+    """Decoded samples as `read_colours` returns them. Raises ImageError for float values outside [0, 1]."""
+    values = stored.values if stored.values.dtype.kind == "u" else _unit_range(stored.values, name=name)
     samples = eight_bits(over_white(values, stored.alpha))
     return np.ascontiguousarray(np.dstack([samples] * 3) if samples.ndim == 2 else samples)
 

@@ -139,14 +139,11 @@ def _read(path: Path, original: bytes, text: str) -> _ReadPage:
     from PIL import Image
 
     from rumu.capture.formats import decode
-    from rumu.capture.image import image_of
-    from rumu.capture.stored import eight_bits
+    from rumu.capture.image import colours_of
     from rumu.pages.reading import READ_SIZE, read_page
 
     stored = decode(path, reduction=READ_SIZE)
-    plain = stored.alpha is None and stored.values.dtype == np.uint8
-    samples = stored.values if plain else eight_bits(image_of(stored, name=path))
-    samples = np.ascontiguousarray(np.dstack([samples] * 3) if samples.ndim == 2 else samples)
+    samples = colours_of(stored, name=path)
     page = read_page(samples, text=text)
     if not page.characters:
         raise RefusedImage(
