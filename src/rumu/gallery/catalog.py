@@ -246,8 +246,7 @@ def delete_work(gallery: Gallery, work_id: str) -> None:
     row = work(gallery, work_id)
     with gallery.database.writing() as session:
         deleted = delete_with_characters(session, row)
-    for one in deleted:
-        delete_files(gallery, one)
+    delete_files(gallery, deleted)
 
 
 def delete_collection(gallery: Gallery, collection_id: str) -> int:
@@ -260,8 +259,7 @@ def delete_collection(gallery: Gallery, collection_id: str) -> int:
         rows = session.scalars(select(Work).where(Work.collection_id == collection_id)).all()
         session.execute(delete(Work).where(Work.collection_id == collection_id))
         session.execute(delete(Collection).where(Collection.id == collection_id))
-    for row in rows:
-        delete_files(gallery, row)
+    delete_files(gallery, rows)
     return sum(row.parent_id is None for row in rows)
 
 
