@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from anyio import CapacityLimiter
 from sqlalchemy import select
@@ -83,6 +84,15 @@ class Service:
             job_id = job_queue.add(session, "prepare", {}, person_id=None).id
         self.runner.wake()
         return job_id
+
+    def start_job(
+        self, kind: str, payload: dict[str, Any], *, person_id: str, job_id: str | None = None
+    ) -> Job:
+        """Queue a job and have it run; what it reads of the store must lie there."""
+        with self.gallery.database.writing() as session:
+            job = job_queue.add(session, kind, payload, person_id=person_id, job_id=job_id)
+        self.runner.wake()
+        return job
 
     def identify(self, tickets: Iterable[Ticket]) -> CurrentSession | None:
         """The first session among tickets that has not ended; None for visitors."""

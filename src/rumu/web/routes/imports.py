@@ -9,7 +9,7 @@ from pydantic import Field, StringConstraints
 
 from rumu.database.tables import new_id
 from rumu.gallery.add_page import MAX_TEXT, check_text
-from rumu.studio import job_queue, worker_tasks
+from rumu.studio import worker_tasks
 from rumu.studio.job_handlers import upload_folder, upload_key
 from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import HEAD, check_zip, folder_name
@@ -93,10 +93,7 @@ def add_page(
     payload = {"upload": key, "facts": facts, "text": text, "spacing": spacing, "person": user.id}
     with service.gallery.store.whole_folder(upload_folder(job_id)):
         service.gallery.store.write(key, picture.file)
-        with service.gallery.database.writing() as session:
-            job = job_queue.add(session, "page", payload, person_id=user.id, job_id=job_id)
-    service.runner.wake()
-    return {"job": job}
+        return {"job": service.start_job("page", payload, person_id=user.id, job_id=job_id)}
 
 
 class MuseumImportCreate(Schema):
@@ -116,10 +113,7 @@ def import_museum(service: ServiceDep, user: OwnerUser, wanted: MuseumImportCrea
     ended early goes on when it is sent again.
     """
     service.rate_limiter.hit(service.settings.rate_limits.uploads, "uploads", user.id)
-    with service.gallery.database.writing() as session:
-        job = job_queue.add(session, "museum", wanted.model_dump(), person_id=user.id, job_id=new_id())
-    service.runner.wake()
-    return {"job": job}
+    return {"job": service.start_job("museum", wanted.model_dump(), person_id=user.id)}
 
 
 @router.post("/api/imports", response_model=JobStarted, status_code=202)
@@ -147,7 +141,4 @@ def import_zip(
         store.write(key, archive.file)
         with store.local(key) as packed:
             check_capture(packed)
-        with service.gallery.database.writing() as session:
-            job = job_queue.add(session, "import", payload, person_id=user.id, job_id=job_id)
-    service.runner.wake()
-    return {"job": job}
+        return {"job": service.start_job("import", payload, person_id=user.id, job_id=job_id)}

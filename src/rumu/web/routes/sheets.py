@@ -11,7 +11,7 @@ from anyio.to_thread import run_sync
 from fastapi import APIRouter, File, Path, Response, UploadFile
 
 from rumu.database.tables import SchoolClass, new_id
-from rumu.studio import classes, job_queue, sheet_uploads, worker_tasks
+from rumu.studio import classes, sheet_uploads, worker_tasks
 from rumu.studio.class_sheets import MAX_PHOTOS
 from rumu.studio.job_handlers import upload_folder
 from rumu.studio.marking import MarkedCopy
@@ -126,16 +126,12 @@ def add_class_sheets(
     folder = upload_folder(job_id)
     names = [PurePosixPath(photo.filename or "").name[:200] or f"{k + 1}" for k, photo in enumerate(photos)]
     payload = {"upload": folder, "names": names, "sheet_upload": new_id(), "class_id": class_id}
+    payload |= {"person": user.id}
     store = service.gallery.store
     with store.whole_folder(folder):
         for k, photo in enumerate(photos):
             store.write(f"{folder}/{k:04d}", photo.file)
-        with service.gallery.database.writing() as session:
-            job = job_queue.add(
-                session, "sheets", payload | {"person": user.id}, person_id=user.id, job_id=job_id
-            )
-    service.runner.wake()
-    return {"job": job}
+        return {"job": service.start_job("sheets", payload, person_id=user.id, job_id=job_id)}
 
 
 def _add_sheet(service: Service, user: Identity, picture: BinaryIO, name: str) -> UploadDetails:
