@@ -168,6 +168,17 @@ def test_a_file_that_another_work_shares_stays(gallery):
         work(gallery, second)
 
 
+def test_many_works_are_deleted_with_few_questions(gallery):
+    from sqlalchemy import event
+
+    asked = []
+    event.listen(gallery.database.engine, "before_cursor_execute", lambda *told: asked.append(told[2]))
+    assert delete_collection(gallery, "starter") == 30
+    assert len(asked) < 15 and list(gallery.store.keys("pictures")) == [
+        work(gallery, "stele-ru-mu-san-fen").picture
+    ]
+
+
 def test_many_threads_may_open_one_gallery_at_once(database_url, tmp_path):
     opened, errors = [], []
 
