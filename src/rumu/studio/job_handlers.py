@@ -12,6 +12,7 @@ from rumu.database.tables import Attempt, Job, Person, Work, now
 from rumu.errors import DatabaseBusy, RumuError
 from rumu.gallery import catalog
 from rumu.gallery.assets import assets_of
+from rumu.gallery.cover import cover_work
 from rumu.gallery.derived import derived_file
 from rumu.gallery.starter import Sample, starter_samples
 from rumu.gallery.store import Gallery
@@ -23,6 +24,7 @@ from rumu.studio.uploads import add_page_upload, import_from_museum, import_zip
 Handler = Callable[[Gallery, Mapping[str, Any], Progress, Storage], dict[str, Any]]
 
 THUMBNAILS = ("thumb", "thumb-normals")
+_OF_COVER = ("cover", "cover-normals")
 _MAPS = ("picture", "albedo", "normals", "heights", "mask", "facts")
 _PREPARED_WORKS = 200  # works whose maps are made ahead; those of further ones are made on request
 _log = logging.getLogger(__name__)
@@ -74,7 +76,14 @@ def make_thumbnails(gallery: Gallery, advance: Callable[[int, int], object]) -> 
 def prepare(
     gallery: Gallery, payload: Mapping[str, Any], progress: Progress, storage: Storage
 ) -> dict[str, Any]:
-    """Make thumbnails of all works, maps of the first ones, and the simulated samples, at the first start."""
+    """Make what the first pages show and the simulated samples, at the first start.
+
+    The home page's files come first, then thumbnails of the first works, the samples, and the works' maps.
+    """
+    shown, _ = cover_work(gallery)
+    if shown is not None:
+        for kind in _OF_COVER:
+            derived_file(gallery, shown.id, kind)
     ids = make_thumbnails(gallery, lambda done, total: progress(done, 2 * total, "縮圖 Thumbnails"))
     samples = add_samples(gallery, storage=storage)
     for done, work_id in enumerate(ids):
