@@ -26,7 +26,7 @@ ScriptOf = Annotated[str | None, typer.Option(help="Script: seal, clerical, regu
 Hand = Annotated[str | None, typer.Option(help="Who wrote it.")]
 Dynasty = Annotated[str | None, typer.Option(help="Dynasty or period, such as Tang or 唐.")]
 Material = Annotated[str | None, typer.Option(help="What it is: ink on paper, a rubbing.")]
-Source = Annotated[str | None, typer.Option(help="Where the pictures come from.")]
+Source = Annotated[str | None, typer.Option("--source", help="Where the pictures come from.")]
 Licence = Annotated[str | None, typer.Option(help="Licence of the pictures; 'none stated' without it.")]
 Attribution = Annotated[str | None, typer.Option(help="The credit to give.")]
 

@@ -15,6 +15,7 @@ from rumu.cli.gallery import (
     Licence,
     Material,
     ScriptOf,
+    Source,
     TitleEn,
     TitleZh,
     shared_metadata,
@@ -47,7 +48,7 @@ def import_works(
     hand: Hand = None,
     dynasty: Dynasty = None,
     material: Material = None,
-    source_of: Annotated[str | None, typer.Option("--source", help="Where the pictures come from.")] = None,
+    source_of: Source = None,
     licence: Licence = None,
     attribution: Attribution = None,
     pause: Annotated[
