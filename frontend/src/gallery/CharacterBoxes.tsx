@@ -4,24 +4,13 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useReducer, useRef } from "preact/hooks";
 import type { CharacterWithin } from "../types";
 import type { Viewer } from "../viewer/types";
-import { characterAt, middleOf } from "./wholeWork";
+import { characterAt, type Characters, middleOf } from "./wholeWork";
 
 const MAX_TAP_DISTANCE = 6; // pixels of the screen
 const MAX_TAP_MS = 500;
 
-type Props = {
-  viewer: Viewer;
-  characters: CharacterWithin[];
-  /** Under the pointer, here or in the text. */
-  lit: CharacterWithin | null;
-  chosen: CharacterWithin | null;
-  /** Whether all boxes are drawn. */
-  shown: boolean;
-  light: (one: CharacterWithin | null) => void;
-  choose: (one: CharacterWithin | null) => void;
-  /** What is said of the one that is chosen. */
-  children: ComponentChildren;
-};
+/** children: what is said of the one that is chosen. */
+type Props = Characters & { viewer: Viewer; children: ComponentChildren };
 
 export function CharacterBoxes({ viewer, characters, lit, chosen, shown, light, choose, children }: Props) {
   const [, redraw] = useReducer((n: number) => n + 1, 0);
@@ -64,7 +53,7 @@ function Card({ viewer, one, close, children }: { viewer: Viewer; one: Character
   );
 }
 
-type Acts = { current: { light: (one: CharacterWithin | null) => void; choose: (one: CharacterWithin | null) => void } };
+type Acts = { current: Pick<Characters, "light" | "choose"> };
 
 function listenForPointing(viewer: Viewer, characters: CharacterWithin[], acts: Acts): () => void {
   const host = viewer.canvas?.parentElement;

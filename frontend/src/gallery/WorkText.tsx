@@ -3,22 +3,15 @@
 import { useEffect, useRef } from "preact/hooks";
 import { t } from "../i18n/whole";
 import type { CharacterWithin } from "../types";
-import { columnsOf, UNKNOWN } from "./wholeWork";
+import { type Characters, columnsOf, UNKNOWN } from "./wholeWork";
 
-type Props = {
-  characters: CharacterWithin[];
-  lit: CharacterWithin | null;
-  chosen: CharacterWithin | null;
-  shown: boolean;
-  light: (one: CharacterWithin | null) => void;
-  choose: (one: CharacterWithin | null) => void;
-  show: (all: boolean) => void;
-};
+type Props = Characters & { show: (all: boolean) => void };
 
 const STEPS: Record<string, number> = { ArrowDown: 1, ArrowUp: -1, Home: -Infinity, End: Infinity };
 
 export function WorkText({ characters, lit, chosen, shown, light, choose, show }: Props) {
   const box = useRef<HTMLDivElement>(null);
+  const columns = columnsOf(characters);
   const vertical = characters[0]?.place.direction !== "horizontal";
   useEffect(() => {
     const there = chosen && box.current?.querySelector<HTMLElement>(`[data-id="${CSS.escape(chosen.id)}"]`);
@@ -28,7 +21,6 @@ export function WorkText({ characters, lit, chosen, shown, light, choose, show }
   /** Arrow keys go through the text, so that it takes one stop of the tabulator and not one for each character. */
   const keys = (event: KeyboardEvent) => {
     const across = vertical ? { ArrowLeft: 1, ArrowRight: -1 } : { ArrowRight: 1, ArrowLeft: -1 };
-    const columns = columnsOf(characters);
     const step = STEPS[event.key];
     const over = across[event.key as keyof typeof across];
     const at = characters.findIndex((one) => one.id === (document.activeElement as HTMLElement | null)?.dataset.id);
@@ -44,7 +36,7 @@ export function WorkText({ characters, lit, chosen, shown, light, choose, show }
         <label class="check"><input type="checkbox" checked={shown} onChange={(event) => show(event.currentTarget.checked)} />{t("showBoxes")}</label>
       </header>
       <div class={vertical ? "columns vertical" : "columns"} ref={box} lang="zh-Hant" onKeyDown={keys} onPointerLeave={() => light(null)}>
-        {columnsOf(characters).map((column) => (
+        {columns.map((column) => (
           <p key={column[0]!.id}>
             {column.map((one) => (
               <button key={one.id} type="button" data-id={one.id} tabIndex={one === first ? 0 : -1} aria-pressed={one === chosen}

@@ -4,6 +4,20 @@ import type { CharacterWithin } from "../types";
 
 export const UNKNOWN = "〓";
 
+type Point = { x: number; y: number };
+
+/** The characters of a work, in its picture and in its text alike. */
+export type Characters = {
+  characters: CharacterWithin[];
+  /** Under the pointer, here or there. */
+  lit: CharacterWithin | null;
+  chosen: CharacterWithin | null;
+  /** Whether all boxes are drawn. */
+  shown: boolean;
+  light: (one: CharacterWithin | null) => void;
+  choose: (one: CharacterWithin | null) => void;
+};
+
 /** The columns of a page in reading order; on a modern page, its rows. */
 export function columnsOf(characters: CharacterWithin[]): CharacterWithin[][] {
   const columns: CharacterWithin[][] = [];
@@ -16,8 +30,6 @@ export function columnsOf(characters: CharacterWithin[]): CharacterWithin[][] {
   }
   return columns;
 }
-
-type Point = { x: number; y: number };
 
 /** Whether a point lies within a polygon: a ray to the left crosses its edges an odd number of times. */
 export function isWithin(point: Point, polygon: [number, number][]): boolean {
