@@ -28,7 +28,7 @@ from rumu.assessment.remarks import write_remarks
 from rumu.errors import RumuError
 from rumu.executors import cores
 from rumu.pipeline import PreparedMaster, measure, prepare_master
-from rumu.strokes.correspondence import StrokeMatch, match_strokes
+from rumu.strokes.correspondence import CopyStrokes, StrokeMatch, match_strokes
 from rumu.strokes.placement import stroke_numbers
 from rumu.values import FloatArray, Surface
 from rumu_lab.experiments.marked_copies import Copy, read_copies
@@ -64,13 +64,13 @@ def master_of(template: Path, character: str) -> PreparedMaster:
 
 def match_of(surface: Surface, master: PreparedMaster) -> StrokeMatch:
     """The master's strokes in a copy."""
-    return match_strokes(surface, measure(surface, master).registration, master.stroke_model)
+    return match_strokes(CopyStrokes(surface, measure(surface, master).registration, master.stroke_model))
 
 
 def too_many(surface: Surface, master: PreparedMaster) -> tuple[str, ...]:
     """What is said of strokes too many, told or kept back."""
-    registration = measure(surface, master).registration
-    review = write_remarks(surface, registration, master.stroke_model, character=master.canonical)
+    strokes = CopyStrokes(surface, measure(surface, master).registration, master.stroke_model)
+    review = write_remarks(strokes, character=master.canonical)
     return tuple(remark.zh for remark in (*review.remarks, *review.untold) if remark.kind == "extra")
 
 

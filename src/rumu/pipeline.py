@@ -24,7 +24,7 @@ from rumu.registration.icp import IcpSettings, register_points
 from rumu.registration.points import Canvas, canvas_of, ink_mask, sample_points
 from rumu.registration.quaternion import Rotation
 from rumu.strokes.centre_lines import frame_ink
-from rumu.strokes.correspondence import MasterStrokes
+from rumu.strokes.correspondence import CopyStrokes, MasterStrokes
 from rumu.strokes.omissions import MasterInk
 from rumu.strokes.recognition import recognise
 from rumu.surface.folder import MARKER, read_surface
@@ -194,6 +194,7 @@ class PreparedMaster:
 class Measurement:
     """All that is known of a copy laid on its master, before it is marked.
 
+    strokes: the master's on the copy, where its character was given; None where the mark does without.
     figures: what the refusal rests on, computed on demand. refusal: why the copy cannot be marked, or None.
     highest: the highest mark, 0-100, that it may get; below 100 when it is hardly like its master.
     """
@@ -202,6 +203,7 @@ class Measurement:
     master: PreparedMaster
     registration: Registration
     features: Features
+    strokes: CopyStrokes | None
     figures: RefusalFigures
     refusal: Refusal | None
     highest: float
@@ -223,11 +225,11 @@ def measure(copy: Surface, master: PreparedMaster, *, limits: RefusalLimits | No
         raise RefusedImage(f"{error}; mark the ink of one image instead", reason="flat") from error
     registration = register_points(probe, reference)
     edges = describe_edge(canvas.ink) - edges
-    strokes = master.stroke_model if master.character else None
-    features = measure_features(registration, edges=edges, ink=master.ink, copy=copy, strokes=strokes)
+    strokes = CopyStrokes(copy, registration, master.stroke_model) if master.character else None
+    features = measure_features(registration, edges=edges, ink=master.ink, strokes=strokes)
     figures = RefusalFigures(copy, master.outline, registration)
     refusal, highest = check_copy(figures, limits=limits)
-    return Measurement(copy, master, registration, features, figures, refusal, highest)
+    return Measurement(copy, master, registration, features, strokes, figures, refusal, highest)
 
 
 def prepare_master(
@@ -323,9 +325,7 @@ def assess(
     review = Review(None, (), ())
     if remarks:
         review = write_remarks(
-            measurement.copy,
-            registration,
-            master.stroke_model,
+            measurement.strokes or CopyStrokes(measurement.copy, registration, master.stroke_model),
             character=master.canonical,
             framed=framed,
             parts=fields["parts"],

@@ -12,6 +12,7 @@ from rumu import pipeline
 from rumu.assessment.part_measures import AXES
 from rumu.assessment.remarks import write_remarks
 from rumu.characters.stroke_data import CanonicalCharacter, Structure, find_character
+from rumu.strokes.correspondence import CopyStrokes
 
 PART_KINDS = {"squeeze", "part_place", "inner"}
 
@@ -46,7 +47,9 @@ def said(measured):
     def write(copy, master, structure: Structure | None, **options):
         m = measured(copy, master)
         known = None if structure is None else CanonicalCharacter("?", (), structure)
-        found = write_remarks(m.copy, m.registration, m.master.stroke_model, character=known, **options)
+        found = write_remarks(
+            CopyStrokes(m.copy, m.registration, m.master.stroke_model), character=known, **options
+        )
         return [remark for remark in (*found.remarks, *found.untold) if remark.kind in PART_KINDS]
 
     return write
@@ -92,7 +95,7 @@ def test_how_the_parts_stand_to_each_other_is_told(said, change, zh, en):
 def test_of_a_part_out_of_place_its_strokes_are_not_told_one_by_one(measured):
     m = measured(halves(lower=40), halves())
     known = CanonicalCharacter("?", (), "left-right")
-    found = write_remarks(m.copy, m.registration, m.master.stroke_model, character=known)
+    found = write_remarks(CopyStrokes(m.copy, m.registration, m.master.stroke_model), character=known)
     assert "displaced" not in [r.kind for r in (*found.remarks, *found.untold)]
 
 

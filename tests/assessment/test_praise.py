@@ -7,6 +7,7 @@ import re
 import pytest
 
 from rumu.assessment.remarks import write_remarks
+from rumu.strokes.correspondence import CopyStrokes
 from rumu_lab.simulation.faults import FAULTS
 
 WORK = "regular-shui"
@@ -16,7 +17,7 @@ WORK = "regular-shui"
 def praised(measured):
     def write(copy, master, **options):
         m = measured(copy, master)
-        return write_remarks(m.copy, m.registration, m.master.stroke_model, **options)
+        return write_remarks(CopyStrokes(m.copy, m.registration, m.master.stroke_model), **options)
 
     return write
 

@@ -11,6 +11,7 @@ from rumu import pipeline
 from rumu.assessment.remarks import write_remarks
 from rumu.assessment.thresholds import RemarkThresholds
 from rumu.gallery.starter import find_work, starter_samples
+from rumu.strokes.correspondence import CopyStrokes
 from rumu_lab.simulation.faults import FAULTS
 from rumu_lab.simulation.glyph import Glyph, region_of
 
@@ -24,7 +25,7 @@ def said(measured):
     def write(copy, master, **options):
         m = measured(copy, master, written=options.pop("written", None))
         options = {"framed": True} | options
-        return write_remarks(m.copy, m.registration, m.master.stroke_model, **options).remarks
+        return write_remarks(CopyStrokes(m.copy, m.registration, m.master.stroke_model), **options).remarks
 
     return write
 

@@ -13,7 +13,7 @@ from rumu.assessment.named_strokes import name_all
 from rumu.assessment.stroke_remarks import find_stroke_faults
 from rumu.assessment.thresholds import RemarkThresholds
 from rumu.assessment.whole_remarks import PoseSeen, find_whole_faults
-from rumu.strokes.correspondence import BluntTips, match_strokes
+from rumu.strokes.correspondence import BluntTips, CopyStrokes, match_strokes
 from rumu.strokes.pose import CharacterPose
 
 LIMITS = RemarkThresholds()
@@ -25,7 +25,7 @@ NO_FAULT = InkMeasures((), 0.0, 0.0, 0.0, 1.0, 0.0, None, (), (), True, 0.0, 1.0
 def itself(measured, mask):
     """A master's strokes matched with themselves, and the registration."""
     m = measured(mask("regular-shui"), mask("regular-shui"))
-    return match_strokes(m.copy, m.registration, m.master.stroke_model), m.registration
+    return match_strokes(CopyStrokes(m.copy, m.registration, m.master.stroke_model)), m.registration
 
 
 def words(findings, kind):

@@ -14,7 +14,7 @@ from rumu.characters.stroke_data import find_character
 from rumu.gallery.starter import starter_works
 from rumu.pipeline import PreparedMaster, measure, prepare_master
 from rumu.strokes.canonical import lay_character
-from rumu.strokes.correspondence import StrokeMatch, match_strokes
+from rumu.strokes.correspondence import CopyStrokes, StrokeMatch, match_strokes
 from rumu.strokes.naming import HORIZONTAL, name_strokes, stroke_title
 from rumu.strokes.placement import stroke_numbers
 from rumu.values import Surface
@@ -46,7 +46,7 @@ def printed(
 
 
 def matched(copy: Surface, master: PreparedMaster) -> StrokeMatch:
-    return match_strokes(copy, measure(copy, master).registration, master.stroke_model)
+    return match_strokes(CopyStrokes(copy, measure(copy, master).registration, master.stroke_model))
 
 
 def share_missing_for_the_mark(copy: Surface, master: PreparedMaster) -> float:

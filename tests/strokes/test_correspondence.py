@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rumu.assessment.ink_measures import measure_ink
-from rumu.strokes.correspondence import match_strokes
+from rumu.strokes.correspondence import CopyStrokes, match_strokes
 from rumu.strokes.pose import find_pose
 from rumu_lab.simulation.glyph import Glyph
 
@@ -19,7 +19,7 @@ def found(measured):
 
     def find(copy, master):
         m = measured(copy, master)
-        return match_strokes(m.copy, m.registration, m.master.stroke_model)
+        return match_strokes(CopyStrokes(m.copy, m.registration, m.master.stroke_model))
 
     return find
 
@@ -175,7 +175,7 @@ def test_ink_that_belongs_to_no_stroke_is_a_patch(measured, mask):
     copy = mask(WORK).copy()
     copy[60:100, 60:90] = True
     m = measured(copy, mask(WORK))
-    strokes = match_strokes(m.copy, m.registration, m.master.stroke_model)
+    strokes = match_strokes(CopyStrokes(m.copy, m.registration, m.master.stroke_model))
     ink = measure_ink(strokes, m.copy, m.master.stroke_model, m.registration)
     assert len(ink.patches) == 1
     assert ink.patches[0].share == pytest.approx(1200 / copy.sum(), rel=0.25)

@@ -13,9 +13,9 @@ import numpy as np
 
 from rumu.assessment.edges import EDGE_NUMBERS, PATCH_NUMBERS, PLAIN
 from rumu.registration.icp import pose_probe
-from rumu.strokes.correspondence import MasterStrokes
+from rumu.strokes.correspondence import CopyStrokes
 from rumu.strokes.omissions import MasterInk, Region, find_regions
-from rumu.values import FloatArray, Registration, Surface
+from rumu.values import FloatArray, Registration
 
 RESIDUALS = (
     "position",
@@ -127,13 +127,12 @@ def measure_features(
     *,
     edges: FloatArray,
     ink: MasterInk,
-    copy: Surface | None = None,
-    strokes: MasterStrokes | None = None,
+    strokes: CopyStrokes | None = None,
 ) -> Features:
     """Features of one registration.
 
-    edges: (EDGE_NUMBERS,) description of the copy's edge less the master's. ink: the master's. copy, strokes:
-    the copy, and the master's strokes where its character is known, see `find_regions`.
+    edges: (EDGE_NUMBERS,) description of the copy's edge less the master's. ink: the master's. strokes:
+    the master's on the copy where its character is known, see `find_regions`.
     """
     return Features(
         residuals=residuals(registration),
@@ -141,7 +140,7 @@ def measure_features(
         offset=float(np.hypot(*registration.shift)),
         size=float(np.log(registration.scale)),
         weight=ink_weight(registration),
-        regions=find_regions(registration, ink, copy=copy, strokes=strokes),
+        regions=find_regions(registration, ink, strokes=strokes),
         edges=tuple(edges.tolist()),
     )
 

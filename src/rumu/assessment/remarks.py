@@ -21,8 +21,8 @@ from rumu.assessment.stroke_remarks import find_stroke_faults
 from rumu.assessment.thresholds import RemarkThresholds
 from rumu.assessment.whole_remarks import PoseSeen, find_part_faults, find_whole_faults
 from rumu.characters.stroke_data import CanonicalCharacter
-from rumu.strokes.correspondence import MasterStrokes, match_strokes
-from rumu.values import Bilingual, Registration, Remark, Surface
+from rumu.strokes.correspondence import CopyStrokes, match_strokes
+from rumu.values import Bilingual, Remark
 
 COARSE_TREMOR = 1.5
 """Power of a picture's enlargement with which the threshold of tremor grows: enlarged edges are rough."""
@@ -40,16 +40,14 @@ class Review(NamedTuple):
 
 
 def write_remarks(
-    copy: Surface,
-    registration: Registration,
-    master: MasterStrokes,
+    copy: CopyStrokes,
     *,
     character: CanonicalCharacter | None = None,
     framed: bool = False,
     parts: Mapping[str, float] | None = None,
     thresholds: RemarkThresholds | None = None,
 ) -> Review:
-    """Praise and at most three remarks on a copy that is registered to its master.
+    """Praise and at most three remarks on a copy on which its master's strokes are looked for.
 
     character: what is written, for the parts that it has; None where it is not known. framed: whether the
     picture is the cell in which the copy was written, so that its size, place and lean are the writer's.
@@ -57,8 +55,8 @@ def write_remarks(
     """
     limits = thresholds or RemarkThresholds()
     structure = None if character is None else character.structure
-    match = match_strokes(copy, registration, master)
-    ink = measure_ink(match, copy, master, registration)
+    match, registration = match_strokes(copy), copy.registration
+    ink = measure_ink(match, copy.surface, copy.master, registration)
     measured = measure_parts(match, structure)
     inner = measure_inner(match, structure)
     cell = registration.reference.radius

@@ -29,19 +29,10 @@ from rumu.strokes.centre_lines import (
     frame_ink,
 )
 from rumu.strokes.edges import EdgeLook, InnerWhite, find_whites, look_at_edge
-from rumu.strokes.matching import LineMatch
 from rumu.strokes.measures import MatchedStroke, StrokeMeasurer, edge_tremor
-from rumu.strokes.placement import (
-    Placement,
-    fill_in,
-    lay_subset,
-    lay_without,
-    move_ink,
-    place_lines,
-    stroke_numbers,
-)
+from rumu.strokes.placement import Placement, place_lines
 from rumu.strokes.pose import NO_POSE, CharacterPose, Squeeze, find_pose, find_squeeze, share_in_place
-from rumu.strokes.presence import Compared, find_missing
+from rumu.strokes.presence import Compared, find_missing, lay_rest
 from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration, Surface
 
 _RATIOS = ("length", "width")
@@ -200,15 +191,41 @@ class StrokeUncertainty:
     ends: dict[str, float]
 
 
-def match_strokes(copy: Surface, registration: Registration, master: MasterStrokes) -> StrokeMatch:
-    """Find the master's strokes in the copy; `registration` is that of the two surfaces.
+@dataclass(frozen=True, eq=False)
+class CopyStrokes:
+    """A master's strokes on a copy, to be found once for the mark and the remarks.
+
+    surface: the copy. registration: of the two surfaces.
+    """
+
+    surface: Surface
+    registration: Registration
+    master: MasterStrokes
+
+    @cached_property
+    def compared(self) -> Compared:
+        """The copy's lines beside the master's."""
+        framed = frame_copy(self.surface, self.registration)
+        return Compared(self.master.lines, find_segments(framed), framed, self.master.itself.moved)
+
+    @cached_property
+    def found(self) -> tuple[tuple[int, ...], Placement]:
+        """Numbers of the strokes that it lacks, and all lines on it, see `find_missing`."""
+        return find_missing(self.compared)
+
+
+def match_strokes(copy: CopyStrokes) -> StrokeMatch:
+    """Find the master's strokes in the copy, and how each differs.
 
     The master measured against itself in the same way is subtracted, so that a perfect copy has no
     differences: a fork that thinning displaces is displaced in both.
     """
-    itself = master.itself
-    found = _match_framed(frame_copy(copy, registration), master, places=itself.moved)
-    known = zip(found.strokes, itself.strokes, master.uncertainties, strict=True)
+    itself, framed, lines = copy.master.itself, copy.compared.framed, copy.compared.copy
+    missing, laid = copy.found
+    if missing:
+        framed, lines, laid = lay_rest(copy.compared, missing)
+    found = _measure_laid(framed, lines, laid, copy.master, places=itself.moved, missing=missing)
+    known = zip(found.strokes, itself.strokes, copy.master.uncertainties, strict=True)
     return replace(
         found,
         strokes=tuple(_shrink(_relative_to(own, stroke), doubt) for stroke, own, doubt in known),
@@ -266,7 +283,7 @@ def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> 
         ink = cv2.resize(coarse, (SIDE, SIDE), interpolation=cv2.INTER_LINEAR)
     moved = cv2.warpAffine(ink, M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
     changed = replace(master.framed, ink=np.asarray(moved > 127))
-    return _match_framed(changed, master, places=master.itself.moved, lacks_nothing=True)
+    return _match_framed(changed, master, places=master.itself.moved)
 
 
 def _shrink(found: MatchedStroke, doubt: StrokeUncertainty) -> MatchedStroke:
@@ -294,23 +311,26 @@ def _relative_to(itself: MatchedStroke, found: MatchedStroke) -> MatchedStroke:
     return replace(found, **ratios, **ends)
 
 
-def _match_framed(
-    framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None, lacks_nothing: bool = False
+def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None) -> StrokeMatch:
+    """A master's strokes in framed ink that lacks none of them; places: as of `_measure_laid`."""
+    copy = find_segments(framed)
+    return _measure_laid(framed, copy, place_lines(master.lines, copy), master, places=places)
+
+
+def _measure_laid(
+    framed: FramedInk,
+    copy: CentreLines,
+    laid: Placement,
+    master: MasterStrokes,
+    *,
+    places: FloatArray | None,
+    missing: tuple[int, ...] = (),
 ) -> StrokeMatch:
-    """Strokes of some ink in the common frame against a master's.
+    """A master's strokes against those of some ink, on whose lines they are laid.
 
     places: (n, 2) where the same measurement has the master's own points; None when this is the master.
-    lacks_nothing: whether the ink is known to hold all of the master's strokes.
     """
-    copy, model = find_segments(framed), master.lines
-    total = float(model.points.radius.sum())
-    laid = place_lines(model.points, copy.points, width=max(model.width, copy.width), total=total)
-    missing: tuple[int, ...] = ()
-    if places is not None and not lacks_nothing:
-        missing, laid = find_missing(Compared(model, copy, framed, places), laid)
-        if missing:
-            framed, copy, laid = _lay_rest(Compared(model, copy, framed, places), missing)
-    found, covered = laid.found, laid.covered
+    model, found, covered = master.lines, laid.found, laid.covered
     in_cell = upright = _to_master_cell(found.moved, framed, master.framed)
     pose, squeeze = NO_POSE, None
     if places is None:
@@ -338,27 +358,6 @@ def _match_framed(
         missing=missing,
         laid=master.laid,
     )
-
-
-def _lay_rest(compared: Compared, missing: tuple[int, ...]) -> tuple[FramedInk, CentreLines, Placement]:
-    """The copy's ink framed as the master's is without what is missing, and the lines on it.
-
-    The points of what is missing stand where their neighbours predict them.
-    """
-    master, copy, framed, places = compared.master, compared.copy, compared.framed, compared.places
-    numbers = stroke_numbers(master)
-    kept = ~np.isin(numbers, missing)
-    rest, move = lay_without(master, copy, numbers, missing)
-    if (move != np.eye(2, 3)).any():
-        framed = move_ink(framed, move)
-        copy = find_segments(framed)
-        rest = lay_subset(master, copy, kept=kept)
-    moved, covered = fill_in(rest, kept, places)
-    responsibility = np.zeros((len(places), len(copy.points.xy)), np.float32)
-    responsibility[kept] = rest.found.responsibility
-    lines = np.unique(master.points.owner[kept])  # the rest's lines were numbered anew
-    owner = np.where(rest.owner >= 0, lines[rest.owner], -1)
-    return framed, copy, replace(rest, found=LineMatch(moved, responsibility), covered=covered, owner=owner)
 
 
 def _find_stance(

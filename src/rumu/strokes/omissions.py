@@ -26,15 +26,13 @@ from rumu.strokes.centre_lines import (
     LinePoints,
     find_segments,
     find_strokes,
-    frame_copy,
     pixels_at,
     sample_lines,
 )
-from rumu.strokes.correspondence import MasterStrokes
+from rumu.strokes.correspondence import CopyStrokes
 from rumu.strokes.matching import MatchSettings, find_covered, match_lines
-from rumu.strokes.placement import place_lines, stroke_numbers
-from rumu.strokes.presence import Compared, find_missing
-from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration, Surface
+from rumu.strokes.placement import stroke_numbers
+from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration
 
 RegionKind = Literal["missing", "extra"]
 
@@ -133,17 +131,12 @@ class Region:
 
 
 def find_regions(
-    registration: Registration,
-    master: MasterInk,
-    *,
-    copy: Surface | None = None,
-    strokes: MasterStrokes | None = None,
+    registration: Registration, master: MasterInk, *, strokes: CopyStrokes | None = None
 ) -> tuple[Region, ...]:
     """Missing strokes and surplus ink, less what displacement may explain.
 
-    copy, strokes: the copy itself, and the master's strokes where its character is known: then whole strokes
-    are missing, or none. Nothing for a copy that is plainly complete, and for one whose strokes are too thin
-    to have a ridge.
+    strokes: the master's strokes on the copy where its character is known: then whole strokes are missing, or
+    none. Nothing for a copy that is plainly complete, and for one whose strokes are too thin to have a ridge.
     """
     if _is_plainly_whole(registration):
         return ()
@@ -157,8 +150,8 @@ def find_regions(
         quick.copy.xy[quick.unexplained],
     )
     first, _ = quick.missing(OMISSIONS.quick, master.lines.lines)
-    if copy is not None and strokes is not None and first > OMISSIONS.presence_share and strokes.laid:
-        missing, missing_at = _missing_strokes(frame_copy(copy, registration), strokes)
+    if strokes is not None and first > OMISSIONS.presence_share and strokes.master.laid:
+        missing, missing_at = _missing_strokes(strokes)
     else:
         missing, missing_at = _confirm_missing(ink, master, quick, first)
     up = np.array([1.0, -1.0])
@@ -169,14 +162,11 @@ def find_regions(
     return tuple(region for region in found if region.share > 0.0)
 
 
-def _missing_strokes(framed: FramedInk, strokes: MasterStrokes) -> tuple[float, FloatArray]:
+def _missing_strokes(strokes: CopyStrokes) -> tuple[float, FloatArray]:
     """The share of the master's ink in the canonical strokes that a copy lacks, and where, (n, 2), y down."""
-    lines, copy = strokes.lines, find_segments(framed)
-    points, width = lines.points, max(lines.width, copy.width)
-    whole = place_lines(points, copy.points, width=width, total=float(points.radius.sum()))
-    missing, _ = find_missing(Compared(lines, copy, framed, strokes.itself.moved), whole)
+    lines, (missing, _) = strokes.master.lines, strokes.found
     gone = np.isin(stroke_numbers(lines), missing)
-    return float(_ink_shares(points)[gone].sum()), points.xy[gone]
+    return float(_ink_shares(lines.points)[gone].sum()), lines.points.xy[gone]
 
 
 def _confirm_missing(

@@ -40,19 +40,23 @@ class Placement:
 
 
 def place_lines(
-    master: LinePoints,
-    copy: LinePoints,
+    master: CentreLines,
+    copy: CentreLines,
     *,
-    width: float,
-    total: float,
+    kept: BoolArray | None = None,
     settings: MatchSettings | None = None,
 ) -> Placement:
-    """Lay a master's points, all or some of them, on a copy's; total: of the radii of all of the master's."""
-    found = match_lines(master, copy, settings=settings)
-    covered, owner = find_covered(found, copy, master, near=MEASURES.own_ink_reach * width)
-    unexplained = float(copy.radius[owner < 0].sum() / copy.radius.sum())
-    lost = float(master.radius[~covered].sum()) / total
-    uneven = unevenness(master, found.moved, covered)
+    """Lay a master's points, all or those that are kept, (n,), on a copy's.
+
+    What they leave over is a share of all of the master's ink.
+    """
+    points, ink = master.points if kept is None else _subset(master.points, kept), copy.points
+    near = MEASURES.own_ink_reach * max(master.width, copy.width)
+    found = match_lines(points, ink, settings=settings)
+    covered, owner = find_covered(found, ink, points, near=near)
+    unexplained = float(ink.radius[owner < 0].sum() / ink.radius.sum())
+    lost = float(points.radius[~covered].sum()) / float(master.points.radius.sum())
+    uneven = unevenness(points, found.moved, covered)
     return Placement(found, covered, owner, lost + unexplained + UNEVEN_WEIGHT * uneven)
 
 
@@ -83,14 +87,8 @@ def lay_without(
             xy=copy.points.xy @ move[:, :2].T + move[:, 2],
             radius=copy.points.radius * move[0, 0],
         )
-        tried.append((lay_subset(master, replace(copy, points=moved), kept=kept), move))
+        tried.append((place_lines(master, replace(copy, points=moved), kept=kept), move))
     return min(tried, key=lambda pair: pair[0].left_over)
-
-
-def lay_subset(master: CentreLines, copy: CentreLines, *, kept: BoolArray) -> Placement:
-    """Some of the master's points, (n,) kept, on a copy's; what they cover is a share of all of them."""
-    width, total = max(master.width, copy.width), float(master.points.radius.sum())
-    return place_lines(_subset(master.points, kept), copy.points, width=width, total=total)
 
 
 def move_ink(framed: FramedInk, move: FloatArray) -> FramedInk:

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rumu.strokes.centre_lines import SCALE, CentreLines, FramedInk, pixels_at
-from rumu.strokes.matching import MatchSettings
+from rumu.strokes.centre_lines import SCALE, CentreLines, FramedInk, find_segments, pixels_at
+from rumu.strokes.matching import LineMatch, MatchSettings
 from rumu.strokes.placement import (
     Placement,
     claimed_twice,
@@ -155,26 +155,44 @@ class Compared:
     places: FloatArray
 
 
-def find_missing(compared: Compared, whole: Placement) -> tuple[tuple[int, ...], Placement]:
+def find_missing(compared: Compared) -> tuple[tuple[int, ...], Placement]:
     """Numbers of the strokes that the copy lacks, see `StrokePresence`, and all lines on the copy.
 
-    whole: all of the master's lines on the copy. When a stroke seems to be missing, other ways of laying them
-    are tried, and what finds its ink in the best of them is there after all. That placement is given back.
+    When a stroke seems to be missing, other ways of laying the lines are tried, and what finds its ink in the
+    best of them is there after all. That placement is given back.
     """
     master, copy = compared.master, compared.copy
+    whole = place_lines(master, copy)
     missing = _find_missing(compared, whole)
     if not missing:
         return (), whole
-    width, total = max(master.width, copy.width), float(master.points.radius.sum())
-    others = [
-        place_lines(master.points, copy.points, width=width, total=total, settings=settings)
-        for settings in PRESENCE.other_ways
-    ]
+    others = [place_lines(master, copy, settings=settings) for settings in PRESENCE.other_ways]
     best = min(others, key=lambda placement: placement.left_over)
     if best.left_over > whole.left_over:
         return missing, whole
     there = {presence.number for presence in measure_presence(compared, best) if presence.is_there}
     return tuple(number for number in missing if number not in there), best
+
+
+def lay_rest(compared: Compared, missing: tuple[int, ...]) -> tuple[FramedInk, CentreLines, Placement]:
+    """The copy's ink framed as the master's is without what is missing, and the lines on it.
+
+    The points of what is missing stand where their neighbours predict them.
+    """
+    master, copy, framed, places = compared.master, compared.copy, compared.framed, compared.places
+    numbers = stroke_numbers(master)
+    kept = ~np.isin(numbers, missing)
+    rest, move = lay_without(master, copy, numbers, missing)
+    if (move != np.eye(2, 3)).any():
+        framed = move_ink(framed, move)
+        copy = find_segments(framed)
+        rest = place_lines(master, copy, kept=kept)
+    moved, covered = fill_in(rest, kept, places)
+    responsibility = np.zeros((len(places), len(copy.points.xy)), np.float32)
+    responsibility[kept] = rest.found.responsibility
+    lines = np.unique(master.points.owner[kept])  # the rest's lines were numbered anew
+    owner = np.where(rest.owner >= 0, lines[rest.owner], -1)
+    return framed, copy, replace(rest, found=LineMatch(moved, responsibility), covered=covered, owner=owner)
 
 
 def _find_missing(compared: Compared, whole: Placement) -> tuple[int, ...]:
