@@ -7,7 +7,9 @@ import threading
 import time
 
 import pytest
+from sqlalchemy import select
 
+from rumu.database.engine import open_database
 from rumu.database.tables import Job
 from rumu.errors import CaptureError, GalleryError
 from rumu.studio import job_handlers, job_queue, worker_tasks
@@ -145,3 +147,36 @@ def test_the_runner_works_through_the_queue_when_woken(gallery, storage: Storage
     finally:
         runner.stop()
         workers.stop()
+
+
+def test_an_empty_queue_is_seen_while_another_writes(gallery):
+    with gallery.database.writing() as session:
+        session.execute(select(Job.id))  # takes the lock
+        assert job_queue.take(gallery.database) is None
+
+
+def test_a_job_waits_for_a_locked_database_without_a_fault_in_the_log(tmp_path, caplog):
+    mine, other = (open_database(tmp_path / "rumu.sqlite", wait=0.05) for _ in range(2))
+    with mine.writing() as session:
+        one = job_queue.add(session, "test", {}, person_id=None).id
+    ran = threading.Event()
+    locked = threading.Event()
+    runner = JobRunner(mine, lambda _: ran.set(), may_run=locked.is_set)
+    runner.start()
+    with other.writing() as session:
+        session.execute(select(Job.id))  # takes the lock
+        locked.set()
+        until = time.monotonic() + 60
+        while "the next job waits" not in caplog.text:
+            assert time.monotonic() < until
+            time.sleep(0.02)
+        assert not ran.is_set()
+    try:
+        assert ran.wait(60)
+        with mine.reading() as session:
+            assert session.get_one(Job, one).state == "running"
+        assert "Traceback" not in caplog.text
+    finally:
+        runner.stop()
+        mine.close()
+        other.close()

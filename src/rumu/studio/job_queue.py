@@ -88,9 +88,13 @@ def requeue_interrupted(database: Database) -> int:
 
 
 def take(database: Database) -> str | None:
-    """Set the oldest queued job running and return its id; None when there is none."""
+    """Set the oldest queued job running and return its id; None when there is none. Raises DatabaseBusy."""
+    queued = select(Job).where(Job.state == "queued").order_by(Job.created).limit(1)
+    with database.reading() as session:  # an empty queue is seen without waiting for those who write
+        if session.scalar(queued) is None:
+            return None
     with database.writing() as session:
-        job = session.scalar(select(Job).where(Job.state == "queued").order_by(Job.created).limit(1))
+        job = session.scalar(queued)
         if job is None:
             return None
         job.state, job.tries, job.changed = "running", job.tries + 1, now()

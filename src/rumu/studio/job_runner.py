@@ -58,7 +58,10 @@ class JobRunner:
                     self._wake.clear()
                 else:
                     self._run(job_id)
-            except (SQLAlchemyError, DatabaseBusy, DiskFull):
+            except (DatabaseBusy, DiskFull) as error:
+                _log.warning("the next job waits: %s", error)
+                self._stopped.wait(_POLL_INTERVAL)
+            except SQLAlchemyError:
                 _log.exception("the queue of jobs cannot be read")
                 self._stopped.wait(_POLL_INTERVAL)
 
