@@ -2,10 +2,10 @@
 
 Simulated photographs of a wavy, inked sheet are written as 8-bit PNGs. Decoding them with OpenCV in
 one thread is the measure; `rumu reconstruct` then takes them to normals, albedo and height on disk,
-in a process of its own, whose peak memory is printed. Beside it stand small captures, compiled and
-in NumPy, and masked integration. Processor time is printed beside elapsed time, since other
-programs stretch the latter. --large adds 100 MP x 60. Nothing is kept. The bunny is in RUMU_DATA
-(default: ../shared/data beside the checkout).
+and `rumu rti` to relightable images, each in a process of its own, whose peak memory is printed. Beside
+it stand small captures, compiled and in NumPy, and masked integration. Processor time is printed beside
+elapsed time, since other programs stretch the latter. --large adds 100 MP x 60. Nothing is kept. The
+bunny is in RUMU_DATA (default: ../shared/data beside the checkout).
 """
 
 from __future__ import annotations
@@ -31,6 +31,12 @@ from rumu.surface.solve import solve
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shared" / "data")).resolve()
 WANTED = "normals.png,height.png,albedo.png"
+COMMANDS = (
+    ("least_squares", "reconstruct", "out", "--write", WANTED, "--solver", "least_squares"),
+    ("robust", "reconstruct", "out", "--write", WANTED, "--solver", "robust"),
+    ("rti, a polynomial", "rti", "out.ptm"),
+    ("rti, 9 harmonics", "rti", "out.rti"),
+)
 BAND = 250  # rows that are simulated at a time
 CORES = os.cpu_count() or 1
 
@@ -88,24 +94,23 @@ def decode_in_one_thread(folder: Path) -> None:
         cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
 
 
-def reconstruct(folder: Path, out: Path, *options: str) -> tuple[float, float, float, float]:
-    """Seconds of the processor and elapsed of `rumu reconstruct`, its peak memory in GB, and MB written."""
-    rumu = Path(sys.executable).with_name("rumu")
+def run(name: str, folder: Path, out: Path, *options: str) -> tuple[float, float, float, float]:
+    """Seconds of the processor and elapsed of a command, its peak memory in GB, and MB written."""
     start = time.perf_counter()
-    command = [str(rumu), "reconstruct", str(folder), "-o", str(out), "--json", "--write", WANTED, *options]
+    command = [sys.executable, "-m", "rumu.cli", name, str(folder), "-o", str(out), "--json", *options]
     process = subprocess.Popen(command, stdout=subprocess.PIPE)
     assert process.stdout is not None
     answer = process.stdout.read()
     _, status, usage = os.wait4(process.pid, 0)
     if status:
         raise SystemExit(json.loads(answer)["error"])
-    written = sum(file.stat().st_size for file in out.iterdir()) / 1e6
+    written = sum(file.stat().st_size for file in (out.iterdir() if out.is_dir() else [out])) / 1e6
     peak = usage.ru_maxrss * 1024 / 1e9
     return usage.ru_utime + usage.ru_stime, time.perf_counter() - start, peak, written
 
 
 def large_photographs(megapixels: float, count: int) -> None:
-    """One line for decoding and one for each solver."""
+    """One line for decoding, one for each solver, and one for each relightable image."""
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "photographs"
         folder.mkdir()
@@ -114,10 +119,10 @@ def large_photographs(megapixels: float, count: int) -> None:
         print(f"  {'':<28}{'cpu s':>8}{'elapsed':>9}{'GB':>7}{'MB written':>12}   times the decoding")
         decoded = timed(lambda: decode_in_one_thread(folder))
         print(f"  {'OpenCV decodes, one thread':<28}{decoded[0]:8.1f}{decoded[1]:9.1f}", flush=True)
-        for solver in ("least_squares", "robust"):
-            cpu, elapsed, peak, written = reconstruct(folder, Path(place) / "out", "--solver", solver)
+        for what, command, out, *options in COMMANDS:
+            cpu, elapsed, peak, written = run(command, folder, Path(place) / out, *options)
             print(
-                f"  {'rumu ' + solver:<28}{cpu:8.1f}{elapsed:9.1f}{peak:7.2f}{written:12.0f}   "
+                f"  {'rumu ' + what:<28}{cpu:8.1f}{elapsed:9.1f}{peak:7.2f}{written:12.0f}   "
                 f"{elapsed / decoded[1]:.1f} elapsed, {cpu / CORES / decoded[0]:.1f} by cpu over the cores",
                 flush=True,
             )

@@ -13,8 +13,9 @@ import os
 import tempfile
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +23,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.floating[Any]]
 Samples = npt.NDArray[Any]
 Pixels = npt.NDArray[np.integer[Any]]
+Answer = TypeVar("Answer")
 
 _LEVELS = {"uint8": 256, "uint16": 65536}
 Progress = Callable[[str, int, int], None]
@@ -205,6 +207,21 @@ class ImageStack:
         if self._peak != 1:
             values /= self._peak
         return values
+
+
+def each_range(
+    work: Callable[[slice], Answer], pixels: int, *, size: int, label: str, progress: Progress | None = None
+) -> Iterator[Answer]:
+    """What `work` makes of each range of `size` pixels, in order, by threads; it must let others run.
+
+    label: what is being done, for `progress`.
+    """
+    parts = [slice(start, min(start + size, pixels)) for start in range(0, pixels, size)]
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        for done, answer in enumerate(pool.map(work, parts), start=1):
+            if progress is not None:
+                progress(label, done, len(parts))
+            yield answer
 
 
 class _LinearImages:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from rumu.image_stack import Progress
+    from rumu.report.pictures import Picture
     from rumu.values import Bilingual, Surface
 
 Solver = Literal["robust", "least_squares", "trimmed", "l1"]
@@ -166,7 +167,11 @@ def _reduction_notes(surface: Surface) -> list[Bilingual]:
 def relight(
     *,
     surface_dir: Annotated[
-        Path, typer.Argument(metavar="OUT", help="Folder written by reconstruct or relief.")
+        Path,
+        typer.Argument(
+            metavar="OUT",
+            help="Folder written by reconstruct or relief; or a relightable image: .ptm, .rti, info.json.",
+        ),
     ],
     tilt: Annotated[
         float, typer.Option(help="Degrees counter-clockwise from the right: 90 is from the top.")
@@ -179,24 +184,41 @@ def relight(
     bits: Annotated[int, typer.Option(help="8 or 16 bits for each channel.")] = 8,
     as_json: AsJson = False,
 ) -> Outcome:
-    """A surface under any lamp, as an sRGB PNG."""
+    """A surface, or the relightable image of an RTI program, under any lamp, as an sRGB PNG."""
     from rumu.outputs import whole_file
-    from rumu.report.pictures import png_bytes, srgb
-    from rumu.surface.folder import read_surface
-    from rumu.surface.relight import relight as light
+    from rumu.report.pictures import png_bytes
 
     finite(tilt), finite(slant)
-    target = out or Path(f"{surface_dir.resolve().name}-tilt{tilt:g}-slant{slant:g}.png")
+    name = surface_dir.resolve().name if surface_dir.is_dir() else surface_dir.stem
+    target = out or Path(f"{name}-tilt{tilt:g}-slant{slant:g}.png")
     if target.suffix.lower() != ".png":
         raise typer.BadParameter(f"expected a name that ends in .png, got {target}", param_hint="'-o'")
     if bits not in (8, 16):
         raise typer.BadParameter(f"expected 8 or 16, got {bits}", param_hint="'--bits'")
-    surface = read_surface(surface_dir)
-    lit = srgb(light(surface, tilt=tilt, slant=slant), bits=bits)
+    lit, source = _lit(surface_dir, tilt, slant, bits)
     with whole_file(target) as part:
         part.write_bytes(png_bytes(lit))
-    facts = {"file": target, "tilt": tilt, "slant": slant, "bits": bits, "source": surface.source}
+    facts = {"file": target, "tilt": tilt, "slant": slant, "bits": bits, "source": source}
     return Outcome(facts, f"{target}: tilt {tilt:g}°, slant {slant:g}°")
+
+
+def _lit(path: Path, tilt: float, slant: float, bits: int) -> tuple[Picture, str]:
+    """A surface folder or a relightable image under a lamp, as sRGB, and where it comes from."""
+    import numpy as np
+
+    from rumu.capture.lights import direction
+    from rumu.report.pictures import srgb
+    from rumu.rti.exchange import is_rti, read_rti
+    from rumu.rti.image import relight_rti
+    from rumu.surface.folder import read_surface
+    from rumu.surface.relight import relight as light
+
+    if is_rti(path):
+        image = read_rti(path)
+        shown = relight_rti(image, direction(tilt=tilt, slant=slant))
+        return np.round(shown * (2**bits - 1)).astype(np.uint8 if bits == 8 else np.uint16), image.basis
+    surface = read_surface(path)
+    return srgb(light(surface, tilt=tilt, slant=slant), bits=bits), surface.source
 
 
 @print_outcome

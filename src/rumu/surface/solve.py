@@ -6,22 +6,16 @@ are.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
 from rumu.errors import SurfaceError
-from rumu.image_stack import ImageStack, Progress
+from rumu.image_stack import ImageStack, Progress, each_range
 from rumu.surface import compiled, robust
 from rumu.surface.robust import SOLVERS, RobustSettings, Solver
 from rumu.surface.stereo import check_stack
 from rumu.values import BoolArray, FloatArray
-
-Answer = TypeVar("Answer")
 
 _TILE = 400_000
 """Values of brightness that a thread works on at a time: a few MB with all that is derived from them."""
@@ -89,7 +83,11 @@ def solve(
         confidence[part][inside] = done.confidence
         return done.residuals, done.dark, done.lit
 
-    solved = list(_in_threads(one, stack.pixels, max(1, tile // n), progress))
+    solved = list(
+        each_range(
+            one, stack.pixels, size=max(1, tile // n), label="Solving for the normals", progress=progress
+        )
+    )
     residuals, dark, lit = zip(*solved, strict=True)
     pooled = np.concatenate(residuals)
     return Solution(
@@ -99,15 +97,3 @@ def solve(
         float(np.median(pooled)) if pooled.size else 0.0,
         sum(dark) / max(1, sum(dark) + sum(lit)),
     )
-
-
-def _in_threads(
-    work: Callable[[slice], Answer], pixels: int, size: int, progress: Progress | None
-) -> Iterator[Answer]:
-    """What `work` makes of each range of `size` pixels, in order; it must not hold the interpreter."""
-    parts = [slice(start, min(start + size, pixels)) for start in range(0, pixels, size)]
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for done, answer in enumerate(pool.map(work, parts), start=1):
-            if progress is not None:
-                progress("Solving for the normals", done, len(parts))
-            yield answer
