@@ -158,6 +158,11 @@ class ImageStack:
         """Whether the photographs have three channels."""
         return len(self.shape) == 4
 
+    def chosen(self, numbers: Sequence[int]) -> ImageStack:
+        """The stack of some of the photographs, by their numbers from 0."""
+        photographs = [self._photographs[i] for i in numbers]
+        return ImageStack(photographs, dark=self._dark, peak=float(self._peak))
+
     def range(self, start: int, stop: int) -> Floats:
         """(N, stop - start[, 3]) float32, a range of pixels of every photograph, counted row by row."""
         found = np.empty((len(self), stop - start, *self.shape[3:]), np.float32)

@@ -10,6 +10,7 @@ import pytest
 from rumu.capture.folder import read_capture
 from rumu.capture.image import read_mask, read_photograph
 from rumu.capture.lights import direction
+from rumu.capture.sphere_capture import read_sphere_capture
 from rumu.capture.spheres import Sphere, find_spheres, lamps_of_spheres
 from rumu.errors import CaptureError
 from rumu.image_stack import ImageStack
@@ -98,3 +99,13 @@ def test_a_real_sphere_before_a_dark_ground_is_found_and_a_dull_one_is_not(data:
     for name in ("uw-psm/gray", "uw-psm/horse", "uw-psm/owl", "bunny/bunny_lambert", "psbox-cat"):
         with pytest.raises(CaptureError, match="expected a mirror sphere"):
             find_spheres(read_capture(data / "photometric" / name).photographs)
+
+
+def test_a_real_folder_with_a_sphere_is_a_capture_without_any_file(data: Path) -> None:
+    """The photographs of a probe alone: lamps as measured by hand, the ball outside the mask."""
+    folder = data / "photometric" / "psbox-cat" / "probe1"
+    capture = read_sphere_capture(folder)
+    wanted = np.loadtxt(folder / "light_directions.txt").T
+    assert len(capture.lights) == len(wanted) == len(capture.names)
+    assert degrees_between(capture.lights, wanted).mean() < 0.8
+    assert not capture.mask.all() and capture.mask.mean() > 0.1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import tifffile
 from PIL import Image
 
 from rumu.capture.lights import direction
@@ -38,6 +39,48 @@ def test_lamps_are_written_and_read(rumu, photographs, tmp_path, options):
     assert (sphere["x"], sphere["y"], sphere["radius"]) == pytest.approx((60, 50, 30), abs=0.6)
     assert (photographs / "lamps.lp").read_text().splitlines()[0] == "5"
     assert rumu("reconstruct", photographs, "-o", tmp_path / "out", "--write", "normals", "--json").code == 0
+
+
+@pytest.mark.parametrize("sphere", ["auto", "60,50,30"])
+def test_reconstruct_takes_the_lamps_of_a_sphere(rumu, photographs, tmp_path, sphere):
+    """In one step as in two, with the lamps beside the result, and without the sphere."""
+    (photographs / "wrong.lp").write_text("5\n" + "".join(f"{i}.png 0 0 1\n" for i in range(5)))
+    out = tmp_path / "out"
+    ended = rumu(
+        "reconstruct", photographs, "-o", out, "--sphere", sphere, "--write", "normals,mesh", "--json"
+    )
+    assert ended.code == 0 and "mirror spheres show" in ended.facts["notes"][0]["en"]
+    lines = (out / "lamps.lp").read_text().splitlines()
+    assert lines[0] == "5"
+    found = np.array([line.split()[1:] for line in lines[1:]], float)
+    assert np.degrees(np.arccos(np.clip((found * LIGHTS).sum(axis=1), -1, 1))).max() < 2
+    surface = read_surface_normals(out)
+    assert not surface[1][50, 60] and surface[1][10, 140]
+    slope = np.array([-0.2, 0.1, 1]) / np.linalg.norm([-0.2, 0.1, 1])
+    away = np.degrees(np.arccos(np.clip(surface[0][surface[1]] @ slope, -1, 1)))
+    assert np.median(away) < 1.5
+
+
+def read_surface_normals(folder):
+    """Normals and mask of a result."""
+    stored = np.asarray(tifffile.imread(folder / "normals.tif"))
+    return stored, np.asarray(Image.open(folder / "mask.png")) > 127
+
+
+def test_a_frame_without_its_lamp_and_too_few_of_them(rumu, photographs, tmp_path):
+    page = np.asarray(Image.open(photographs / "2.png")).copy()
+    page[20:80, 30:90] = np.minimum(page[20:80, 30:90], 20)  # no highlight
+    Image.fromarray(page).save(photographs / "2.png")
+    options = ("--sphere", "auto", "--write", "normals")
+    ended = rumu("reconstruct", photographs, "-o", tmp_path / "out", *options, "--json")
+    assert any("no highlight is seen in 2.png" in note["en"] for note in ended.facts["notes"])
+    assert [row["name"] for row in ended.facts["photographs"]] == ["0.png", "1.png", "3.png", "4.png"]
+    assert (tmp_path / "out" / "lamps.lp").read_text().splitlines()[0] == "4"
+    kept = ("--leave-out", "3", "--leave-out", "4.png", "--sphere", "60,50,30")
+    rumu("reconstruct", photographs, "-o", tmp_path / "few", *kept).failed_with("at least 3", "got 2")
+    rumu("reconstruct", photographs / "0.png", "-o", tmp_path / "x", "--sphere", "auto").failed_with("folder")
+    too_small = ("--sphere", "60,50,5")
+    rumu("reconstruct", photographs, "-o", tmp_path / "x", *too_small).failed_with("12 pixels or more")
 
 
 def test_lamps_says_what_it_found(rumu, photographs, tmp_path):

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from rumu.capture.lamp_text import read_texts
 from rumu.capture.photographs import capture_error, place
 
 DESCRIPTION = "capture.json"
+Choice = TypeVar("Choice", bound=str)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,3 +114,15 @@ def _flag_entry(path: Path, content: dict[str, Any], key: str) -> bool:
             zh=f'"{key}" 應是 true 或 false，卻是 {value!r}',
         )
     return value
+
+
+def entry_among(folder: Path, key: str, value: str | None, known: tuple[Choice, ...]) -> Choice:
+    """An entry of capture.json among those that are known; the first where there is none."""
+    for one in known:
+        if value in (one, None):
+            return one
+    raise capture_error(
+        folder / DESCRIPTION,
+        en=f'expected "{key}" among {", ".join(known)}, got {value!r}',
+        zh=f'"{key}" 應是 {"、".join(known)} 之一，卻是 {value!r}',
+    )

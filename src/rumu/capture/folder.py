@@ -17,22 +17,19 @@ import re
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
-from rumu.capture.description import DESCRIPTION, Description, read_description
+from rumu.capture.description import DESCRIPTION, Description, entry_among, read_description
 from rumu.capture.formats import ENCODINGS, Encoding
 from rumu.capture.frames import ORIENTATIONS, Orientation, read_frames
 from rumu.capture.light_files import LampLine, read_directions, read_lp
 from rumu.capture.lights import direction
 from rumu.capture.masks import mask_file, read_folder_mask
-from rumu.capture.photographs import FolderImages, capture_error, files, place
+from rumu.capture.photographs import FolderImages, capture_error, files, photographs_without, place
 from rumu.errors import CaptureError
 from rumu.image_stack import Progress
 from rumu.values import Bilingual, Capture, FloatArray
-
-Choice = TypeVar("Choice", bound=str)
 
 _PAPER_TILTS = {"a": 0.0, "b": 90.0, "c": 180.0, "d": 270.0}
 _ONE_PLANE = 1e-3  # smallest singular value of the lamps that still says three directions
@@ -110,9 +107,11 @@ def read_capture(
     images, description, lamps = _find_files(Path(path), within)
     lamps = _without(lamps, leave_out)
     folder = images.folder
-    chosen = _entry(folder, "encoding", description.encoding, ENCODINGS) if encoding == "auto" else encoding
+    chosen = (
+        entry_among(folder, "encoding", description.encoding, ENCODINGS) if encoding == "auto" else encoding
+    )
     turned = (
-        _entry(folder, "orientation", description.orientation, ORIENTATIONS)
+        entry_among(folder, "orientation", description.orientation, ORIENTATIONS)
         if orientation == "auto"
         else orientation
     )
@@ -162,24 +161,14 @@ def _find_files(path: Path, within: Path | None) -> tuple[FolderImages, Descript
 
 def _without(lamps: _Lamps, names: Collection[str]) -> _Lamps:
     """The lamps without the photographs of these names. Raises CaptureError for a name of none."""
-    left_out = set()
-    for name in names:
-        plain = Path(name).name
-        found = {i for i, image in enumerate(lamps.images) if plain in (image.name, image.stem)}
-        if not found:
-            raise capture_error(
-                lamps.file,
-                en=f"expected the name of a photograph to leave out, got {name}",
-                zh=f"要除去的照片 {name} 不在這組照片裡",
-            )
-        left_out |= found
-    if not left_out:
+    images = photographs_without(lamps.file, lamps.images, names)
+    if len(images) == len(lamps.images):
         return lamps
-    kept = [i for i in range(len(lamps.images)) if i not in left_out]
+    kept = [i for i, image in enumerate(lamps.images) if image in images]
     strengths = None if lamps.strengths is None else lamps.strengths[kept]
     fewer = replace(
         lamps,
-        images=tuple(lamps.images[i] for i in kept),
+        images=tuple(images),
         lights=lamps.lights[kept],
         strengths=None if strengths is None else strengths / strengths.mean(),
     )
@@ -210,18 +199,6 @@ def _split_path(path: Path) -> tuple[Path, Path | None]:
         path,
         en="expected a capture folder or its .lp file, got another kind of file",
         zh="這裡應是多燈照片的資料夾或其中的 .lp 檔，卻是別種檔案",
-    )
-
-
-def _entry(folder: Path, key: str, value: str | None, known: tuple[Choice, ...]) -> Choice:
-    """An entry of capture.json among those that are known; the first where there is none."""
-    for one in known:
-        if value in (one, None):
-            return one
-    raise capture_error(
-        folder / DESCRIPTION,
-        en=f'expected "{key}" among {", ".join(known)}, got {value!r}',
-        zh=f'"{key}" 應是 {"、".join(known)} 之一，卻是 {value!r}',
     )
 
 

@@ -323,3 +323,10 @@ def _table(path: Path, lines: Sequence[tuple[int, str]], separator: str) -> Floa
             zh=f"這裡應是 3 x N 或 N x 3 個數的表，卻是 {shape[0]} x {shape[1]}",
         )
     return np.array(numbers, dtype=np.float64)
+
+
+def lp_text(names: Sequence[str], lights: FloatArray) -> str:
+    """The text of an .lp. lights: (N, 3) unit vectors toward the lamps; those that are NaN are left out."""
+    told = [(name, light) for name, light in zip(names, lights, strict=True) if np.isfinite(light).all()]
+    lines = [f"{name} {light[0]:.6f} {light[1]:.6f} {light[2]:.6f}" for name, light in told]
+    return "\n".join([str(len(lines)), *lines]) + "\n"

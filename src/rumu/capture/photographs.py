@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Collection, Sequence
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
@@ -132,6 +133,25 @@ def files(folder: Path) -> list[Path]:
         raise capture_error(
             folder, en=f"cannot be read ({error.strerror})", zh=f"無法讀取（{error.strerror}）"
         ) from error
+
+
+def photographs_without(where: Path, paths: Sequence[Path], names: Collection[str]) -> list[Path]:
+    """The photographs but those of these names, with or without suffix.
+
+    Raises CaptureError, which begins with where they are listed, for a name of none.
+    """
+    left_out = set()
+    for name in names:
+        plain = Path(name).name
+        found = {path for path in paths if plain in (path.name, path.stem)}
+        if not found:
+            raise capture_error(
+                where,
+                en=f"expected the name of a photograph to leave out, got {name}",
+                zh=f"要除去的照片 {name} 不在這組照片裡",
+            )
+        left_out |= found
+    return [path for path in paths if path not in left_out]
 
 
 def _only(folder: Path, name: str, found: list[Path]) -> Path | None:

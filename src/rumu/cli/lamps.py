@@ -13,10 +13,22 @@ from rumu.cli.terminal import Outcome, print_outcome, stages
 from rumu.errors import OutputError
 
 if TYPE_CHECKING:
-    from rumu.capture.spheres import FoundLamps, Sphere
+    from collections.abc import Sequence
 
-_APART = 3.0  # degrees between what two spheres say of a lamp, from which it is noted
+    from rumu.capture.spheres import FoundLamps, Sphere
+    from rumu.image_stack import Progress
+    from rumu.values import Capture
+
 _CIRCLE = re.compile(r"\s*([\d.]+)\s*,\s*([\d.]+)\s*,\s*([\d.]+)\s*")
+
+SphereOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--sphere",
+        help="Mirror spheres in the photographs tell the lamps: auto finds them; x,y,r gives one, centre "
+        "from the top left corner and radius, in pixels. May be repeated.",
+    ),
+]
 
 
 @print_outcome
@@ -28,13 +40,7 @@ def lamps(
             metavar="PHOTOGRAPHS", help="Folder of photographs that show one or more mirror spheres."
         ),
     ],
-    sphere: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="auto finds the spheres; x,y,r gives one: centre from the top left corner, radius, in "
-            "pixels. May be repeated."
-        ),
-    ] = None,
+    sphere: SphereOption = None,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help=".lp to write (default: lamps.lp in the folder).")
     ] = None,
@@ -42,11 +48,12 @@ def lamps(
 ) -> Outcome:
     """Photographs with a mirror sphere -> the direction of each lamp, as an .lp file."""
     from rumu.capture.frames import read_frames
+    from rumu.capture.light_files import lp_text
     from rumu.capture.photographs import FolderImages, capture_error
     from rumu.capture.spheres import find_spheres, lamps_of_spheres
     from rumu.outputs import whole_file
 
-    given = [one for one in map(_circle, sphere or ["auto"]) if one is not None]
+    given = spheres_of(sphere or ["auto"])
     target = out or folder / "lamps.lp"
     if target.suffix.lower() != ".lp":
         raise typer.BadParameter(f"expected a name that ends in .lp, got {target}", param_hint="'-o'")
@@ -67,14 +74,26 @@ def lamps(
         spheres = given or find_spheres(frames.stack)
         found = lamps_of_spheres(frames.stack, spheres)
     names = [path.name for path in paths]
-    lines = [
-        f"{name} {light[0]:.6f} {light[1]:.6f} {light[2]:.6f}"
-        for name, light in zip(names, found.lights, strict=True)
-        if light[2] == light[2]  # not NaN
-    ]
     with whole_file(target) as part:
-        part.write_text("\n".join([str(len(lines)), *lines]) + "\n", encoding="utf-8")
+        part.write_text(lp_text(names, found.lights), encoding="utf-8")
     return _outcome(target, names, spheres, found)
+
+
+def read_lit_capture(
+    folder: Path, sphere: Sequence[str] | None, leave_out: Sequence[str], progress: Progress
+) -> Capture:
+    """The capture of a folder, its lamps told by a file, or by mirror spheres where --sphere was given."""
+    from rumu.capture.folder import read_capture
+    from rumu.capture.sphere_capture import read_sphere_capture
+
+    if not sphere:
+        return read_capture(folder, leave_out=leave_out, progress=progress)
+    return read_sphere_capture(folder, spheres=spheres_of(sphere), leave_out=leave_out, progress=progress)
+
+
+def spheres_of(texts: Sequence[str]) -> list[Sphere]:
+    """The spheres of --sphere options; none where they are to be found."""
+    return [one for one in map(_circle, texts) if one is not None]
 
 
 def _circle(text: str) -> Sphere | None:
@@ -96,20 +115,16 @@ def _wrong(text: str) -> Sphere:
 
 def _outcome(target: Path, names: list[str], spheres: list[Sphere], found: FoundLamps) -> Outcome:
     from rumu.capture.lights import tilt_slant
+    from rumu.capture.sphere_capture import sphere_notes
 
-    rows, left_out, notes = [], [], []
+    rows, left_out = [], []
     for name, light, apart in zip(names, found.lights, found.apart, strict=True):
         if light[2] != light[2]:
             left_out.append(name)
             continue
         tilt, slant = tilt_slant(light)
         rows.append({"name": name, "direction": light, "tilt": tilt, "slant": slant, "apart": float(apart)})
-        if apart >= _APART:
-            notes.append(
-                f"{name}: the spheres say lamps {apart:.1f} degrees apart; the lamp is near, or one is wrong"
-            )
-    if left_out:
-        notes.append(f"no highlight is seen in {', '.join(left_out)}; left out")
+    notes = [note.en for note in sphere_notes(names, found)]
     if len(rows) < 3:
         notes.append(f"{len(rows)} lamps are too few for a surface, which takes three")
     text = "\n".join(

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from rumu.cli.lamps import SphereOption, read_lit_capture
 from rumu.cli.options import AsJson, check_writable, finite
 from rumu.cli.terminal import Outcome, print_outcome, stages
 
@@ -50,13 +51,13 @@ def rti(
         list[str] | None,
         typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
     ] = None,
+    sphere: SphereOption = None,
     mm_per_pixel: Annotated[
         float | None, typer.Option(min=1e-6, help="Scale of the photographs, for info.json.")
     ] = None,
     as_json: AsJson = False,
 ) -> Outcome:
     """Photographs of one sheet under many lamps -> a relightable image (.ptm, .rti, info.json)."""
-    from rumu.capture.folder import read_capture
     from rumu.outputs import whole_file, whole_folder
     from rumu.rti.exchange import write_rti
     from rumu.rti.fitting import fit_rti
@@ -70,7 +71,7 @@ def rti(
     chosen: Basis = basis or ("hsh" if implied == "hsh" else "ptm")
     check_writable(whole_file(out) if implied else whole_folder(out, marker=INFO))
     with stages() as progress:
-        capture = read_capture(capture_dir, leave_out=leave_out or (), progress=progress)
+        capture = read_lit_capture(capture_dir, sphere, leave_out or (), progress)
         if mm_per_pixel is not None:
             capture = capture.changed(spacing=finite(mm_per_pixel))
         fit = fit_rti(capture, basis=chosen, order=order, channels=channels, progress=progress)

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from rumu.cli.lamps import SphereOption, read_lit_capture
 from rumu.cli.options import AsJson, check_writable, finite, not_an_input
 from rumu.cli.terminal import Outcome, print_outcome, stages, working
 from rumu.errors import GalleryError, SurfaceError
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from rumu.image_stack import Progress
     from rumu.report.pictures import Picture
@@ -25,6 +26,8 @@ Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
 
 REPORT = "report.html"
+LAMPS = "lamps.lp"
+"""Where the lamps stood, of a capture whose spheres told it."""
 _STL_VERTICES = 250_000  # of a solid for a printer: half a million triangles, 25 MB
 
 Folder = Annotated[
@@ -56,6 +59,7 @@ def reconstruct(
         list[str] | None,
         typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
     ] = None,
+    sphere: SphereOption = None,
     write: Annotated[
         str,
         typer.Option(
@@ -68,7 +72,7 @@ def reconstruct(
     from dataclasses import asdict
 
     from rumu import pipeline
-    from rumu.capture.folder import read_capture
+    from rumu.capture.light_files import lp_text
     from rumu.outputs import whole_folder
     from rumu.surface.folder import MARKER
     from rumu.surface.frame_check import exposure_notes
@@ -77,7 +81,7 @@ def reconstruct(
     files = _files_to_write(write)
     check_writable(whole_folder(out, marker=MARKER))
     with stages() as progress:
-        capture = read_capture(capture_dir, leave_out=leave_out or (), progress=progress)
+        capture = read_lit_capture(capture_dir, sphere, leave_out or (), progress)
         if mm_per_pixel is not None:
             capture = capture.changed(spacing=finite(mm_per_pixel))
         if lamps_as_given:
@@ -88,8 +92,11 @@ def reconstruct(
         table = photograph_table(capture, surface)
         notes = (*capture.notes, *exposure_notes(capture, surface), *fault_notes(table))
         title = capture_dir.resolve().name
+        beside = {LAMPS: lp_text(capture.names, capture.lights)} if sphere else {}
         del capture  # its photographs
-        done = _write_surface(surface, out, title=title, notes=notes, files=files, progress=progress)
+        done = _write_surface(
+            surface, out, title=title, notes=notes, files=files, beside=beside, progress=progress
+        )
     facts = {**done.facts, "photographs": [asdict(row) for row in table]}
     return Outcome(facts, f"{done.text}\n{table_text(table)}")
 
@@ -302,6 +309,7 @@ def _write_surface(
     title: str,
     notes: Sequence[Bilingual] = (),
     files: Collection[str],
+    beside: Mapping[str, str] | None = None,
     progress: Progress | None = None,
 ) -> Outcome:
     from rumu.report.pages import surface_page
@@ -310,7 +318,7 @@ def _write_surface(
 
     report = {REPORT: surface_page(surface, title=title, notes=notes)} if REPORT in files else {}
     written = [name for name in files if name != REPORT]
-    write_surface(surface, out, files=written, extra=report, progress=progress)
+    write_surface(surface, out, files=written, extra={**report, **(beside or {})}, progress=progress)
     facts = {
         "out": out,
         "report": out / REPORT if report else None,
