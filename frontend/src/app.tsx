@@ -1,10 +1,12 @@
 import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
-import { post, refreshSession, session } from "./api";
+import { get, post, refreshSession, session } from "./api";
 import { common, language } from "./i18n";
+import { kiosk, watchScreen } from "./kiosk";
 import { matchPath, navigate, type PageProps, route } from "./router";
 import { Foot } from "./home/Foot";
 import { routes } from "./routes";
+import type { Exhibition } from "./types";
 import { ErrorPage, Loading } from "./ui";
 
 type PageState = { Page: ComponentType<PageProps>; path: string } | { error: unknown; path: string };
@@ -25,12 +27,13 @@ export function App() {
       current = false;
     };
   }, [matched?.pattern]);
+  useEffect(() => watchScreen(() => void playTour()), []);
   return (
     <>
       <a class="skip" href="#main" onClick={toMain}>
         {common("skip")}
       </a>
-      <Header path={path} />
+      {kiosk.value ? <KioskBar path={path} home={kiosk.value.path} /> : <Header path={path} />}
       <main id="main" tabIndex={-1}>
         {!matched ? (
           <div class="trouble">
@@ -47,7 +50,7 @@ export function App() {
           <pageState.Page key={path} params={matched.params ?? {}} query={query} />
         )}
       </main>
-      <Foot />
+      {!kiosk.value && <Foot />}
     </>
   );
 }
@@ -86,14 +89,7 @@ function Header({ path }: { path: string }) {
           ))}
       </nav>
       <div class="top-end">
-        <button
-          type="button"
-          class="quiet"
-          lang={language.value === "zh" ? "en" : "zh-Hant"}
-          onClick={() => (language.value = language.value === "zh" ? "en" : "zh")}
-        >
-          {common("language")}
-        </button>
+        <LanguageButton />
         {person ? (
           <>
             <a href="#/account">{person.name}</a>
@@ -107,6 +103,36 @@ function Header({ path }: { path: string }) {
       </div>
     </header>
   );
+}
+
+function LanguageButton() {
+  return (
+    <button
+      type="button"
+      class="quiet"
+      lang={language.value === "zh" ? "en" : "zh-Hant"}
+      onClick={() => (language.value = language.value === "zh" ? "en" : "zh")}
+    >
+      {common("language")}
+    </button>
+  );
+}
+
+/** What a screen in an exhibition has instead of the menu. */
+function KioskBar({ path, home }: { path: string; home: string }) {
+  return (
+    <header class="top">
+      {path !== home && <a class="button quiet" href={`#${home}`}>{common("backToExhibition")}</a>}
+      <div class="top-end"><LanguageButton /></div>
+    </header>
+  );
+}
+
+/** Shows the tour of the exhibition by itself, where it has one. */
+async function playTour(): Promise<void> {
+  const id = kiosk.value?.path.split("/").at(-1);
+  const shown = id ? await get<Exhibition>(`api/collections/${id}`).catch(() => null) : null;
+  if (shown?.tour && kiosk.value) navigate(`/tours/${encodeURIComponent(shown.tour.id)}?play=1`);
 }
 
 /** Whether a page belongs to a menu entry: a work to the gallery; a page to write on, or a sheet of paper, to the studio. */

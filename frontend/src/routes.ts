@@ -13,6 +13,7 @@ export const routes: [string, Load][] = [
   ["/works/:id", () => import("./gallery/WorkPage")],
   ["/characters/:character", () => import("./gallery/GatherPage")],
   ["/collections", () => import("./gallery/CollectionsPage")],
+  ["/collections/:id", () => import("./gallery/CollectionPage")],
   ["/tours", () => import("./gallery/ToursPage")],
   ["/tours/:id", () => import("./gallery/TourPage")],
   ["/add", () => import("./gallery/AddWorkPage")],

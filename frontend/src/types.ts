@@ -28,7 +28,13 @@ export type WorkCard = {
 };
 
 /** The home page. cover: with files small enough for a phone. */
-export type Home = { cover: (WorkCard & { picture: string; normals: string }) | null; chosen: boolean; works: number };
+/** A work that a lamp lights: pictures small enough for a phone. */
+export type CoverWork = WorkCard & { picture: string; normals: string };
+export type Home = { cover: CoverWork | null; chosen: boolean; works: number };
+
+/** works: how many, without the characters within pages. */
+export type Collection = { id: string; title: Bilingual; note: Bilingual; source: string; licence: string; works: number };
+export type Exhibition = Collection & { cover: CoverWork | null; chosen: boolean; tour: { id: string; title: Bilingual } | null };
 
 /** A character's strokes in the order of writing, in a square of side 1, y down. */
 export type CharacterStrokes = {

@@ -2,9 +2,9 @@ import { get, session } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
 import type { PageProps } from "../router";
-import type { Page, WorkCard } from "../types";
+import type { Collection, Page, WorkCard } from "../types";
 import { ErrorPage, Facts, Loading, useLoaded } from "../ui";
-import { type Collection, CollectionTools } from "./CollectionTools";
+import { CollectionTools } from "./CollectionTools";
 import { RelitThumb } from "./GalleryCard";
 import { Licence, translated } from "./licences";
 import { TextWithLinks } from "./WorkFacts";
@@ -41,13 +41,13 @@ function CollectionItem({ item, onChange }: { item: Collection; onChange: (() =>
   const works = useLoaded((signal) => get<Page<WorkCard>>(url, signal), item.id);
   return (
     <li class="collection-card">
-      <a class="collection-works" href={`#/gallery?collection=${encodeURIComponent(item.id)}`} aria-label={localize(item.title)}>
+      <a class="collection-works" href={`#/collections/${encodeURIComponent(item.id)}`} aria-label={localize(item.title)}>
         {(works.value?.items ?? []).map((work) => (
           <RelitThumb key={work.id} work={work} />
         ))}
       </a>
       <div>
-        <h2><a href={`#/gallery?collection=${encodeURIComponent(item.id)}`}>{localize(item.title)}</a></h2>
+        <h2><a href={`#/collections/${encodeURIComponent(item.id)}`}>{localize(item.title)}</a></h2>
         {localize(item.note) && <p>{localize(item.note)}</p>}
         <p class="note">
           <Facts items={[t(item.works === 1 ? "countOne" : "count", { n: item.works.toLocaleString() }), item.licence && <>{t("licence")}{t("colon")}<Licence licence={item.licence} /></>]} />

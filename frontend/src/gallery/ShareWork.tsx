@@ -6,17 +6,22 @@ import { localize } from "../i18n";
 import type { Work } from "../types";
 
 export function ShareWork({ work }: { work: Pick<Work, "id" | "title"> }) {
-  const base = location.href.split("#")[0]!.replace(/[^/]*$/, "");
   const name = encodeURIComponent(work.id);
   const title = localize(work.title).replace(/&/g, "&amp;").replace(/"/g, "&quot;");
   return (
     <details class="share">
       <summary>{t("share")}</summary>
-      <CopyField label={t("shareLink")} text={`${base}share/works/${name}`} />
-      <CopyField label={t("shareFrame")} text={`<iframe src="${base}embed/works/${name}" title="${title}" width="640" height="480" allow="fullscreen"></iframe>`} />
+      <ShareLink path={`works/${name}`} />
+      <CopyField label={t("shareFrame")} text={`<iframe src="${base()}embed/works/${name}" title="${title}" width="640" height="480" allow="fullscreen"></iframe>`} />
     </details>
   );
 }
+
+/** The address of the service, with a slash at its end. */
+const base = (): string => location.href.split("#")[0]!.replace(/[^/]*$/, "");
+
+/** A link of which messengers make a preview. path: of a work or a collection. */
+export const ShareLink = ({ path }: { path: string }) => <CopyField label={t("shareLink")} text={`${base()}share/${path}`} />;
 
 /** A text to be copied: by the button, or selected by hand where a page may not write to the clipboard. */
 function CopyField({ label, text }: { label: string; text: string }) {

@@ -2,6 +2,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { get, session } from "../api";
 import { localize } from "../i18n";
 import { t } from "../i18n/gallery";
+import { kiosk } from "../kiosk";
 import { type PageProps, replaceQuery } from "../router";
 import type { Tour, TourStep } from "../types";
 import { ErrorMessage, ErrorPage, Facts, Loading, useLoaded } from "../ui";
@@ -17,6 +18,7 @@ import "./gallery.css";
 import "./work.css";
 
 const ANIMATION_MS = 1600;
+const PLAY_MS = 14_000;
 
 export default function TourPage({ params, query }: PageProps) {
   const id = params.id ?? "";
@@ -36,12 +38,26 @@ function TourView({ initial, query }: { initial: Tour; query: URLSearchParams })
   const now = useRef<ViewState>(DEFAULT_VIEW);
   const step = tour.steps[at];
   const owner = session.value?.person?.role === "owner";
-  const move = (to: number) => {
+  const playing = query.has("play") && !editing && tour.steps.length > 0;
+  const move = (to: number, options: { play?: boolean } = {}) => {
     setAt(to);
     const params = new URLSearchParams(to ? { step: String(to + 1) } : {});
     if (editing) params.set("edit", "1");
+    if (options.play) params.set("play", "1");
     replaceQuery(params);
   };
+  useEffect(() => {
+    if (!playing) return;
+    const timer = setTimeout(() => move((at + 1) % tour.steps.length, { play: true }), PLAY_MS);
+    const stop = () => move(at);
+    addEventListener("pointerdown", stop);
+    addEventListener("keydown", stop);
+    return () => {
+      clearTimeout(timer);
+      removeEventListener("pointerdown", stop);
+      removeEventListener("keydown", stop);
+    };
+  }, [playing, at]);
   useEffect(() => {
     if (step && viewer.current) viewer.current.animateTo(viewOf(step), ANIMATION_MS);
   }, [at]);
@@ -100,7 +116,7 @@ function StepText({ tour, at, step, move }: { tour: Tour; at: number; step: Tour
       <p class="step-text">{localize(step.text)}</p>
       <div class="step-buttons">
         <button type="button" class="quiet" disabled={at === 0} onClick={() => move(at - 1)}><Icon name="previous" />{t("back")}</button>
-        {last ? <a class="button" href="#/tours">{t("finish")}</a> : <button type="button" onClick={() => move(at + 1)}>{t("onward")}<Icon name="next" /></button>}
+        {last ? <a class="button" href={kiosk.value ? `#${kiosk.value.path}` : "#/tours"}>{t("finish")}</a> : <button type="button" onClick={() => move(at + 1)}>{t("onward")}<Icon name="next" /></button>}
       </div>
       <ol class="dots">
         {tour.steps.map((s, k) => (

@@ -9,12 +9,12 @@ import { Dialog, ErrorMessage, useLoaded } from "../ui";
 
 const MAX_RESULTS = 24;
 
-/** masters: only works that are a character. */
-type Props = { title: string; not?: string; masters?: boolean; onClose: () => void; onChoose: (work: WorkCard) => void };
+/** masters: only works that are a character. collection: only works of it. */
+type Props = { title: string; not?: string; masters?: boolean; collection?: string; onClose: () => void; onChoose: (work: WorkCard) => void };
 
-export function WorkPicker({ title, not, masters, onClose, onChoose }: Props) {
+export function WorkPicker({ title, not, masters, collection, onClose, onChoose }: Props) {
   const [q, setQ] = useState("");
-  const loaded = useLoaded((signal) => get<Page<WorkCard>>(`api/works${query({ q: q.trim(), limit: MAX_RESULTS, masters: masters ? "true" : null })}`, signal), q.trim());
+  const loaded = useLoaded((signal) => get<Page<WorkCard>>(`api/works${query({ q: q.trim(), limit: MAX_RESULTS, masters: masters ? "true" : null, collection: collection ?? null })}`, signal), q.trim());
   return (
     <Dialog title={title} onClose={onClose}>
       <input type="search" aria-label={t("search")} placeholder={t("searchHint")} value={q} onInput={(event) => setQ(event.currentTarget.value)} />

@@ -19,6 +19,7 @@ export const commonTexts = {
   remove: { zh: "刪除", en: "Delete" },
   again: { zh: "再試一次", en: "Try again" },
   nothere: { zh: "沒有這一頁。", en: "There is no such page." },
+  backToExhibition: { zh: "回到展覽", en: "Back to the exhibition" },
   home: { zh: "回展廳", en: "Back to the gallery" },
   seal: { zh: "篆書", en: "Seal" },
   clerical: { zh: "隸書", en: "Clerical" },

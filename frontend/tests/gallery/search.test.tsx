@@ -2,7 +2,7 @@
 
 import { render } from "preact";
 import { describe, expect, it } from "vitest";
-import { SearchMeanings } from "../../src/gallery/GalleryPage";
+import { SearchMeanings } from "../../src/gallery/WorkList";
 import { JobProgress } from "../../src/gallery/JobProgress";
 import { WorkFacts } from "../../src/gallery/WorkFacts";
 import { language } from "../../src/i18n";

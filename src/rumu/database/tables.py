@@ -76,7 +76,7 @@ ID_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._~-]{0,63}$"
 
 
 class Collection(Base):
-    """Works that belong together: the starter gallery, a stele, a scroll. id: ASCII slug."""
+    """Works that belong together: a stele, an exhibition. cover_id, tour_id: '' for none."""
 
     __tablename__ = "collections"
 
@@ -87,6 +87,8 @@ class Collection(Base):
     note_en: Mapped[str] = mapped_column(Text, default="")
     source: Mapped[str] = mapped_column(Text, default="")
     licence: Mapped[str] = mapped_column(String(200), default="")
+    cover_id: Mapped[str] = mapped_column(Id, default="", server_default="")
+    tour_id: Mapped[str] = mapped_column(Id, default="", server_default="")
     created: Mapped[datetime] = mapped_column(default=now)
     title: Mapped[Bilingual] = composite("title_zh", "title_en")
     note: Mapped[Bilingual] = composite("note_zh", "note_en")
@@ -186,8 +188,7 @@ class Annotation(Base):
 class Tour(Base):
     """A guided tour through works.
 
-    steps: a list of {work, view, title_zh, title_en, text_zh, text_en}; view is the state of the viewer as a
-    permalink's query string.
+    steps: a list of {work, view (a permalink's query), title_zh, title_en, text_zh, text_en}.
     """
 
     __tablename__ = "tours"
@@ -205,8 +206,7 @@ class Tour(Base):
 class Person(Base):
     """A user with a login.
 
-    name_key: the name as it is compared. role: owner, teacher or pupil. password: an Argon2 hash, None before
-    one is chosen.
+    name_key: the name as it is compared. role: owner, teacher or pupil. password: an Argon2 hash or None.
     """
 
     __tablename__ = "people"

@@ -145,7 +145,7 @@ def _check_ids(manifest: ExportManifest, works: Sequence[ExportedWork], *, any_c
         if not any_collection and work.collection_id not in known:
             raise GalleryError(
                 f"{work.id}: expected a collection of {MANIFEST}, got {work.collection_id!r}",
-                zh=f"{work.id}：{MANIFEST} 裡沒有集子 {work.collection_id}。",
+                zh=f"{work.id}：{MANIFEST} 裡沒有專題 {work.collection_id}。",
             )
     pages = {work.id: work for work in works if work.parent_id is None}
     for work in works:

@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 from sqlalchemy.orm.attributes import flag_modified
 
 from rumu.database.engine import open_database
-from rumu.database.tables import Collection, Work
+from rumu.database.tables import Collection, Tour, Work
 from rumu.errors import GalleryError
 from rumu.gallery.assets import delete_files
 from rumu.gallery.filters import Filters, check_script, conditions, level
@@ -205,14 +205,16 @@ def change_work(gallery: Gallery, work_id: str, changes: Mapping[str, Any]) -> W
 
 
 COLLECTION_CHANGEABLE = frozenset(
-    {"source", "licence"} | {f"{name}_{language}" for name in ("title", "note") for language in ("zh", "en")}
+    {"source", "licence", "cover_id", "tour_id"}
+    | {f"{name}_{language}" for name in ("title", "note") for language in ("zh", "en")}
 )
 
 
 def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str, Any]) -> Collection:
     """Change columns of a collection, those of COLLECTION_CHANGEABLE; searches find its works by a new title.
 
-    Raises GalleryError for other columns, a title that is empty in both languages, or an unknown collection.
+    cover_id: a work of the collection, tour_id: a tour; '' is none. Raises GalleryError for others, for other
+    columns, a title that is empty in both languages, or an unknown collection.
     """
     unknown = sorted(set(changes) - COLLECTION_CHANGEABLE)
     if unknown:
@@ -221,6 +223,7 @@ def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str
     before = collection(gallery, collection_id).title
     with gallery.database.writing() as session:
         row = session.get_one(Collection, collection_id)
+        _check_choices(session, collection_id, changes)
         for name, value in changes.items():
             setattr(row, name, value)
         if not (row.title_zh.strip() or row.title_en.strip()):
@@ -234,6 +237,19 @@ def change_collection(gallery: Gallery, collection_id: str, changes: Mapping[str
                 for name, value in _search_columns(of_it, title).items():
                     setattr(of_it, name, value)
         return row
+
+
+def _check_choices(session: Session, collection_id: str, changes: Mapping[str, Any]) -> None:
+    """Raises GalleryError for a cover that is no work of the collection, and for a tour that there is not."""
+    cover, tour = changes.get("cover_id"), changes.get("tour_id")
+    of_collection = select(Work.id).where(Work.id == cover, Work.collection_id == collection_id)
+    if cover and session.scalar(of_collection) is None:
+        raise GalleryError(
+            f"expected a work of the collection {collection_id!r} as its cover, got {cover!r}",
+            zh="封面要用這個專題裡的作品。",
+        )
+    if tour and session.get(Tour, tour) is None:
+        raise GalleryError(f"there is no tour {tour!r} to belong to a collection", zh="沒有這條導覽。")
 
 
 def delete_work(gallery: Gallery, work_id: str) -> None:

@@ -65,6 +65,8 @@ class CollectionRow(_Row):
     note_en: Passage = ""
     source: Passage = ""
     licence: Line = ""
+    cover_id: RowId | Literal[""] = ""
+    tour_id: RowId | Literal[""] = ""
     created: Time
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from rumu.web.dependencies import LongText, ShortText
 from rumu.web.schemas import (
@@ -56,10 +56,40 @@ class CollectionRead(Schema):
     works: int
 
 
+class TourSummary(Schema):
+    """A tour that belongs to a collection."""
+
+    id: str
+    title: BilingualText
+
+
+class ExhibitionRead(CollectionRead):
+    """A collection with what its page shows.
+
+    cover: the work that its owner chose, or its first; null when it has none. tour: null when it has none.
+    """
+
+    cover: CoverRead | None
+    chosen: bool
+    tour: TourSummary | None
+
+
+class OrderUpdate(Schema):
+    """works: ids of the works that come first, in this order; the others follow as they stand."""
+
+    works: list[ShortText] = Field(max_length=10_000)
+
+
 class CollectionUpdate(Schema):
-    """Fields that are left out stay as they are. note: a description."""
+    """Fields that are left out stay as they are. note: a description.
+
+    cover: the id of a work of the collection, or '' to leave the choice to the service. tour: the id of a
+    tour, or '' for none.
+    """
 
     title: ShortBilingualInput | None = None
     note: BilingualInput | None = None
     source: LongText | None = None
     licence: ShortText | None = None
+    cover: ShortText | None = None
+    tour: ShortText | None = None

@@ -40,6 +40,22 @@ def test_a_shared_link_has_a_preview_and_leads_to_the_work(world) -> None:
     assert world.browser()("GET", "/share/works/none").status_code == 404
 
 
+def test_a_shared_collection_has_the_preview_of_its_cover(new_world) -> None:
+    world = new_world()
+    owner, url = world.browser("館主"), "/api/collections/starter"
+    note = {"zh": "五體", "en": 'Five "scripts".'}
+    assert owner("PATCH", url, json={"note": note, "cover": "regular-shui"}).status_code == 200
+    answer = world.browser()("GET", "/share/collections/starter")
+    meta = dict(re.findall(r'<meta (?:property|name)="([^"]+)" content="([^"]*)"', answer.text))
+    assert meta["og:description"] == "五體 Five &quot;scripts&quot;."
+    assert meta["og:image"].startswith("http://testserver/iiif/image/regular-shui/")
+    assert 'content="0; url=http://testserver/#/collections/starter"' in answer.text
+    for work in owner("GET", "/api/works", params={"collection": "starter"}).json()["items"]:
+        owner("DELETE", f"/api/works/{work['id']}")
+    assert "og:image" not in world.browser()("GET", "/share/collections/starter").text
+    assert world.browser()("GET", "/share/collections/none").status_code == 404
+
+
 def test_a_title_with_markup_stays_text(new_world) -> None:
     world = new_world()
     title = {"zh": '"><script>alert(1)</script>', "en": "</script><b>"}

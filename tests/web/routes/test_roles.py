@@ -37,6 +37,7 @@ READING = {
     **dict.fromkeys(("/api/works/regular-shui/characters", "/api/characters/永/works"), OPEN),
     "/iiif/works/regular-shui/search?q=永": OPEN,
     **dict.fromkeys(("/share/works/regular-shui", "/embed/works/regular-shui"), OPEN),
+    "/share/collections/starter": OPEN,
     **dict.fromkeys(
         ("/iiif/works/regular-shui/canvas", "/iiif/collections/starter.json", "/api/invitations/{token}"),
         OPEN,
@@ -88,6 +89,7 @@ CHANGING = {
     ("PATCH", "/api/people/{pupil}", '{"language": "en"}'): OWNER,
     ("DELETE", "/api/works/seal-none", ""): (*OWNER[:5], 404),
     ("PATCH", "/api/collections/starter", "{}"): OWNER,
+    ("PUT", "/api/collections/starter/order", '{"works": []}'): (*OWNER[:5], 204),
     ("DELETE", "/api/collections/none", ""): (*OWNER[:5], 404),
     ("DELETE", f"{CLASS}/pupils/none", ""): (401, 403, 403, 404, 204, 204),
     ("POST", "/api/comparisons", '{"left": "none", "right": "none", "winner": "left"}'): (401, *[404] * 5),

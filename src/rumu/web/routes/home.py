@@ -1,4 +1,4 @@
-"""Routes of the home page, and of pages that show a work elsewhere: previews of links, and frames."""
+"""Routes of the home page, and of pages that show works elsewhere: previews of links, and frames."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from rumu.gallery.single_page import SCRIPT, STYLE, page_facts, page_json, page_
 from rumu.gallery.vocabulary import HEIGHT_SOURCES
 from rumu.web.addresses import base_url, service_url
 from rumu.web.collection_schemas import CoverUpdate, HomeRead
-from rumu.web.dependencies import OwnerUser, ServiceDep, WorkId
-from rumu.web.routes.works import find_work
+from rumu.web.dependencies import OwnerUser, PathId, ServiceDep, WorkId
+from rumu.web.routes.works import find_work, get_collection
 from rumu.web.security import CONTENT_SECURITY_POLICY
 
 router = APIRouter(tags=["home"])
@@ -48,18 +48,35 @@ def share_work(request: Request, service: ServiceDep, work_id: WorkId) -> Respon
     It leads on to the page of the work, whose own address they cannot read: it stands after the hash.
     """
     work = find_work(service, work_id)
-    base, name = base_url(request), quote(work.id, safe="")
-    title = " ".join(dict.fromkeys(filter(None, work.title)))
     hand = " ".join(dict.fromkeys(filter(None, work.hand)))
     source = HEIGHT_SOURCES.get(work.height_source)
     about = "。".join(filter(None, (hand, source and source.zh.rstrip("。"), source and source.en)))
+    title = " ".join(dict.fromkeys(filter(None, work.title)))
+    return _preview(base_url(request), f"works/{quote(work.id, safe='')}", title, about, work)
+
+
+@router.get("/share/collections/{collection_id}", response_class=HTMLResponse)
+def share_collection(request: Request, service: ServiceDep, collection_id: PathId) -> Response:
+    """As `share_work`, for the page of a collection, with its cover."""
+    shown = get_collection(service, collection_id)
+    title, about = (" ".join(dict.fromkeys(filter(None, text))) for text in (shown.title, shown.note))
+    return _preview(base_url(request), f"collections/{collection_id}", title, about[:300], shown.cover)
+
+
+def _preview(base: str, path: str, title: str, about: str, picture: Work | None) -> Response:
+    """The page that stands for the one at `path`, relative to the service's hash."""
+    image = ""
+    if picture is not None:
+        name, size = quote(picture.id, safe=""), _preview_size(picture)
+        address = html.escape(f"{base}/iiif/image/{name}/full/!{size}/0/default.jpg")
+        image = f'<meta property="og:image" content="{address}">\n'
     page = _SHARED.format(
         title=html.escape(title),
         about=html.escape(about),
-        here=html.escape(f"{base}/share/works/{name}"),
-        there=html.escape(f"{base}/#/works/{name}"),
+        here=html.escape(f"{base}/share/{path}"),
+        there=html.escape(f"{base}/#/{path}"),
         icon=service_url("/seal.svg"),
-        picture=html.escape(f"{base}/iiif/image/{name}/full/!{_preview_size(work)}/0/default.jpg"),
+        image=image,
     )
     return HTMLResponse(page, headers={"Cache-Control": "public, max-age=3600"})
 
@@ -104,8 +121,7 @@ _SHARED = """<!doctype html>
 <meta property="og:title" content="{title}">
 <meta property="og:description" content="{about}">
 <meta property="og:url" content="{here}">
-<meta property="og:image" content="{picture}">
-<meta name="twitter:card" content="summary_large_image">
+{image}<meta name="twitter:card" content="summary_large_image">
 <meta http-equiv="refresh" content="0; url={there}">
 </head>
 <body><p><a href="{there}">{title}</a></p></body>

@@ -64,7 +64,7 @@ def get_collection_manifest(request: Request, service: ServiceDep, collection_id
     try:
         facts = collection_manifest(service.gallery, collection_id, base=base_url(request))
     except GalleryError as error:
-        raise Missing(zh="沒有這個集子。", en="There is no such collection.") from error
+        raise Missing(zh="沒有這個專題。", en="There is no such collection.") from error
     return _iiif_response(facts, "presentation")
 
 

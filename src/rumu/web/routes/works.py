@@ -15,13 +15,14 @@ from rumu.errors import GalleryError
 from rumu.gallery import annotations as gallery_annotations
 from rumu.gallery import catalog
 from rumu.gallery.derived import KINDS, MESHES, PLAIN, MeshShape, viewer_facts
+from rumu.gallery.exhibitions import exhibition, order_works
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.single_page import single_page
 from rumu.gallery.whole_works import CharacterWithin, characters_within, count_characters
 from rumu.studio.errors import Missing, Unusable
 from rumu.values import SCRIPTS
 from rumu.web.addresses import client_address, service_url
-from rumu.web.collection_schemas import CollectionRead, CollectionUpdate
+from rumu.web.collection_schemas import CollectionRead, CollectionUpdate, ExhibitionRead, OrderUpdate
 from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep, WorkId
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
@@ -121,23 +122,36 @@ def list_collections(service: ServiceDep) -> list[Extended]:
     return [Extended(row, works=count) for row, count in catalog.collections(service.gallery)]
 
 
-@router.get("/api/collections/{collection_id}", response_model=CollectionRead)
+@router.get("/api/collections/{collection_id}", response_model=ExhibitionRead)
 def get_collection(service: ServiceDep, collection_id: PathId) -> Extended:
-    """One collection."""
-    for row in list_collections(service):
-        if row.id == collection_id:
-            return row
-    raise Missing(zh="沒有這個集子。", en="There is no such collection.")
+    """One collection, with its cover and its tour."""
+    try:
+        shown = exhibition(service.gallery, collection_id)
+    except GalleryError as error:
+        raise Missing(zh="沒有這個專題。", en="There is no such collection.") from error
+    facts = {name: getattr(shown, name) for name in ("works", "cover", "chosen", "tour")}
+    return Extended(shown.collection, **facts)
 
 
-@router.patch("/api/collections/{collection_id}", response_model=CollectionRead)
+@router.patch("/api/collections/{collection_id}", response_model=ExhibitionRead)
 def update_collection(
     service: ServiceDep, user: OwnerUser, collection_id: PathId, changes: CollectionUpdate
 ) -> Extended:
-    """Change title, description, source or licence of a collection."""
+    """Change title, description, source, licence, cover or tour of a collection."""
     get_collection(service, collection_id)
-    catalog.change_collection(service.gallery, collection_id, to_columns(changes.model_dump()))
+    columns = to_columns(changes.model_dump())
+    for name in ("cover", "tour"):
+        if name in columns:
+            columns[f"{name}_id"] = columns.pop(name)
+    catalog.change_collection(service.gallery, collection_id, columns)
     return get_collection(service, collection_id)
+
+
+@router.put("/api/collections/{collection_id}/order", status_code=204)
+def order_collection(service: ServiceDep, user: OwnerUser, collection_id: PathId, order: OrderUpdate) -> None:
+    """Choose which works of a collection come first, and in which order."""
+    get_collection(service, collection_id)
+    order_works(service.gallery, collection_id, order.works)
 
 
 @router.delete("/api/collections/{collection_id}", status_code=204)
