@@ -15,7 +15,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from typing import Any, Self, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,8 @@ Samples = npt.NDArray[Any]
 Pixels = npt.NDArray[np.integer[Any]]
 Answer = TypeVar("Answer")
 
+SATURATION = 0.998
+"""Share of white from which a value says nothing but that there was more light."""
 _LEVELS = {"uint8": 256, "uint16": 65536}
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, in English, how many parts of it are done, and how many there are."""
@@ -123,18 +125,32 @@ class Photograph:
         return values
 
 
+class Gain(Protocol):
+    """By what a photograph is multiplied in each place, such as where the light was uneven."""
+
+    def at(self, pixels: Pixels) -> Floats:
+        """(P,) float32 factors, above 0 and at most 1, of some pixels by their numbers."""
+
+
 class ImageStack:
     """N photographs of one shape as linear light, computed where it is asked for.
 
     shape: (N, H, W) or (N, H, W, 3). dark: a photograph with all lamps off, taken from each, as far as that
-    leaves 0. peak: by which all are divided.
+    leaves 0. peak: by which all are divided. gains: those of each photograph, by which it is multiplied; what
+    was saturated stays so.
     """
 
     def __init__(
-        self, photographs: Sequence[Photograph], *, dark: Photograph | None = None, peak: float = 1.0
+        self,
+        photographs: Sequence[Photograph],
+        *,
+        dark: Photograph | None = None,
+        peak: float = 1.0,
+        gains: Sequence[tuple[Gain, ...]] = (),
     ) -> None:
         self._photographs = tuple(photographs)
         self._dark, self._peak = dark, np.float32(peak)
+        self._gains = tuple(gains) or ((),) * len(self._photographs)
         self.shape: tuple[int, ...] = (len(self._photographs), *self._photographs[0].samples.shape)
 
     @classmethod
@@ -160,21 +176,29 @@ class ImageStack:
 
     def chosen(self, numbers: Sequence[int]) -> ImageStack:
         """The stack of some of the photographs, by their numbers from 0."""
-        photographs = [self._photographs[i] for i in numbers]
-        return ImageStack(photographs, dark=self._dark, peak=float(self._peak))
+        photographs, gains = [self._photographs[i] for i in numbers], [self._gains[i] for i in numbers]
+        return ImageStack(photographs, dark=self._dark, peak=float(self._peak), gains=gains)
+
+    def times(self, gains: Sequence[Gain]) -> ImageStack:
+        """The stack whose photographs are multiplied by one gain each, beside those that there are."""
+        both = [(*before, one) for before, one in zip(self._gains, gains, strict=True)]
+        return ImageStack(self._photographs, dark=self._dark, peak=float(self._peak), gains=both)
 
     def range(self, start: int, stop: int) -> Floats:
         """(N, stop - start[, 3]) float32, a range of pixels of every photograph, counted row by row."""
         found = np.empty((len(self), stop - start, *self.shape[3:]), np.float32)
         dark = None if self._dark is None else self._dark.range(start, stop)
-        for values, photograph in zip(found, self._photographs, strict=True):
-            values[...] = self._calibrated(photograph.range(start, stop), dark)
+        pixels = np.arange(start, stop) if any(self._gains) else np.empty(0, int)
+        factors = self._factors(pixels)
+        for values, photograph, factor in zip(found, self._photographs, factors, strict=True):
+            values[...] = self._calibrated(photograph.range(start, stop), dark, factor)
         return found
 
     def at(self, pixels: Pixels) -> Floats:
         """(N, P[, 3]) float32, some pixels of every photograph, by their numbers."""
         dark = None if self._dark is None else self._dark.at(pixels)
-        return np.stack([self._calibrated(one.at(pixels), dark) for one in self._photographs])
+        pairs = zip(self._photographs, self._factors(pixels), strict=True)
+        return np.stack([self._calibrated(one.at(pixels), dark, factor) for one, factor in pairs])
 
     def rows(self, first: int, last: int) -> Floats:
         """(N, last - first, W[, 3]) float32, some rows of every photograph."""
@@ -187,7 +211,9 @@ class ImageStack:
         for start in range(0, self.pixels, _BAND):
             part = slice(start, min(start + _BAND, self.pixels))
             dark = None if self._dark is None else self._dark.range(part.start, part.stop)
-            found[part] = self._calibrated(self._photographs[number].range(part.start, part.stop), dark)
+            factor = self._factor(number, np.arange(part.start, part.stop))
+            light = self._photographs[number].range(part.start, part.stop)
+            found[part] = self._calibrated(light, dark, factor)
         return found.reshape(self.shape[1:])
 
     def reduced(self, number: int, size: tuple[int, int]) -> Floats:
@@ -198,19 +224,42 @@ class ImageStack:
         import cv2
 
         dark = None if self._dark is None else self._dark.reduced(size)
-        light = self._calibrated(self._photographs[number].reduced(size), dark)
+        light = self._photographs[number].reduced(size)
+        height, width = light.shape[:2]
+        rows, columns = (
+            ((np.arange(few) + 0.5) * many / few).astype(int)
+            for few, many in ((height, self.shape[1]), (width, self.shape[2]))
+        )
+        factor = self._factor(number, (rows[:, None] * self.shape[2] + columns).reshape(-1))
+        light = self._calibrated(light, dark, None if factor is None else factor.reshape(height, width))
         return np.asarray(cv2.resize(light, size, interpolation=cv2.INTER_AREA))
 
     def floats(self) -> Floats:
         """(N, H, W) or (N, H, W, 3) float32: everything at once, which takes four bytes for each value."""
         return np.stack(list(self))
 
-    def _calibrated(self, values: Floats, dark: Floats | None) -> Floats:
+    def _factors(self, pixels: Pixels) -> list[Floats | None]:
+        """What each photograph is multiplied by in some pixels; a gain that all share is computed once."""
+        if len(set(self._gains)) == 1:
+            return [self._factor(0, pixels)] * len(self)
+        return [self._factor(number, pixels) for number in range(len(self))]
+
+    def _factor(self, number: int, pixels: Pixels) -> Floats | None:
+        factor: Floats | None = None
+        for gain in self._gains[number]:
+            factor = gain.at(pixels) if factor is None else factor * gain.at(pixels)
+        return factor
+
+    def _calibrated(self, values: Floats, dark: Floats | None, factor: Floats | None) -> Floats:
+        white = None if factor is None else values >= SATURATION * self._peak
         if dark is not None:
             np.subtract(values, dark, out=values)
             np.maximum(values, 0, out=values)
         if self._peak != 1:
             values /= self._peak
+        if factor is not None and white is not None:
+            values *= factor if values.ndim == factor.ndim else factor[..., None]
+            values[white] = 1.0
         return values
 
 

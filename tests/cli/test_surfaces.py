@@ -57,6 +57,21 @@ def test_a_scale_that_is_none_is_wrong_usage(rumu, capture, tmp_path, scale):
     assert not (tmp_path / "out").exists()
 
 
+def test_photographs_are_divided_by_flat_field_frames(rumu, capture, tmp_path):
+    Image.fromarray(np.full((40, 40), 40000, np.uint16)).save(tmp_path / "flat.png")
+    options = ("--write", "height.tif", "--json")
+    plain = rumu("reconstruct", capture, "-o", tmp_path / "plain", *options).facts
+    ended = rumu(
+        "reconstruct", capture, "-o", tmp_path / "out", "--flat-field", tmp_path / "flat.png", *options
+    )
+    assert ended.code == 0 and "divided by the mean" in ended.facts["notes"][0]["en"]
+    assert ended.facts["height"]["high"] == pytest.approx(plain["height"]["high"], rel=1e-3)
+    assert rumu("rti", capture, "-o", tmp_path / "a.ptm", "--flat-field", tmp_path).code == 1
+    Image.fromarray(np.full((40, 40), 65535, np.uint16)).save(tmp_path / "flat.png")
+    white = ("--flat-field", tmp_path / "flat.png")
+    rumu("reconstruct", capture, "-o", tmp_path / "no", *white).failed_with("flat.png", "overexposed")
+
+
 def test_images_of_different_sizes(rumu, capture, tmp_path):
     Image.new("L", (41, 40), 90).save(capture / "lamp 2.png")
     ended = rumu("reconstruct", capture, "-o", tmp_path / "out")

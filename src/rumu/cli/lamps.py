@@ -30,6 +30,14 @@ SphereOption = Annotated[
     ),
 ]
 
+FlatFieldOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--flat-field",
+        help="A photograph of a blank, even sheet, or a folder of them, by which photographs are divided.",
+    ),
+]
+
 
 @print_outcome
 def lamps(
@@ -80,15 +88,27 @@ def lamps(
 
 
 def read_lit_capture(
-    folder: Path, sphere: Sequence[str] | None, leave_out: Sequence[str], progress: Progress
+    folder: Path,
+    *,
+    sphere: Sequence[str] | None,
+    flat_field: Path | None,
+    leave_out: Sequence[str],
+    progress: Progress,
 ) -> Capture:
-    """The capture of a folder, its lamps told by a file, or by mirror spheres where --sphere was given."""
+    """The capture of a folder, its lamps told by a file, or by mirror spheres where --sphere was given.
+
+    flat_field: of --flat-field, by which the photographs are divided.
+    """
+    from rumu.capture.flat_frames import divide_by_flat_frames
     from rumu.capture.folder import read_capture
     from rumu.capture.sphere_capture import read_sphere_capture
 
-    if not sphere:
-        return read_capture(folder, leave_out=leave_out, progress=progress)
-    return read_sphere_capture(folder, spheres=spheres_of(sphere), leave_out=leave_out, progress=progress)
+    if sphere:
+        spheres = spheres_of(sphere)
+        capture = read_sphere_capture(folder, spheres=spheres, leave_out=leave_out, progress=progress)
+    else:
+        capture = read_capture(folder, leave_out=leave_out, progress=progress)
+    return capture if flat_field is None else divide_by_flat_frames(capture, flat_field)
 
 
 def spheres_of(texts: Sequence[str]) -> list[Sphere]:

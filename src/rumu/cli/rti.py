@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from rumu.cli.lamps import SphereOption, read_lit_capture
+from rumu.cli.lamps import FlatFieldOption, SphereOption, read_lit_capture
 from rumu.cli.options import AsJson, check_writable, finite
 from rumu.cli.terminal import Outcome, print_outcome, stages
 
@@ -52,6 +52,7 @@ def rti(
         typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
     ] = None,
     sphere: SphereOption = None,
+    flat_field: FlatFieldOption = None,
     mm_per_pixel: Annotated[
         float | None, typer.Option(min=1e-6, help="Scale of the photographs, for info.json.")
     ] = None,
@@ -71,7 +72,9 @@ def rti(
     chosen: Basis = basis or ("hsh" if implied == "hsh" else "ptm")
     check_writable(whole_file(out) if implied else whole_folder(out, marker=INFO))
     with stages() as progress:
-        capture = read_lit_capture(capture_dir, sphere, leave_out or (), progress)
+        capture = read_lit_capture(
+            capture_dir, sphere=sphere, flat_field=flat_field, leave_out=leave_out or (), progress=progress
+        )
         if mm_per_pixel is not None:
             capture = capture.changed(spacing=finite(mm_per_pixel))
         fit = fit_rti(capture, basis=chosen, order=order, channels=channels, progress=progress)

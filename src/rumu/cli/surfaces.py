@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from rumu.cli.lamps import SphereOption, read_lit_capture
+from rumu.cli.lamps import FlatFieldOption, SphereOption, read_lit_capture
 from rumu.cli.options import AsJson, check_writable, finite, not_an_input
 from rumu.cli.terminal import Outcome, print_outcome, stages, working
 from rumu.errors import GalleryError, SurfaceError
@@ -60,6 +60,7 @@ def reconstruct(
         typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
     ] = None,
     sphere: SphereOption = None,
+    flat_field: FlatFieldOption = None,
     write: Annotated[
         str,
         typer.Option(
@@ -81,7 +82,9 @@ def reconstruct(
     files = _files_to_write(write)
     check_writable(whole_folder(out, marker=MARKER))
     with stages() as progress:
-        capture = read_lit_capture(capture_dir, sphere, leave_out or (), progress)
+        capture = read_lit_capture(
+            capture_dir, sphere=sphere, flat_field=flat_field, leave_out=leave_out or (), progress=progress
+        )
         if mm_per_pixel is not None:
             capture = capture.changed(spacing=finite(mm_per_pixel))
         if lamps_as_given:

@@ -9,8 +9,9 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from rumu.image_stack import SATURATION
 from rumu.surface.robust import TILE_RESIDUALS, RobustSettings, Solver, TileSolution
-from rumu.surface.stereo import SATURATION, SHADOW_FLOOR, SHADOW_SHARE
+from rumu.surface.stereo import SHADOW_FLOOR, SHADOW_SHARE
 from rumu.values import BoolArray, FloatArray
 
 _FACTOR = "10 to 30"

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.errors import CaptureError
-from rumu.surface.stereo import SATURATION, SHADOW_FLOOR, enough_lit
+from rumu.image_stack import SATURATION
+from rumu.surface.stereo import SHADOW_FLOOR, enough_lit
 from rumu.values import Bilingual, BoolArray, Capture, FloatArray, Surface
 
 _THREADS = 4  # that reduce photographs, each with a whole one in its bits

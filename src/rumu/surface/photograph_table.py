@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rumu.image_stack import SATURATION
 from rumu.surface.frame_check import shift_between
-from rumu.surface.stereo import SATURATION, SHADOW_FLOOR
+from rumu.surface.stereo import SHADOW_FLOOR
 from rumu.values import Bilingual, Capture, FloatArray, Surface
 
 _NAMED = 3  # bad photographs that are each given a sentence

@@ -17,8 +17,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from rumu.image_stack import SATURATION
 from rumu.surface.stereo import (
-    SATURATION,
     SHADOW_FLOOR,
     channel_albedo,
     enough_lit,

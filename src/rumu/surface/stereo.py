@@ -15,12 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.errors import SurfaceError
-from rumu.image_stack import ImageStack
+from rumu.image_stack import SATURATION, ImageStack
 from rumu.values import BoolArray, FloatArray
 
 SHADOW_FLOOR = 0.004  # one step of 8 bits: what is darker may as well be black
 SHADOW_SHARE = 0.02  # of the brightest of the same pixel's values: a lamp that gives less does not reach it
-SATURATION = 0.998
 _TINY = 1e-12
 
 
