@@ -15,11 +15,16 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from rumu.capture.dome import without_fall_off
 from rumu.capture.folder import read_capture
+from rumu.image_stack import ImageStack
 from rumu.surface.integrate import integrate
+from rumu.surface.near_lamps import solve_near
 from rumu.surface.photometric import photometric, surface_normals
 from rumu.surface.robust import SOLVERS
+from rumu.surface.solve import solve
 from rumu.values import Capture
+from rumu_lab.simulation.lamps import NearLamp, normals_of, render
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shared" / "data")).resolve()
 PHOTOS = DATA / "photometric"
@@ -156,8 +161,35 @@ def thresholds() -> None:
     print(f"  thresholds up to {max(off):.1f} gray levels apart")
 
 
+def near_lamps() -> None:
+    """A simulated relief, 2 % of its side high, under eight lamps at slants of 35 and 45 degrees."""
+    print("\nnear lamps, robust: mean and largest error in degrees")
+    print("  sheet sides away    as far lamps     without fall-off      near lamps")
+    side = 160
+    y, x = np.mgrid[:side, :side]
+    height = np.sin(x / 9.0) * np.cos(y / 11.0) + 0.6 * np.sin(x / 3.3 + y / 5)
+    truth, whole = normals_of(height), np.ones((side, side), bool)
+    for away in (1.0, 1.5, 3.0):
+        tilt, slant = np.arange(8) * np.pi / 4, np.radians([45, 35] * 4)
+        lights = np.stack([np.cos(tilt) * np.sin(slant), np.sin(tilt) * np.sin(slant), np.cos(slant)], axis=1)
+        positions = away * side * lights
+        lamps = [NearLamp(tuple(one), strength=0.5) for one in positions]
+        stack = ImageStack.of_arrays([render(height, 0.8, lamp=one, cast_shadows=False) for one in lamps])
+        even = without_fall_off(stack, positions)
+        line = f"  {away:<16g}"
+        for found in (
+            solve(stack, lights),
+            solve(even, lights),
+            solve_near(even, lights, positions, solver="robust", mask=whole),
+        ):
+            error = np.degrees(np.arccos(np.clip((found.normals * truth).sum(axis=2), -1, 1)))
+            line += f"{error.mean():9.2f}{error.max():9.2f}"
+        print(line)
+
+
 if __name__ == "__main__":
     integration()
+    near_lamps()
     accuracy()
     solving()
     thresholds()

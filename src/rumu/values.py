@@ -20,16 +20,13 @@ from rumu.image_stack import ImageStack, KeepsPhotographs
 FloatArray = npt.NDArray[np.floating[Any]]
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
-
 Source = Literal["photometric", "inflation", "density"]
 Unit = Literal["mm", "px"]
 Level = Literal["excellent", "good", "medium", "bad"]
-
 Script = Literal["seal", "clerical", "regular", "running", "cursive"]
 SOURCES: tuple[Source, ...] = ("photometric", "inflation", "density")
-SCRIPTS: dict[Script, str] = dict(
-    zip(get_args(Script), ["篆書", "隸書", "楷書", "行書", "草書"], strict=True)
-)
+_SCRIPTS_ZH = ("篆書", "隸書", "楷書", "行書", "草書")
+SCRIPTS: dict[Script, str] = dict(zip(get_args(Script), _SCRIPTS_ZH, strict=True))
 """The five scripts and their names in Chinese."""
 
 
@@ -75,8 +72,9 @@ class Capture(KeepsPhotographs):
         not all in one plane.
     mask
         (H, W) bool, True where the object is; all True when none was given.
-    strengths, spacing
-        (N,) float64, relative strength of each lamp, mean 1; millimetres per pixel; None when unknown.
+    strengths, spacing, positions
+        (N,) float64, relative strength of each lamp, mean 1; millimetres per pixel; (N, 3) float64, pixels
+        from the middle, of near lamps in images free of fall-off (capture/dome.py); None when unknown.
     names, notes
         The file that each image came from; what was read otherwise than it was written there.
     orientation, lamps_as_given
@@ -97,6 +95,7 @@ class Capture(KeepsPhotographs):
     orientation: Literal["stored", "exif"] | None = None
     notes: tuple[Bilingual, ...] = ()
     lamps_as_given: bool = False
+    positions: FloatArray | None = None
 
     def __post_init__(self) -> None:
         require = partial(_require, CaptureError)
@@ -119,6 +118,9 @@ class Capture(KeepsPhotographs):
         if self.strengths is not None:
             right = self.strengths.shape == (n,) and bool((self.strengths > 0).all())
             require(right, f"{n} positive strengths", self.strengths)
+        if self.positions is not None:
+            above = self.positions.shape == (n, 3) and bool((self.positions[:, 2] > 0).all())
+            require(above, f"{n} positions above the sheet", self.positions)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

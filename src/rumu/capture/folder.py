@@ -2,6 +2,7 @@
 
 A folder holds the photographs of one sheet, one lamp each, and one file that says where the lamps stood:
 
+    NAME.dome                RelightLab's, lamps near or far; the images are taken in natural order
     NAME.lp                  names each image beside its lamp; the images may lie in other folders
     light_directions*.txt    3 x N or N x 3 numbers; the images are taken in natural order
     capture.json             {"slant": 45} for images a, b, c (tilt 0, 90, 180) and d (270), the paper's kind
@@ -21,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from rumu.capture.description import DESCRIPTION, Description, entry_among, read_description
+from rumu.capture.dome import read_dome, without_fall_off
 from rumu.capture.formats import ENCODINGS, Encoding
 from rumu.capture.frames import ORIENTATIONS, Orientation, read_frames
 from rumu.capture.light_files import LampLine, read_directions, read_lp
@@ -40,7 +42,8 @@ class _Lamps:
     """The photographs, their lamps, and the file that says where the lamps stood.
 
     strengths: (N,) of the lamps, mean 1, None when they are not told. as_shown: whether the lamps are told
-    by how the pictures look on a screen. notes: what a person should know.
+    by how the pictures look on a screen. notes: what a person should know. positions: (N, 3) of near lamps,
+    in shares of the width of the photograph, which is `width` mm wide; None when they are not told.
     """
 
     images: tuple[Path, ...]
@@ -49,6 +52,8 @@ class _Lamps:
     strengths: FloatArray | None = None
     as_shown: bool = False
     notes: tuple[Bilingual, ...] = ()
+    positions: FloatArray | None = None
+    width: float | None = None
 
 
 def read_capture(
@@ -123,12 +128,16 @@ def read_capture(
         orientation=turned,
         progress=progress,
     )
+    wide = frames.stack.shape[2]
+    positions = None if lamps.positions is None else lamps.positions * wide
+    stack = frames.stack if positions is None else without_fall_off(frames.stack, positions)
+    spacing = description.spacing_mm or (lamps.width / wide if lamps.width is not None else None)
     return Capture(
-        images=frames.stack,  # type: ignore[arg-type]
+        images=stack,  # type: ignore[arg-type]
         lights=lamps.lights,
         mask=read_folder_mask(images, description, frames),
         strengths=lamps.strengths,
-        spacing=description.spacing_mm,
+        spacing=spacing,
         names=tuple(
             image.relative_to(folder).as_posix() if image.is_relative_to(folder) else str(image)
             for image in lamps.images
@@ -136,6 +145,7 @@ def read_capture(
         orientation=frames.orientation,
         notes=(*lamps.notes, *frames.notes),
         lamps_as_given=description.lamps_as_given,
+        positions=positions,
     )
 
 
@@ -171,6 +181,7 @@ def _without(lamps: _Lamps, names: Collection[str]) -> _Lamps:
         images=tuple(images),
         lights=lamps.lights[kept],
         strengths=None if strengths is None else strengths / strengths.mean(),
+        positions=None if lamps.positions is None else lamps.positions[kept],
     )
     _check_lamps(fewer)
     return fewer
@@ -193,7 +204,7 @@ def _split_path(path: Path) -> tuple[Path, Path | None]:
             en="expected a capture folder or its .lp file, there is no such file",
             zh="這裡應是多燈照片的資料夾或其中的 .lp 檔，卻找不到",
         )
-    if path.suffix.lower() in (".lp", ".txt", ".json"):
+    if path.suffix.lower() in (".lp", ".dome", ".txt", ".json"):
         return path.parent, path
     raise capture_error(
         path,
@@ -218,11 +229,13 @@ def _read_lamps(images: FolderImages, named: Path | None, description: Descripti
         )
     if kind == ".lp":
         return _from_lp(file, images)
+    if kind == ".dome":
+        return _from_dome(file, images)
     return _from_json(file, images, description) if kind == ".json" else _from_table(file, images)
 
 
 def _lamp_file(folder: Path, description: Description) -> Path:
-    for kind in (r".+\.lp", r"light_directions.*\.txt"):
+    for kind in (r".+\.lp", r".+\.dome", r"light_directions.*\.txt"):
         found = [p for p in files(folder) if re.fullmatch(kind, p.name, re.IGNORECASE)]
         if len(found) > 1:
             names = ", ".join(p.name for p in found)
@@ -316,14 +329,28 @@ def _strengths(path: Path, lamps: tuple[LampLine, ...]) -> tuple[FloatArray | No
 
 def _from_table(path: Path, images: FolderImages) -> _Lamps:
     lights = read_directions(path)
+    _check_count(path, len(lights), images)
+    return _Lamps(tuple(images.photographs), lights, path)
+
+
+def _from_dome(path: Path, images: FolderImages) -> _Lamps:
+    dome = read_dome(path)
+    _check_count(path, len(dome.lights), images)
+    found = tuple(images.photographs)
+    return _Lamps(
+        found, dome.lights, path, strengths=dome.strengths, positions=dome.positions, width=dome.width
+    )
+
+
+def _check_count(path: Path, lamps: int, images: FolderImages) -> None:
+    """Raise CaptureError unless there are as many images as lamps, which are taken in natural order."""
     count = len(images.photographs)
-    if count != len(lights):
+    if count != lamps:
         raise capture_error(
             path,
-            en=f"holds {len(lights)} lamps, but {count} images lie beside it",
-            zh=f"裡面有 {len(lights)} 盞燈，旁邊卻有 {count} 張照片",
+            en=f"holds {lamps} lamps, but {count} images lie beside it",
+            zh=f"裡面有 {lamps} 盞燈，旁邊卻有 {count} 張照片",
         )
-    return _Lamps(tuple(images.photographs), lights, path)
 
 
 def _from_json(path: Path, images: FolderImages, description: Description) -> _Lamps:

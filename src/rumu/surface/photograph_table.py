@@ -12,6 +12,7 @@ import numpy as np
 
 from rumu.image_stack import SATURATION
 from rumu.surface.frame_check import shift_between
+from rumu.surface.near_lamps import shading
 from rumu.surface.stereo import SHADOW_FLOOR
 from rumu.values import Bilingual, Capture, FloatArray, Surface
 
@@ -66,7 +67,7 @@ def photograph_table(
     values = capture.photographs.at(chosen)
     values = values if values.ndim == 2 else values.mean(axis=2)
     albedo = surface.albedo if surface.albedo.ndim == 2 else surface.albedo.mean(axis=2)
-    law = capture.lights @ surface.normals.reshape(-1, 3)[chosen].T.astype(np.float64)
+    law = shading(capture, surface.normals.reshape(-1, 3)[chosen], chosen)
     law = np.maximum(law, 0) * albedo.reshape(-1)[chosen]
     strength, residual = np.array([_fit_of(one, lit) for one, lit in zip(values, law, strict=True)]).T
     beside = _beside_the_law(capture, surface, albedo, limits)
@@ -106,9 +107,11 @@ def _beside_the_law(
     frames = capture.photographs.rows(top, min(height, top + limits.side))[:, :, square[1]]
     frames = frames if frames.ndim == 3 else frames.mean(axis=3)
     normals = surface.normals[square]
+    pixels = np.arange(height * width).reshape(height, width)[square].reshape(-1)
+    shown = shading(capture, normals.reshape(-1, 3), pixels).astype(np.float32)
     found = []
-    for frame, light in zip(frames, capture.lights.astype(np.float32), strict=True):
-        wanted = np.maximum(normals @ light, np.float32(0)) * albedo[square]
+    for frame, shade in zip(frames, shown, strict=True):
+        wanted = np.maximum(shade.reshape(normals.shape[:2]), np.float32(0)) * albedo[square]
         sharpness = _detail(frame) / max(_detail(wanted), 1e-9)
         found.append((sharpness, shift_between(frame, wanted)))
     return found

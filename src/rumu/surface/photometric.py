@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from rumu.image_stack import Progress
 from rumu.surface.frame_check import check_exposure, check_still
 from rumu.surface.integrate import INTEGRATORS, integrate
 from rumu.surface.lamp_check import check_lamps
+from rumu.surface.near_lamps import solve_near
 from rumu.surface.robust import SOLVERS
 from rumu.surface.solve import Solution, solve
 from rumu.surface.stereo import (
@@ -118,20 +120,13 @@ def surface_normals(
     check_exposure(capture)
     if not capture.lamps_as_given:
         check_still(capture)
-    lamps = paper_tilts(capture.lights, tolerance=_PAPER_TOLERANCE)
+    lamps = paper_tilts(capture.lights, tolerance=_PAPER_TOLERANCE) if capture.positions is None else None
     photometry = _photometry(capture, lamps, solver)
     check = None
     if lamps is not None:
         solution, check = _closed_form(capture, lamps, photometry.strengths)
     else:
-        solution = solve(
-            capture.photographs,
-            capture.lights * photometry.strengths[:, None],
-            solver=solver,
-            mask=capture.mask,
-            black_level=photometry.black_level,
-            progress=progress,
-        )
+        solution = _solved(capture, photometry, solver, progress)
     measured = capture.mask & (solution.confidence > 0)
     if not capture.lamps_as_given:
         check_lamps(
@@ -156,6 +151,20 @@ def surface_normals(
     if check is not None:
         quality["fourth_lamp"] = check
     return solution.normals, solution.albedo, solution.confidence, quality
+
+
+def _solved(capture: Capture, photometry: Photometry, solver: str, progress: Progress | None) -> Solution:
+    """The normals under lamps that are far away, or near."""
+    lights = capture.lights * photometry.strengths[:, None]
+    options: dict[str, Any] = {
+        "solver": solver,
+        "mask": capture.mask,
+        "black_level": photometry.black_level,
+        "progress": progress,
+    }
+    if capture.positions is None:
+        return solve(capture.photographs, lights, **options)
+    return solve_near(capture.photographs, lights, capture.positions, **options)
 
 
 def fill_holes(normals: FloatArray, albedo: FloatArray, *, known: BoolArray, within: BoolArray) -> None:
