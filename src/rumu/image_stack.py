@@ -179,6 +179,11 @@ class ImageStack:
         photographs, gains = [self._photographs[i] for i in numbers], [self._gains[i] for i in numbers]
         return ImageStack(photographs, dark=self._dark, peak=float(self._peak), gains=gains)
 
+    def mapped(self, work: Callable[[int, Photograph], Photograph]) -> ImageStack:
+        """The stack of what `work` makes of the number of each photograph and the photograph itself."""
+        photographs = [work(number, one) for number, one in enumerate(self._photographs)]
+        return ImageStack(photographs, dark=self._dark, peak=float(self._peak), gains=self._gains)
+
     def times(self, gains: Sequence[Gain]) -> ImageStack:
         """The stack whose photographs are multiplied by one gain each, beside those that there are."""
         both = [(*before, one) for before, one in zip(self._gains, gains, strict=True)]

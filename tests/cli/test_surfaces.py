@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from PIL import Image
+from scipy import ndimage
 
 UNWRITABLE = ["{desk}/file.txt/out", "/proc/out"]
 
@@ -70,6 +71,35 @@ def test_photographs_are_divided_by_flat_field_frames(rumu, capture, tmp_path):
     Image.fromarray(np.full((40, 40), 65535, np.uint16)).save(tmp_path / "flat.png")
     white = ("--flat-field", tmp_path / "flat.png")
     rumu("reconstruct", capture, "-o", tmp_path / "no", *white).failed_with("flat.png", "overexposed")
+
+
+def test_photographs_that_moved_are_laid_on_each_other(rumu, tmp_path):
+    """A shaken folder is refused, and with --align becomes a surface whose table tells by how much."""
+    folder, rng = tmp_path / "shaken", np.random.default_rng(3)
+    folder.mkdir()
+    page = ndimage.gaussian_filter(rng.random((140, 160)), 3)
+    page = 0.2 + 0.7 * (page > np.median(page))
+    lines = ["6"]
+    for number in range(6):
+        tilt = np.radians(60 * number)
+        light = 0.7 * np.array([np.cos(tilt), np.sin(tilt), 1.02])
+        shade = light[2] + 0.2 * light[0] * np.sin(np.arange(160) / 12)
+        image = ndimage.gaussian_filter(page * shade, 1)
+        image = ndimage.shift(image, (3.25, -1.5) if number == 2 else (0, 0), mode="nearest")
+        image += 0.002 * rng.standard_normal(image.shape)
+        Image.fromarray(np.round(image.clip(0, 1) * 65535).astype(np.uint16)).save(folder / f"{number}.png")
+        lines.append(f"{number}.png {light[0]:.6f} {light[1]:.6f} {light[2]:.6f}")
+    (folder / "lights.lp").write_text("\n".join(lines) + "\n")
+    rumu("reconstruct", folder, "-o", tmp_path / "no").failed_with("2.png", "moved", "--align")
+    options = ("--align", "--write", "normals", "--json")
+    facts = rumu("reconstruct", folder, "-o", tmp_path / "out", *options).facts
+    told = [row["aligned"] for row in facts["photographs"]]
+    assert told == pytest.approx([0, 0, np.hypot(3.25, 1.5), 0, 0, 0], abs=0.15)
+    assert any("2.png (3.6)" in note["en"] for note in facts["notes"])
+    assert (
+        "aligned" in rumu("reconstruct", folder, "-o", tmp_path / "out", "--align", "--write", "normals").out
+    )
+    assert rumu("rti", folder, "-o", tmp_path / "a.ptm", "--align").code == 0
 
 
 def test_images_of_different_sizes(rumu, capture, tmp_path):

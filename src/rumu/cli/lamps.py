@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from rumu.capture.spheres import FoundLamps, Sphere
     from rumu.image_stack import Progress
-    from rumu.values import Capture
+    from rumu.values import Capture, FloatArray
 
 _CIRCLE = re.compile(r"\s*([\d.]+)\s*,\s*([\d.]+)\s*,\s*([\d.]+)\s*")
 
@@ -36,6 +36,11 @@ FlatFieldOption = Annotated[
         "--flat-field",
         help="A photograph of a blank, even sheet, or a folder of them, by which photographs are divided.",
     ),
+]
+
+AlignOption = Annotated[
+    bool,
+    typer.Option("--align", help="Lay the photographs on each other first, where the camera moved a little."),
 ]
 
 
@@ -92,23 +97,30 @@ def read_lit_capture(
     *,
     sphere: Sequence[str] | None,
     flat_field: Path | None,
+    align: bool,
     leave_out: Sequence[str],
     progress: Progress,
-) -> Capture:
+) -> tuple[Capture, FloatArray | None]:
     """The capture of a folder, its lamps told by a file, or by mirror spheres where --sphere was given.
 
-    flat_field: of --flat-field, by which the photographs are divided.
+    flat_field: of --flat-field, by which the photographs are divided. align: of --align; then also (N,), by
+    how many pixels each photograph was moved.
     """
     from rumu.capture.flat_frames import divide_by_flat_frames
     from rumu.capture.folder import read_capture
     from rumu.capture.sphere_capture import read_sphere_capture
+    from rumu.surface.alignment import align_photographs
 
     if sphere:
         spheres = spheres_of(sphere)
         capture = read_sphere_capture(folder, spheres=spheres, leave_out=leave_out, progress=progress)
     else:
         capture = read_capture(folder, leave_out=leave_out, progress=progress)
-    return capture if flat_field is None else divide_by_flat_frames(capture, flat_field)
+    moved = None
+    if align:
+        done = align_photographs(capture, progress=progress)
+        capture, moved = done.capture, done.moved
+    return (capture if flat_field is None else divide_by_flat_frames(capture, flat_field)), moved
 
 
 def spheres_of(texts: Sequence[str]) -> list[Sphere]:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from rumu.cli.lamps import FlatFieldOption, SphereOption, read_lit_capture
+from rumu.cli.lamps import AlignOption, FlatFieldOption, SphereOption, read_lit_capture
 from rumu.cli.options import AsJson, check_writable, finite
 from rumu.cli.terminal import Outcome, print_outcome, stages
 
@@ -53,6 +53,7 @@ def rti(
     ] = None,
     sphere: SphereOption = None,
     flat_field: FlatFieldOption = None,
+    align: AlignOption = False,
     mm_per_pixel: Annotated[
         float | None, typer.Option(min=1e-6, help="Scale of the photographs, for info.json.")
     ] = None,
@@ -72,8 +73,13 @@ def rti(
     chosen: Basis = basis or ("hsh" if implied == "hsh" else "ptm")
     check_writable(whole_file(out) if implied else whole_folder(out, marker=INFO))
     with stages() as progress:
-        capture = read_lit_capture(
-            capture_dir, sphere=sphere, flat_field=flat_field, leave_out=leave_out or (), progress=progress
+        capture, _ = read_lit_capture(
+            capture_dir,
+            sphere=sphere,
+            flat_field=flat_field,
+            align=align,
+            leave_out=leave_out or (),
+            progress=progress,
         )
         if mm_per_pixel is not None:
             capture = capture.changed(spacing=finite(mm_per_pixel))

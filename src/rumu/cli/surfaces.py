@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from rumu.cli.lamps import FlatFieldOption, SphereOption, read_lit_capture
+from rumu.cli.lamps import AlignOption, FlatFieldOption, SphereOption, read_lit_capture
 from rumu.cli.options import AsJson, check_writable, finite, not_an_input
 from rumu.cli.terminal import Outcome, print_outcome, stages, working
 from rumu.errors import GalleryError, SurfaceError
@@ -61,6 +61,7 @@ def reconstruct(
     ] = None,
     sphere: SphereOption = None,
     flat_field: FlatFieldOption = None,
+    align: AlignOption = False,
     write: Annotated[
         str,
         typer.Option(
@@ -82,8 +83,13 @@ def reconstruct(
     files = _files_to_write(write)
     check_writable(whole_folder(out, marker=MARKER))
     with stages() as progress:
-        capture = read_lit_capture(
-            capture_dir, sphere=sphere, flat_field=flat_field, leave_out=leave_out or (), progress=progress
+        capture, aligned = read_lit_capture(
+            capture_dir,
+            sphere=sphere,
+            flat_field=flat_field,
+            align=align,
+            leave_out=leave_out or (),
+            progress=progress,
         )
         if mm_per_pixel is not None:
             capture = capture.changed(spacing=finite(mm_per_pixel))
@@ -92,7 +98,7 @@ def reconstruct(
         surface = pipeline.reconstruct(
             capture, solver=solver, integrator=integrator, rectify=rectify, progress=progress
         )
-        table = photograph_table(capture, surface)
+        table = photograph_table(capture, surface, aligned=aligned)
         notes = (*capture.notes, *exposure_notes(capture, surface), *fault_notes(table))
         title = capture_dir.resolve().name
         beside = {LAMPS: lp_text(capture.names, capture.lights)} if sphere else {}

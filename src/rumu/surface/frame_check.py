@@ -128,7 +128,7 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
     far = max(distance for _, distance in moved)
     raise CaptureError(
         f"{which.en}: moved against the other photographs, by about {far:.0f} pixels; camera and sheet "
-        "must stay where they are. Take the photographs again, or lay them on each other first",
+        "must stay where they are. Take the photographs again, or lay them on each other first (--align)",
         zh=f"{which.zh}：與其他照片錯開了約 {far:.0f} 像素；拍攝時相機與紙都不能動，請重拍，或先把照片對齊。",
     )
 

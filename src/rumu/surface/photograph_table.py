@@ -43,8 +43,9 @@ class PhotographRow:
 
     strength: of its lamp, mean 1, as the surface shows it. residual: median |brightness - law| in shares of
     the brightness. shadow, saturated: shares of the pixels. sharpness: strength of fine detail as a share of
-    what the surface shows under this lamp. moved: pixels by which it lies beside that.
-    faults: what is bad about it; empty for a good one.
+    what the surface shows under this lamp. moved: pixels by which it lies beside that. aligned: pixels by
+    which it was moved to lie there; None where that was not asked for. faults: what is bad about it; empty
+    for a good one.
     """
 
     name: str
@@ -54,13 +55,21 @@ class PhotographRow:
     saturated: float
     sharpness: float
     moved: float
+    aligned: float | None = None
     faults: tuple[Bilingual, ...] = ()
 
 
 def photograph_table(
-    capture: Capture, surface: Surface, *, limits: PhotographLimits | None = None
+    capture: Capture,
+    surface: Surface,
+    *,
+    aligned: FloatArray | None = None,
+    limits: PhotographLimits | None = None,
 ) -> list[PhotographRow]:
-    """A row for each photograph of a capture, in their order. surface: made of it, with nothing left out."""
+    """A row for each photograph of a capture, in their order. surface: made of it, with nothing left out.
+
+    aligned: (N,) pixels by which each was moved before, see `rumu.surface.alignment`.
+    """
     limits = limits or PhotographLimits()
     chosen = np.flatnonzero(surface.mask)
     chosen = chosen[:: max(1, len(chosen) // limits.pixels)]
@@ -83,6 +92,7 @@ def photograph_table(
             saturated=float((values[i] >= SATURATION).mean()),
             sharpness=beside[i][0],
             moved=beside[i][1],
+            aligned=None if aligned is None else float(aligned[i]),
         )
         rows.append(_with_faults(row, usual, limits))
     return rows
@@ -176,11 +186,12 @@ def fault_notes(rows: Sequence[PhotographRow]) -> tuple[Bilingual, ...]:
 def table_text(rows: Sequence[PhotographRow]) -> str:
     """The table as lines of text, one photograph in each."""
     width = max(len(row.name) for row in rows)
-    head = f"  {'':<{width}}  strength  residual  shadow  white  sharpness  moved"
+    was_aligned = any(row.aligned is not None for row in rows)
+    head = f"  {'':<{width}}  strength  residual  shadow  white  sharpness  moved" + "  aligned" * was_aligned
     lines = [
         f"  {row.name:<{width}}{row.strength:10.2f}{100 * row.residual:8.1f} %{100 * row.shadow:6.0f} %"
         f"{100 * row.saturated:5.0f} %"
-        f"{row.sharpness:11.2f}{row.moved:7.1f}"
+        f"{row.sharpness:11.2f}{row.moved:7.1f}" + (f"{row.aligned:9.2f}" if row.aligned is not None else "")
         for row in rows
     ]
     return "\n".join([head, *lines])
