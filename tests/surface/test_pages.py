@@ -13,7 +13,7 @@ from rumu.capture.image import read_image
 from rumu.errors import RefusedImage
 from rumu.gallery.starter import find_work
 from rumu.surface.ink import find_ink
-from rumu.surface.pages import character_size
+from rumu.surface.pages import character_size, remove_solid
 from rumu.surface.relief import relief
 
 CELL = 64
@@ -118,3 +118,22 @@ def test_crops_of_one_character_are_no_pages(data):
     folder = data / "masters" / "running-lantingxu"
     for file in [*(folder / "yu").glob("0[0-2]*"), *(folder / "dingwu").glob("0[0-2]*")]:
         assert "character" not in find_ink(read_image(file)).figures, file.name
+
+
+@pytest.mark.parametrize("character", [9, 40, 81])
+def test_what_is_as_thick_as_a_character_is_what_an_opening_by_a_disk_leaves(character):
+    rng = np.random.default_rng(5)
+    mask = cv2.GaussianBlur(rng.normal(size=(300, 400)).astype(np.float32), (0, 0), 12) > 0
+    mask[100:260, 40:240] = True
+    side = 2 * round(character / 2) + 1
+    disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
+    opened = cv2.morphologyEx(np.pad(mask.astype(np.uint8), side, mode="edge"), cv2.MORPH_OPEN, disk)
+    solid = cv2.dilate(opened, np.ones((5, 5), np.uint8))[side:-side, side:-side] > 0
+    kept = remove_solid(mask, character=character)
+    assert np.mean(kept != (mask & ~solid)) < 0.01 and (mask & ~kept).any()
+
+
+def test_thin_ink_is_left_as_it_is():
+    mask = np.zeros((200, 200), bool)
+    mask[10:190:20, 10:190] = True
+    assert np.array_equal(remove_solid(mask, character=40), mask)

@@ -58,6 +58,7 @@ _HEIF_BRANDS = frozenset(
 _AVIF_BRANDS = frozenset({b"avif", b"avis"})
 _SAMPLE_BYTES = {"I": 4, "F": 4}  # by Pillow's mode; 'I;16' and its kin have 2, the others 1
 _DECODER_BYTES = {"WEBP": 8, "AVIF": 8, "HEIF": 8}  # of a pixel, that decoders need besides
+_PIXELS_AT_A_TIME = 4_000_000  # handed over by Pillow
 _MAX_SCANS = 100  # of a progressive JPEG; each goes over the whole picture, and cameras write ten
 _SCAN_OF_JPEG = b"\xff\xda"
 
@@ -351,5 +352,18 @@ def _pillow_samples(path: Path, image: Any) -> Reading:
         wanted = "LA" if "A" in image.getbands() or mode == "La" or "transparency" in image.info else "L"
     else:
         wanted = "RGBA" if image.has_transparency_data else "RGB"
-    samples = np.asarray(image if mode == wanted else image.convert(wanted))
-    return split_alpha(samples), orientation, profile
+    return split_alpha(_array_of(image, wanted)), orientation, profile
+
+
+def _array_of(image: Any, mode: str) -> Any:
+    """The samples of a Pillow image in a mode, (H, W) or (H, W, C) uint8.
+
+    Some rows at a time, because Pillow copies twice what it hands over.
+    """
+    channels = () if mode == "L" else (len(mode),)
+    samples = np.empty((image.height, image.width, *channels), np.uint8)
+    step = max(1, _PIXELS_AT_A_TIME // image.width)
+    for top in range(0, image.height, step):
+        rows = image.crop((0, top, image.width, min(top + step, image.height)))
+        samples[top : top + step] = rows if rows.mode == mode else rows.convert(mode)
+    return samples

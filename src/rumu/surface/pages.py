@@ -79,12 +79,17 @@ def remove_solid(mask: BoolArray, *, character: float) -> BoolArray:
     """
     import cv2
 
-    side = 2 * round(character / 2) + 1
+    radius = round(character / 2)
+    side = 2 * radius + 1
     border = np.pad(
         mask.astype(np.uint8), side, mode="edge"
     )  # what is cut by the border may be as thick beyond
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
-    solid = cv2.dilate(cv2.morphologyEx(border, cv2.MORPH_OPEN, kernel), np.ones((5, 5), np.uint8))
+    # An opening by a disk, by two distances: unlike cv2.MORPH_OPEN it takes no longer for a larger disk.
+    core = cv2.distanceTransform(border, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) > radius
+    if not core.any():
+        return mask
+    far = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    solid = cv2.dilate((far <= radius).astype(np.uint8), np.ones((5, 5), np.uint8))
     return np.asarray(mask & ~(solid[side:-side, side:-side] > 0))
 
 
