@@ -117,7 +117,12 @@ export type ViewerFacts = {
   mask: string;
   three_lamps: null | { a: string; b: string; c: string; slant: number };
   glb: string;
+  /** Of a work larger than its maps: its image services, and the version of their tiles. */
+  tiles?: TileServices | null;
 };
+
+/** normals: null where there are none. version: empty where it is not known. */
+export type TileServices = { albedo: string; normals: string | null; version: string };
 
 export type TourStep = { work: string; view: string; title: Bilingual; text: Bilingual };
 export type Tour = { id: string; title: Bilingual; steps: TourStep[] };

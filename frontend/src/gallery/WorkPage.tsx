@@ -12,6 +12,7 @@ import { stateFromQuery, stateToQuery, type ViewState } from "../viewer/state";
 import type { SheetPoint, Viewer } from "../viewer/types";
 import { CharacterBoxes } from "./CharacterBoxes";
 import { CharacterCard, CharacterLinks } from "./CharacterFacts";
+import { FlatView } from "./FlatView";
 import { clearLastList } from "./listState";
 import { MuseumFacts } from "./MuseumFacts";
 import { NoteForm } from "./NoteForm";
@@ -60,7 +61,9 @@ export function FlatWork({ work, reason, retry }: { work: Work; reason: Bilingua
   return (
     <article class="work">
       <div class="work-stage">
-        <figure class="flat-work"><img src={work.files.picture} alt={localize(work.title)} /></figure>
+        <FlatView work={work}>
+          {(viewer) => whole.characters.length > 0 && <CharacterBoxes viewer={viewer} {...whole}>{null}</CharacterBoxes>}
+        </FlatView>
         <p class="note">{ofWhole("flat")} {localize(reason)}</p>
         {whole.characters.length > 0 && <WorkText {...whole} />}
         {whole.chosen && <CharacterCard one={whole.chosen} />}

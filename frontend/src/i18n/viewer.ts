@@ -76,6 +76,7 @@ export const t = translator({
   gesturePinch: { zh: "滾輪或兩指：放大、平移。", en: "Wheel or two fingers: zoom and pan." },
   gestureRightButton: { zh: "右鍵拖曳：任何時候都環繞。", en: "Right button: orbit at any time." },
   keyLight: { zh: "轉動燈光；上下改變斜度", en: "turn the light; up and down change its slant" },
+  keyPan: { zh: "選「移動」看紙面時：平移", en: "pan, over the sheet with the tool “move”" },
   keyOrbit: { zh: "環繞", en: "orbit" },
   keyZoom: { zh: "放大、縮小", en: "nearer, farther" },
   keyHome: { zh: "回到全景", en: "see all of it" },

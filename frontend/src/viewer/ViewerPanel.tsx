@@ -188,7 +188,7 @@ function ViewerHost({ surface, initial, caption, onState, onPoint, onViewer, onT
   return (
     <div class={sign ? "viewer-stage acting" : "viewer-stage"}>
       <div class="viewer-host" ref={host} onPointerDown={onTouch} onFocusIn={onTouch} role="application" aria-label={`${localize(surface.title)}. ${t("hostLabel")}`} />
-      {viewer ? children(viewer) : error ? <ErrorMessage error={error} retry={() => setRun((n) => n + 1)} /> : <div class="viewer-wait"><img src={surface.facts.picture} alt="" /><Loading /></div>}
+      {viewer ? children(viewer) : error ? <ErrorMessage error={error} retry={() => setRun((n) => n + 1)} /> : <div class="viewer-wait"><img src={surface.facts.albedo} alt="" /><Loading /></div>}
       {sign}
       {caption && <p class="viewer-caption">{localize(surface.title)}<small>{localize(surface.facts.source_text)}</small></p>}
     </div>
@@ -233,6 +233,7 @@ async function toggleFull(box: HTMLElement | null): Promise<void> {
 
 const HELP_KEYS: [string, Parameters<typeof t>[0]][] = [
   ["← → ↑ ↓", "keyLight"],
+  ["← → ↑ ↓", "keyPan"],
   ["⇧ ← → ↑ ↓", "keyOrbit"],
   ["+ −", "keyZoom"],
   ["0", "keyHome"],
@@ -256,7 +257,7 @@ function HelpDialog({ onClose }: { onClose: () => void }) {
       <table class="keys">
         <tbody>
           {HELP_KEYS.map(([key, name]) => (
-            <tr key={key}>
+            <tr key={name}>
               <th scope="row"><kbd>{key}</kbd></th>
               <td>{t(name)}</td>
             </tr>

@@ -23,6 +23,7 @@ import {
   Texture,
   Vector2,
   Vector3,
+  Vector4,
   WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
@@ -31,13 +32,15 @@ import { niceStep } from "./scales";
 import { fragment, vertex } from "./shaders";
 import type { HeightField } from "./heightfield";
 import { FIELD_OF_VIEW, fitCamera } from "./camera";
+import type { TileServices } from "../types";
+import { type DetailState, SheetDetail } from "./detail";
 import { type Camera, type Lens, LOOKS, type Mode, type ViewState } from "./state";
 
-/** Decoded pictures of one sheet. `lamps`: three photographs, if there are; `mask`: white where the surface was measured, if only in part. */
+/** Decoded pictures of one sheet. `photo`: null where the albedo is the picture itself. `lamps`: three photographs, if there are; `mask`: white where the surface was measured, if only in part. */
 export type Maps = {
   albedo: ImageBitmap;
   normals: ImageBitmap;
-  photo: ImageBitmap;
+  photo: ImageBitmap | null;
   mask: ImageBitmap | null;
   lamps: null | { a: ImageBitmap; b: ImageBitmap; c: ImageBitmap; slant: number };
 };
@@ -70,6 +73,8 @@ export class SheetScene {
   /** Units of height between two contour lines. */
   readonly interval: number;
   private readonly textures: Texture[] = [];
+  private readonly base: { albedo: Texture; normals: Texture };
+  private detail: SheetDetail | null = null;
   private readonly grids = new Map<number, BufferGeometry>();
 
   constructor(
@@ -82,6 +87,7 @@ export class SheetScene {
     this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
     this.renderer.setClearColor(0, 0);
     this.interval = niceStep(field.max - field.min, CONTOUR_COUNT);
+    this.base = { albedo: this.texture(maps.albedo, true), normals: this.texture(maps.normals, false) };
     this.sheet = new Mesh(this.grid(FLAT_SQUARES), this.material());
     this.sheet.frustumCulled = false; // heights are only known on the GPU
     this.scene.add(this.sheet);
@@ -105,7 +111,33 @@ export class SheetScene {
     this.camera.position.set(x, y, z);
     this.camera.lookAt(tx, ty, tz);
     this.camera.updateMatrixWorld();
+    if (this.detail && state.mode === "sheet") this.showDetail(this.detail);
     this.renderer.render(this.scene, this.camera);
+  }
+
+  /** From now on the flat sheet is as sharp as the screen. onChange: called when it can be drawn sharper. */
+  async loadDetail(services: TileServices, onChange: () => void, signal: AbortSignal): Promise<void> {
+    this.detail = await SheetDetail.load(this.renderer, this.field, this.base, services, onChange, signal);
+    if (signal.aborted) this.detail.dispose();
+    onChange();
+  }
+
+  /** Begins anew after the graphics card has lost its pictures. */
+  restore(): void {
+    this.detail?.reload();
+  }
+
+  /** What is shown of the detail; null without any. */
+  get detailState(): DetailState | null {
+    return this.detail?.state ?? null;
+  }
+
+  private showDetail(detail: SheetDetail): void {
+    detail.update(this.camera);
+    const { uniforms } = this.sheet.material;
+    uniforms.albedo!.value = detail.texture("albedo") ?? this.base.albedo;
+    uniforms.normals!.value = detail.texture("normals") ?? this.base.normals;
+    uniforms.part!.value.copy(detail.part);
   }
 
   /** The flat sheet under the state's lamp, one pixel for each texel of the albedo: RGBA rows from the top. */
@@ -126,6 +158,7 @@ export class SheetScene {
   }
 
   dispose(): void {
+    this.detail?.dispose();
     this.textures.forEach((texture) => texture.dispose());
     this.grids.forEach((geometry) => geometry.dispose());
     this.sheet.material.dispose();
@@ -148,6 +181,9 @@ export class SheetScene {
     uniform("look").value = LOOKS.indexOf(state.look);
     uniform("eye").value.set(...eye);
     uniform("cells").value.set(...squares(this.field, longest));
+    uniform("albedo").value = this.base.albedo;
+    uniform("normals").value = this.base.normals;
+    uniform("part").value.set(0, 0, 1, 1);
     const { lamps, mask } = this.maps;
     uniform("cut").value = mask !== null && state.mode !== "sheet";
     uniform("mixture").value.set(...(state.mixture && lamps ? mixtureWeights(state.tilt, state.slant, lamps.slant) : [0, 0, 0]));
@@ -162,11 +198,11 @@ export class SheetScene {
 
   private material(): RawShaderMaterial {
     const { field, maps } = this;
+    const { albedo, normals } = this.base;
     const heights = new DataTexture(field.values as Float32Array<ArrayBuffer>, field.width, field.height, RedFormat, FloatType);
     heights.minFilter = heights.magFilter = NearestFilter;
     heights.needsUpdate = true;
     this.textures.push(heights);
-    const albedo = this.texture(maps.albedo, true);
     const { lamps } = maps;
     return new RawShaderMaterial({
       glslVersion: GLSL3,
@@ -176,8 +212,10 @@ export class SheetScene {
       uniforms: {
         heights: { value: heights },
         albedo: { value: albedo },
-        normals: { value: this.texture(maps.normals, false) },
-        photo: { value: this.texture(maps.photo, true) },
+        normals: { value: normals },
+        photo: { value: maps.photo ? this.texture(maps.photo, true) : albedo },
+        photographed: { value: maps.photo !== null },
+        part: { value: new Vector4(0, 0, 1, 1) },
         mask: { value: maps.mask ? this.texture(maps.mask, false) : albedo },
         cut: { value: false },
         lampA: { value: lamps ? this.texture(lamps.a, true) : albedo },

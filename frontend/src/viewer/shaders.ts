@@ -77,6 +77,8 @@ export const fragment = /* glsl */ `
 precision highp float;
 precision highp sampler2D;
 uniform sampler2D heights, albedo, normals, photo, lampA, lampB, lampC;
+uniform vec4 part; // what of the sheet albedo and normals show: left, top, width, height
+uniform bool photographed; // whether the photograph is another picture than the albedo
 uniform int mode; // 0 sheet, 1 mesh, 2 heights, 3 contours, 4 the photograph, 5 normals
 uniform int lens; // as mode, -1 none, 6 magnified
 uniform vec3 lensPosition; // u, v, radius as a fraction of the longer side
@@ -111,15 +113,18 @@ vec3 heightColour(float t) {
   int k = min(int(x), ${ANCHORS.length - 2});
   return mix(anchors[k], anchors[k + 1], x - float(k));
 }
+vec2 inPart(vec2 uv) {
+  return (uv - part.xy) / part.zw;
+}
 vec3 normalAt(vec2 uv) {
-  return exaggerate(decodeNormal(texture(normals, uv).rgb), exaggeration);
+  return exaggerate(decodeNormal(texture(normals, inPart(uv)).rgb), exaggeration);
 }
 vec3 sheetAt(vec2 uv) { // linear; the albedo texture is decoded by the sampler
   if (mixture != vec3(0.0)) {
     vec3 photographed = mixPhotographs(texture(lampA, uv).rgb, texture(lampB, uv).rgb, texture(lampC, uv).rgb, mixture);
     return min(look == 1 ? photographed : photographed * exposure(light) * warm, 1.0);
   }
-  vec3 a = look == 2 ? clay : texture(albedo, uv).rgb;
+  vec3 a = look == 2 ? clay : texture(albedo, inPart(uv)).rgb;
   if (look == 1) return lambert(a, normalAt(uv), light);
   return warmLamp(a, normalAt(uv), light, normalize(eye - scenePosition), look == 2 ? 0.0 : sheen);
 }
@@ -153,7 +158,7 @@ vec3 layerAt(int what, vec2 uv) {
   if (what == 1) return meshAt();
   if (what == 2) return heightsAt(uv);
   if (what == 3) return contoursAt(uv);
-  if (what == 4) return texture(photo, uv).rgb;
+  if (what == 4) return photographed ? texture(photo, uv).rgb : texture(albedo, inPart(uv)).rgb;
   if (what == 5) return srgbToLinear(normalAt(uv) * 0.5 + 0.5);
   return sheetAt(uv);
 }

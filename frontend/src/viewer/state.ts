@@ -67,7 +67,7 @@ export function stateToQuery(state: ViewState): URLSearchParams {
   if (state.tilt !== DEFAULT_VIEW.tilt) query.set("tilt", short(state.tilt, 1));
   if (state.slant !== DEFAULT_VIEW.slant) query.set("slant", short(state.slant, 1));
   if (state.exaggeration !== DEFAULT_VIEW.exaggeration) query.set("ex", short(state.exaggeration, 2));
-  if (state.camera) query.set("cam", state.camera.map((v) => short(v, 3)).join(","));
+  if (state.camera) query.set("cam", state.camera.map((v) => short(v, 5)).join(","));
   if (state.section) query.set("sec", state.section.map((v) => short(v, 3)).join(","));
   if (state.ruler) query.set("rule", state.ruler.map((v) => short(v, 3)).join(","));
   if (state.lens !== DEFAULT_VIEW.lens) query.set("lens", state.lens);

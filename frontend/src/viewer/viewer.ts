@@ -1,7 +1,7 @@
 // A viewer in a page: a scene, its state, and what pointer and keys do to it. Buttons and plots around it are in ViewerPanel.tsx.
 
 import { Vector3 } from "three";
-import type { ViewerFacts } from "../types";
+import type { TileServices, ViewerFacts } from "../types";
 import { type Action, listenForInput } from "./controls";
 import { SHEEN } from "./shading";
 import { HeightField, type ProfilePoint } from "./heightfield";
@@ -16,6 +16,8 @@ import "./viewer.css"; // imported here, so that a viewer has its size in any pa
 
 const SHARED = ["mode", "tilt", "slant", "exaggeration", "camera", "look"] as const;
 const KEY_STEP = 5;
+/** How far an arrow key moves the picture, as a share of its height. */
+const PAN_STEP = 0.15;
 const LENS_RADIUS = 90;
 /** True while one viewer passes a change to the other, which must not pass it back. */
 let syncing = false;
@@ -30,7 +32,7 @@ export async function createViewer(host: HTMLElement, facts: ViewerFacts, option
     loadHeights(facts.heights.url, facts.heights.width * facts.heights.height, signal),
     loadPicture(facts.albedo, signal),
     loadPicture(facts.normals, signal),
-    loadPicture(facts.picture, signal),
+    measured ? loadPicture(facts.picture, signal) : null, // else the albedo is the picture
     measured ? loadPicture(facts.mask, signal) : null,
     lamps && Promise.all([lamps.a, lamps.b, lamps.c].map((url) => loadPicture(url, signal))),
   ]);
@@ -72,12 +74,13 @@ class SheetViewer implements Viewer {
     const dark = matchMedia("(prefers-color-scheme: dark)");
     const repaint = () => this.invalidate();
     dark.addEventListener("change", repaint);
-    this.canvas.addEventListener("webglcontextrestored", repaint);
+    this.canvas.addEventListener("webglcontextrestored", () => (this.scene.restore(), repaint()));
     this.cleanups.push(
       () => observer.disconnect(),
       () => dark.removeEventListener("change", repaint),
     );
     this.resize();
+    if (facts.tiles) void this.loadDetail(facts.tiles);
   }
 
   get interval(): number {
@@ -222,7 +225,17 @@ class SheetViewer implements Viewer {
     cancelAnimationFrame(this.frame);
     this.frame = 0;
     this.scene.draw(this.state, this.lensPosition());
+    const detail = this.scene.detailState;
+    if (detail) Object.assign(this.canvas.dataset, { factor: detail.factor, missing: detail.missing, tileBytes: detail.bytes });
     this.listeners.forEach((listener) => listener());
+  }
+
+  /** Works larger than their maps become sharp; where their tiles cannot be had, they stay as they are. */
+  private async loadDetail(services: TileServices): Promise<void> {
+    const controller = new AbortController();
+    this.cleanups.push(() => controller.abort());
+    const onChange = () => this.invalidate();
+    await this.scene.loadDetail(services, onChange, controller.signal).catch(() => undefined);
   }
 
   private lensPosition(): { u: number; v: number; radius: number } | null {
@@ -294,13 +307,16 @@ class SheetViewer implements Viewer {
           ArrowUp: () => ({ slant: slant - KEY_STEP }),
           ArrowDown: () => ({ slant: slant + KEY_STEP }),
         };
+    const step = (right: number, up: number) => () => ({ camera: pan(camera, right * PAN_STEP, up * PAN_STEP) });
+    const pans: Record<string, () => Partial<ViewState>> = { ArrowLeft: step(-1, 0), ArrowRight: step(1, 0), ArrowUp: step(0, 1), ArrowDown: step(0, -1) };
     const common: Record<string, () => Partial<ViewState>> = {
       "+": () => ({ camera: zoom(camera, 0.85) }),
       "=": () => ({ camera: zoom(camera, 0.85) }),
       "-": () => ({ camera: zoom(camera, 1 / 0.85) }),
       "0": () => ({ camera: null }),
     };
-    const change = (turns[event.key] ?? common[event.key])?.();
+    const moves = this.action() === "pan" && !event.shiftKey ? pans : turns;
+    const change = (moves[event.key] ?? common[event.key])?.();
     if (change) this.set(change);
     return change !== undefined;
   }

@@ -1,7 +1,7 @@
 // A museum's words: in the reader's language where there is one, links only where they lead to the web.
 
 import { render } from "preact";
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 import { MuseumFacts, textsFor } from "../../src/gallery/MuseumFacts";
 import { FlatWork } from "../../src/gallery/WorkPage";
 import { language } from "../../src/i18n";
@@ -26,7 +26,7 @@ const shown = (record: MuseumRecord | null): HTMLElement => {
 };
 
 describe("a leaf that no surface can be made of", () => {
-  it("is shown as it is, with the reason and the museum's words", () => {
+  it("is shown as it is, with the reason and the museum's words", async () => {
     language.value = "en";
     const both = (text: string) => ({ zh: text, en: text });
     const work = {
@@ -35,7 +35,7 @@ describe("a leaf that no surface can be made of", () => {
     } as unknown as Work;
     const box = document.createElement("div");
     render(<FlatWork work={work} reason={{ zh: "沒有字", en: "nothing is written on it" }} retry={() => undefined} />, box);
-    expect(box.querySelector("img")!.getAttribute("src")).toBe("p.jpg");
+    await vi.waitFor(() => expect(box.querySelector("img")!.getAttribute("src")).toBe("p.jpg")); // here without WebGL2
     expect(box.querySelector(".work-stage .note")!.textContent).toContain("nothing is written on it");
     expect(box.querySelector("h1")!.textContent).toBe("A cover");
     expect(box.textContent).toContain("30 × 20 px");
@@ -44,7 +44,7 @@ describe("a leaf that no surface can be made of", () => {
   });
 });
 
-describe("a museum's words", () => {
+describe("a museum's words", async () => {
   it("are those of the reader's language, else those without one, else the first", () => {
     language.value = "zh";
     expect(textsFor({ en: ["a"], "zh-Hant": ["甲"] })).toEqual({ lang: "zh-Hant", texts: ["甲"] });

@@ -39,6 +39,7 @@ from rumu.gallery.metadata import (
     work_row,
 )
 from rumu.gallery.store import Gallery
+from rumu.gallery.tile_maps import make_large_tiles
 from rumu.values import Bilingual
 from rumu.workspaces import temporary_folder
 
@@ -85,7 +86,7 @@ def add_picture(
     path = Path(path)
     check_choice(method, get_args(Method), "method")
     columns, rows = read_with_ink(path)[2]  # refuses a sheet without writing
-    return _add_picture_bytes(
+    added = _add_picture_bytes(
         gallery,
         path.read_bytes(),
         size=(columns, rows),
@@ -95,6 +96,8 @@ def add_picture(
         height_source=method,
         spacing=spacing,
     )
+    make_large_tiles(gallery, added.id)
+    return added
 
 
 def add_capture(
@@ -144,6 +147,7 @@ def add_capture(
     )
     metadata = replace(metadata, origin=metadata.origin or folder.name)
     added = add_stored_work(gallery, metadata, stored, collection=collection)
+    make_large_tiles(gallery, added.id)
     return replace(added, notes=(*capture.notes, *exposure_notes(capture, surface)))
 
 

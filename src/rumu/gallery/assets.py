@@ -27,14 +27,16 @@ from rumu.gallery.store import PART_SUFFIX, Gallery, Store
 from rumu.workspaces import temporary_folder
 
 if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
     from PIL.Image import Image as Picture
 
     from rumu.values import Capture, Surface
 
-VERSION = 2
+VERSION = 3
 """Increase it when the derived files of the same assets would come out differently."""
 
-MAX_SIDE = 2400  # pixels: a larger picture is reduced before its relief is computed
+MAX_PIXELS = 2400 * 2400  # a larger picture is reduced before its relief is computed
 DAY = 86_400.0  # seconds
 _DELETED_AT_ONCE = 500  # works whose files are looked for in one query, which reads the whole table
 _FOLDERS = ("pictures", "captures", "surfaces")
@@ -213,7 +215,7 @@ def _relief(store: Store, key: str, method: str, spacing: float | None) -> Surfa
     with store.local(key) as path:
         if not path.is_file():
             raise GalleryError(f"{key}: expected a picture in the store, there is none")
-        stored = decode(path, reduction=Reduction(side=MAX_SIDE))
+        stored = decode(path, reduction=Reduction(pixels=MAX_PIXELS))
         image = image_of(stored, name=path)
     try:
         surface = relief(image, method=method)  # type: ignore[arg-type]
@@ -259,8 +261,14 @@ def decode_picture(data: bytes, *, longest: float = math.inf) -> Picture:
 
     longest: pixels of its longest side at most. Raises ImageError when the data are no picture.
     """
-    import numpy as np
     from PIL import Image
+
+    return Image.fromarray(read_samples(data, longest=longest))
+
+
+def read_samples(data: bytes, *, longest: float = math.inf) -> npt.NDArray[np.uint8]:
+    """The samples of a picture, (H, W) or (H, W, 3) uint8; otherwise as `decode_picture`."""
+    import numpy as np
 
     from rumu.capture.decoded_size import Reduction
     from rumu.capture.formats import decode
@@ -268,7 +276,7 @@ def decode_picture(data: bytes, *, longest: float = math.inf) -> Picture:
 
     with picture_file(data) as path:
         stored = decode(path, reduction=Reduction(side=longest), floats=False)
-    return Image.fromarray(np.ascontiguousarray(over_white(eight_bits(stored.values), stored.alpha)))
+    return np.ascontiguousarray(over_white(eight_bits(stored.values), stored.alpha))
 
 
 @contextlib.contextmanager

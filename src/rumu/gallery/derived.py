@@ -239,7 +239,7 @@ def _read_or_render(store: Store, assets: Assets, kind: str, shape: MeshShape) -
     data = KINDS[kind].render(assets, **options)
     if shape == PLAIN or kind != "stl":  # anybody may ask for an STL of any shape, and the store would fill
         store.write(_key(assets, kind, shape), data)
-        _limit_room(store, len(data))
+        limit_room(store, len(data))
     return data
 
 
@@ -261,8 +261,8 @@ def max_derived_bytes() -> int:
     return int(text) * _MB
 
 
-def _limit_room(store: Store, written: int) -> None:
-    """Count what has been written, and delete the least recently used files when there is too much."""
+def limit_room(store: Store, written: int) -> None:
+    """Count the bytes that have been written, and delete the least recently used files above the limit."""
     most = max_derived_bytes()
     with _written_lock:
         before = _written.get(store.root)

@@ -36,6 +36,7 @@ from rumu.gallery.museum_web import FetchSettings, MuseumWeb, NotThere
 from rumu.gallery.public_addresses import RefusedAddress, UnknownHost
 from rumu.gallery.rights import licence_of
 from rumu.gallery.store import Gallery
+from rumu.gallery.tile_maps import make_large_tiles
 from rumu.homes import user_home
 from rumu.inputs import read_file
 from rumu.values import Bilingual
@@ -251,4 +252,5 @@ def _store(
         height=picture.height,
     )
     record: dict[str, Any] = manifest.record | {"canvas": canvas.id, "canvas_label": canvas.label}
-    add_stored_work(gallery, metadata, files, collection=collection, record=record)
+    added = add_stored_work(gallery, metadata, files, collection=collection, record=record)
+    make_large_tiles(gallery, added.id)

@@ -129,6 +129,35 @@ class Store:
                 zh=f"讀不到檔案 {key}（{_reason(error)}）。",
             ) from error
 
+    def read_part(self, key: str, first: int, size: int) -> bytes:
+        """Bytes of a file from `first` on. Raises GalleryError when it cannot be read, or is too short."""
+        with self.open_file(key) as stream:
+            stream.seek(first)
+            data = stream.read(size)
+        if len(data) != size:
+            raise GalleryError(f"{key}: expected {size} bytes from {first} on, got {len(data)}")
+        return bytes(data)
+
+    @contextlib.contextmanager
+    def open_file(self, key: str) -> Iterator[BinaryIO]:
+        """A file for reading parts of it. Raises GalleryError when it cannot be read."""
+        try:
+            with self.filesystem.open(self._path(key), "rb") as stream:
+                yield stream
+        except OSError as error:
+            raise GalleryError(
+                f"{key}: expected a file of the store, it cannot be read ({_reason(error)})",
+                zh=f"讀不到檔案 {key}（{_reason(error)}）。",
+            ) from error
+
+    def state(self, key: str) -> StoreFile | None:
+        """Size and time of a file; None if there is none."""
+        try:
+            info = self.filesystem.info(self._path(key))
+        except FileNotFoundError:
+            return None
+        return StoreFile(key, int(info.get("size") or 0), _modification_time(info))
+
     def exists(self, key: str) -> bool:
         """Whether there is a file with this key, or a folder with any files."""
         path = self._path(key)

@@ -13,6 +13,7 @@ from rumu.studio.storage import Storage
 if TYPE_CHECKING:
     from rumu.gallery.derived import DerivedFile, MeshShape
     from rumu.gallery.store import Gallery
+    from rumu.gallery.tile_maps import MapName
     from rumu.pipeline import PreparedMaster
     from rumu.studio.marking import MarkedCopy
     from rumu.studio.sheet_cells import ReadSheet
@@ -142,6 +143,13 @@ def image_part(storage: Storage, *, work_id: str, words: tuple[str, str, str, st
     from rumu.gallery.iiif_image import image_response
 
     return image_response(_open_gallery(storage), work_id, *words)
+
+
+def make_tiles(storage: Storage, *, work_id: str, name: MapName) -> None:
+    """Make the tile set of a map of a work, see `rumu.gallery.tile_maps`."""
+    from rumu.gallery.tile_maps import make_tiles as make
+
+    make(_open_gallery(storage), work_id, name)
 
 
 def add_work(storage: Storage, *, data: bytes, facts: dict[str, str], spacing: float | None) -> str:

@@ -32,6 +32,7 @@ from rumu.web.routes import (
     practice,
     printing,
     sheets,
+    tiles,
     tours,
     works,
 )
@@ -52,6 +53,7 @@ _ROUTERS = (
     *(tours.router, marks.router, attempts.router, practice.router, printing.router, classes.router),
     sheets.router,
     photographs.router,
+    tiles.router,
     *(comparisons.router, jobs.router, iiif.router, home.router, characters.router, works.slash_router),
 )
 

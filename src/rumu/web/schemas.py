@@ -356,3 +356,8 @@ class SurfaceRead(Schema):
     mask: str
     three_lamps: dict[str, Any] | None
     glb: str
+    tiles: dict[str, str] | None = Field(
+        None,
+        description="Of a work of more than 1024 pixels: image services (level 0) of albedo and normals, and "
+        "their version, as `?v=` of their addresses.",
+    )

@@ -45,6 +45,13 @@ READING = {
     **dict.fromkeys(
         ("/iiif/image/regular-shui/info.json", "/iiif/image/regular-shui/full/64,/0/default.jpg"), OPEN
     ),
+    **dict.fromkeys(  # there are none of so small a work
+        (
+            "/iiif/tiles/albedo/regular-shui/info.json",
+            "/iiif/tiles/normals/regular-shui/full/max/0/default.jpg",
+        ),
+        (404,) * 6,
+    ),
     **dict.fromkeys(("/api/attempts", "/api/practice", "/api/practice.csv", "/api/classes"), LOGIN),
     **dict.fromkeys(
         ("/api/practice-sheet?text=水", "/api/practice-sheet.png?text=水", "/api/practice-sheet.pdf?text=水"),

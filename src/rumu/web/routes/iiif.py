@@ -8,10 +8,13 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.responses import JSONResponse, RedirectResponse
 
+from rumu.database.tables import Work
 from rumu.errors import GalleryError
+from rumu.gallery.assets import assets_of
 from rumu.gallery.iiif import collection_manifest, manifest
 from rumu.gallery.iiif_image import BadImageRequest, image_info
 from rumu.gallery.iiif_text import search_text
+from rumu.gallery.tile_maps import has_tiles, stored_tiles
 from rumu.studio import worker_tasks
 from rumu.studio.errors import Missing
 from rumu.web.addresses import base_url, service_url
@@ -19,6 +22,7 @@ from rumu.web.dependencies import CleanText, PathId, ServiceDep
 from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
 from rumu.web.routes.works import find_work
+from rumu.web.service import Service
 
 router = APIRouter(tags=["iiif"])
 PathWord = Annotated[str, Path(max_length=80)]
@@ -98,8 +102,11 @@ def get_image_part(
     quality, _, ending = name.rpartition(".")
     path = "/".join((work.digest, region, size, rotation, name))
     etag = hashlib.sha256(path.encode("utf-8", "replace")).hexdigest()[:20]
-    data, kind = b"", ""
+    data: bytes | None = b""
+    kind = ""
     if etag not in requested_etags(request.headers):
+        data, kind = _stored_tile(service, work, f"{region}/{size}/{rotation}/{name}"), "image/jpeg"
+    if data is None:
         try:
             data, kind = service.workers.call(
                 worker_tasks.image_part,
@@ -110,6 +117,15 @@ def get_image_part(
             facts = {"error": {"code": "image_request", "zh": "圖像請求不合規範。", "en": str(error)}}
             return JSONResponse(facts, 400)
     return file_response(request, FileContent(data, None, kind, etag))
+
+
+def _stored_tile(service: Service, work: Work, name: str) -> bytes | None:
+    """The tile of a work from one picture, if it has been made; most requests of IIIF viewers are for one."""
+    if work.capture is not None or not has_tiles(work):
+        return None
+    store = service.gallery.store
+    tiles = stored_tiles(store, assets_of(store, work), "albedo")
+    return None if tiles is None else tiles.read(name)
 
 
 def _find_part(facts: Any, part_id: str) -> dict[str, Any] | None:

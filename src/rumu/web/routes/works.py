@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 from urllib.parse import quote
 
 from anyio.to_thread import run_sync
@@ -14,10 +14,12 @@ from rumu.database.tables import Annotation, Work
 from rumu.errors import GalleryError
 from rumu.gallery import annotations as gallery_annotations
 from rumu.gallery import catalog
+from rumu.gallery.assets import assets_of
 from rumu.gallery.derived import KINDS, MESHES, PLAIN, MeshShape, viewer_facts
 from rumu.gallery.exhibitions import exhibition, order_works
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.single_page import single_page
+from rumu.gallery.tile_maps import MapName, has_tiles, tiles_etag
 from rumu.gallery.whole_works import CharacterWithin, characters_within, count_characters
 from rumu.studio.errors import Missing, Unusable
 from rumu.values import SCRIPTS
@@ -196,12 +198,25 @@ def list_characters(service: ServiceDep, work_id: WorkId) -> Sequence[CharacterW
 @router.get("/api/works/{work_id}/viewer", response_model=SurfaceRead)
 def get_surface(service: ServiceDep, work_id: WorkId) -> dict[str, Any]:
     """What the viewer needs of a work; the files at the URLs in it never change."""
-    service.files.get(find_work(service, work_id), "facts")
-    return viewer_facts(
+    work = find_work(service, work_id)
+    service.files.get(work, "facts")
+    facts = viewer_facts(
         service.gallery,
         work_id,
         url=lambda kind, tag: service_url(f"/api/works/{quote(work_id, safe='')}/files/{kind}?v={tag}"),
     )
+    return facts | {"tiles": tile_services(service, work)}
+
+
+def tile_services(service: Service, work: Work) -> dict[str, str] | None:
+    """The image services of a work's maps and their version; None where it is too small for tiles."""
+    if not has_tiles(work):
+        return None
+    assets = assets_of(service.gallery.store, work)
+    services = {
+        name: service_url(f"/iiif/tiles/{name}/{quote(work.id, safe='')}") for name in get_args(MapName)
+    }
+    return services | {"version": tiles_etag(assets, "albedo")}
 
 
 @router.get("/api/works/{work_id}/files/{kind}", response_class=Response)

@@ -1,0 +1,150 @@
+"""The maps of a work that are tiled for deep zoom, and their tile sets in the store.
+
+A tile set is a derived file: it lies under the digest of what it was computed from, takes part of the same
+room, and is made again when it is gone. Works of more than LARGE pixels get theirs when they are added,
+others when they are first looked at.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import threading
+from collections.abc import Callable, Iterator
+from typing import Literal, get_args
+
+import numpy as np
+from cachetools import LRUCache, cached
+
+from rumu.database.tables import Work
+from rumu.errors import GalleryError, RumuError
+from rumu.gallery.assets import VERSION, Assets, assets_of, derived_folder, read_samples
+from rumu.gallery.catalog import work
+from rumu.gallery.derived import derived_file, limit_room
+from rumu.gallery.renderers import MAP
+from rumu.gallery.store import Gallery, Store
+from rumu.gallery.tiles import Bytes, TileMap, TileSet, open_tiles, write_tiles
+from rumu.workspaces import temporary_folder
+
+MapName = Literal["albedo", "normals"]
+MAPS: tuple[MapName, ...] = get_args(MapName)
+LARGE = 12_600_000
+"""Pixels above which the tiles of a work are made when it is added, since they take long."""
+
+_FIRST_SEEN = ("thumb", "thumb-normals", "facts", "heights", "albedo", "normals")
+_TILES_VERSION = 1  # increase it when the tiles of the same map would come out differently
+_ROWS = 128  # converted at a time
+
+
+def has_tiles(row: Work) -> bool:
+    """Whether a work is larger than the maps that are sent whole."""
+    return max(row.width, row.height) > MAP
+
+
+def tiles_etag(assets: Assets, name: MapName) -> str:
+    """The ETag of a tile set, which is known before it is made."""
+    return hashlib.sha256(_key(assets, name).encode()).hexdigest()[:20]
+
+
+def stored_tiles(store: Store, assets: Assets, name: MapName) -> TileSet | None:
+    """The tile set of a map if it has been made, else None."""
+    key = _key(assets, name)
+    tiles = open_tiles(store, key)
+    if tiles is not None:
+        store.mark_as_used(key)
+    return tiles
+
+
+def make_tiles(gallery: Gallery, work_id: str, name: MapName) -> None:
+    """Make the tile set of a map of a work, unless there is one.
+
+    Raises GalleryError for an unknown work, ImageError or RefusedImage when its picture cannot be used.
+    """
+    row = work(gallery, work_id)
+    _make(gallery.store, assets_of(gallery.store, row), name)
+
+
+def make_large_tiles(gallery: Gallery, work_id: str) -> None:
+    """Make the tile sets of a work that is large, and the maps that its page begins with.
+
+    What cannot be made, as the normals of a blank leaf, is left out.
+    """
+    row = work(gallery, work_id)
+    if row.width * row.height <= LARGE:
+        return
+    with contextlib.suppress(RumuError):
+        for kind in _FIRST_SEEN:
+            derived_file(gallery, work_id, kind)
+    for name in MAPS:
+        with contextlib.suppress(RumuError):
+            make_tiles(gallery, work_id, name)
+
+
+def _key(assets: Assets, name: MapName) -> str:
+    if name not in MAPS:
+        raise GalleryError(f"expected a map among {', '.join(MAPS)}, got {name!r}")
+    return f"{derived_folder(assets.digest)}/v{VERSION}.{_TILES_VERSION}-{name}-tiles.zip"
+
+
+# As of other derived files, the cache holds nothing: it makes threads wait for the one that makes a set.
+@cached(
+    LRUCache(0),
+    key=lambda store, assets, name: (store.root, _key(assets, name)),
+    condition=threading.Condition(),
+)
+def _make(store: Store, assets: Assets, name: MapName) -> None:
+    if stored_tiles(store, assets, name) is not None:
+        return
+    with temporary_folder() as folder:
+        path = folder / "tiles.zip"
+        with path.open("wb") as stream:
+            write_tiles(_MAKERS[name](assets), stream)
+        with path.open("rb") as stream:
+            store.write(_key(assets, name), stream)
+        limit_room(store, path.stat().st_size)
+
+
+# --- the maps --------------------------------------------------------------------------------------
+
+
+def _albedo(assets: Assets) -> TileMap:
+    """The albedo: of a work from one picture the picture itself."""
+    if assets.capture is None:
+        picture = read_samples(assets.picture())
+        return _light(picture.shape, lambda rows: picture[rows])
+    from rumu.surface.mesh import albedo_srgb
+
+    albedo = assets.surface().albedo
+    return _light(albedo.shape, lambda rows: albedo_srgb(np.clip(albedo[rows], 0, 1)))
+
+
+def _light(shape: tuple[int, ...], part: Callable[[slice], Bytes]) -> TileMap:
+    height, width = shape[:2]
+
+    def bands() -> Iterator[Bytes]:
+        for top in range(0, height, _ROWS):
+            yield np.ascontiguousarray(part(slice(top, top + _ROWS)))
+
+    return TileMap(width, height, bands, "light")
+
+
+def _normals(assets: Assets) -> TileMap:
+    """The normals: measured ones as they are, those of ink at the sharpness of its picture."""
+    from rumu.surface.fine_normals import eight_bit_normals, fine_normals, prepare_ink
+
+    surface = assets.surface()
+    if assets.capture is not None:
+        height, width = surface.height.shape
+        normals = surface.normals
+        return TileMap(
+            width,
+            height,
+            lambda: (eight_bit_normals(normals[top : top + _ROWS]) for top in range(0, height, _ROWS)),
+            "normals",
+        )
+    ink = prepare_ink(read_samples(assets.picture()), surface)
+    height, width = ink.dark.shape
+    return TileMap(width, height, lambda: fine_normals(ink), "normals")
+
+
+_MAKERS: dict[MapName, Callable[[Assets], TileMap]] = {"albedo": _albedo, "normals": _normals}

@@ -1,0 +1,130 @@
+"""The tile sets of works: what is tiled, where it lies, and when it is made."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from tests.gallery.pages import draw_page
+
+from rumu.errors import GalleryError, RefusedImage
+from rumu.gallery import tile_maps
+from rumu.gallery.add_work import add_picture
+from rumu.gallery.assets import Assets, assets_of
+from rumu.gallery.catalog import delete_work, work
+from rumu.gallery.derived import delete_least_used
+from rumu.gallery.metadata import WorkMetadata
+from rumu.gallery.store import Gallery
+from rumu.gallery.tile_maps import LARGE, MAPS, has_tiles, make_tiles, stored_tiles, tiles_etag
+from rumu.gallery.tiles import tile_name
+from rumu.surface.mesh import albedo_srgb
+from rumu.surface.relief import relief
+from rumu.values import Bilingual
+
+SCALE = 3
+
+
+def add(gallery: Gallery, path: Path, picture: np.ndarray) -> str:
+    Image.fromarray(picture).save(path)
+    return add_picture(gallery, path, metadata=WorkMetadata(title=Bilingual("卷", "scroll"))).id
+
+
+@pytest.fixture(scope="module")
+def page() -> np.ndarray:
+    """A drawn page, three times as large."""
+    picture = np.asarray(draw_page())
+    return picture.repeat(SCALE, axis=0).repeat(SCALE, axis=1)
+
+
+def tiles_of(gallery: Gallery, work_id: str, name: str):
+    return stored_tiles(gallery.store, assets_of(gallery.store, work(gallery, work_id)), name)
+
+
+def test_the_albedo_of_a_picture_is_the_picture(bare, page, tmp_path):
+    work_id = add(bare, tmp_path / "page.png", page)
+    assert has_tiles(work(bare, work_id)) and tiles_of(bare, work_id, "albedo") is None
+    make_tiles(bare, work_id, "albedo")
+    tiles = tiles_of(bare, work_id, "albedo")
+    assert (tiles.info["width"], tiles.info["height"]) == page.shape[1::-1]
+    tile = np.asarray(Image.open(io.BytesIO(tiles.read("512,0,512,512/512,512/0/default.jpg"))))
+    assert np.abs(tile.astype(float) - page[:512, 512:1024]).mean() < 2
+
+
+def test_normals_are_as_large_as_the_picture_and_raised_where_there_is_ink(bare, page, tmp_path):
+    work_id = add(bare, tmp_path / "page.png", page)
+    make_tiles(bare, work_id, "normals")
+    tiles = tiles_of(bare, work_id, "normals")
+    assert (tiles.info["width"], tiles.info["height"]) == page.shape[1::-1]
+    levels = np.asarray(Image.open(io.BytesIO(tiles.read("512,512,512,512/512,512/0/default.png"))))
+    gray = page[512:1024, 512:1024].reshape(512, 512, -1).mean(axis=2)
+    leaning = np.abs(levels.astype(int) - (128, 128, 255)).max(axis=2) > 8
+    assert leaning[gray < 100].mean() > 0.5 and leaning[gray > 180].mean() < 0.2
+
+
+def test_a_measured_work_is_tiled_from_its_surface(bare, page):
+    surface = relief(page[::SCALE, ::SCALE])
+    assets = Assets(digest="measured", picture=bytes, surface=lambda: surface, capture=lambda: None)  # type: ignore
+    for name in MAPS:
+        tile_maps._make(bare.store, assets, name)
+    tiles = {name: stored_tiles(bare.store, assets, name) for name in MAPS}
+    height, width = surface.height.shape
+    for name, suffix, expected in (
+        ("normals", "png", surface.normals * 127.5 + 127.5),
+        ("albedo", "jpg", albedo_srgb(surface.albedo)),
+    ):
+        assert (tiles[name].info["height"], tiles[name].info["width"]) == (height, width)
+        first = tile_name(0, 0, scale=1, width=width, height=height, suffix=suffix)
+        tile = np.asarray(Image.open(io.BytesIO(tiles[name].read(first)))).astype(float)
+        assert np.abs(tile - expected[:512, :512]).mean() < (0.6 if name == "normals" else 3)
+
+
+def test_a_set_is_made_once_and_again_when_it_is_gone(bare, page, tmp_path, monkeypatch):
+    work_id = add(bare, tmp_path / "page.png", page)
+    made = []
+    real = tile_maps.write_tiles
+    monkeypatch.setattr(tile_maps, "write_tiles", lambda *all: (made.append(1), real(*all)))
+    for _ in range(2):
+        make_tiles(bare, work_id, "albedo")
+    assert len(made) == 1
+    assert delete_least_used(bare.store, most=1) >= 1 and tiles_of(bare, work_id, "albedo") is None
+    make_tiles(bare, work_id, "albedo")
+    assert len(made) == 2
+
+
+def test_only_a_large_work_is_tiled_when_it_is_added(bare, page, tmp_path, monkeypatch):
+    assert page.shape[0] * page.shape[1] < LARGE
+    assert tiles_of(bare, add(bare, tmp_path / "a.png", page), "albedo") is None
+    monkeypatch.setattr(tile_maps, "LARGE", page.shape[0] * page.shape[1] - 1)
+    work_id = add(bare, tmp_path / "b.png", 255 - (255 - page) // 2)
+    assert all(tiles_of(bare, work_id, name) is not None for name in MAPS)
+
+
+def test_the_tiles_of_a_deleted_work_are_deleted(bare, page, tmp_path):
+    work_id = add(bare, tmp_path / "page.png", page)
+    make_tiles(bare, work_id, "albedo")
+    delete_work(bare, work_id)
+    assert not list(bare.store.files("derived"))
+
+
+def test_the_maps_of_a_work_have_versions_of_their_own(bare, page, tmp_path):
+    assets = assets_of(bare.store, work(bare, add(bare, tmp_path / "page.png", page)))
+    assert tiles_etag(assets, "albedo") != tiles_etag(assets, "normals")
+    with pytest.raises(GalleryError, match="expected a map among albedo, normals"):
+        tiles_etag(assets, "heights")
+
+
+def test_a_blank_leaf_has_tiles_of_its_picture_and_no_normals(bare, page, tmp_path):
+    work_id = add(bare, tmp_path / "page.png", page)
+    blank = np.full((1100, 1300), 230, np.uint8)
+    Image.fromarray(blank).save(tmp_path / "blank.png")
+    with bare.database.writing() as session:
+        row = session.get_one(type(work(bare, work_id)), work_id)
+        row.picture, row.width, row.height = "pictures/aa/blank.png", 1300, 1100
+    bare.store.write("pictures/aa/blank.png", (tmp_path / "blank.png").read_bytes())
+    make_tiles(bare, work_id, "albedo")
+    assert tiles_of(bare, work_id, "albedo").info["width"] == 1300
+    with pytest.raises(RefusedImage):
+        make_tiles(bare, work_id, "normals")
