@@ -1,4 +1,4 @@
-"""reconstruct, relief, relight, stl: whole commands on tiny inputs, and bad ones."""
+"""relief, relight, stl, and what reconstruct writes: whole commands on tiny inputs, and bad ones."""
 
 from __future__ import annotations
 

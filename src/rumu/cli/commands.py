@@ -17,6 +17,7 @@ from rumu.cli import (
     gallery_import,
     lamps,
     page,
+    reconstruct,
     rti,
     serve,
     sheet,
@@ -35,7 +36,7 @@ app = typer.Typer(
 for command in (
     demo.demo,
     lamps.lamps,
-    surfaces.reconstruct,
+    reconstruct.reconstruct,
     rti.rti,
     surfaces.relief,
     surfaces.relight,

@@ -1,4 +1,4 @@
-"""reconstruct, relief, relight, stl: photographs or one image into a surface, light on it, a solid of it."""
+"""relief, relight, stl: one image into a surface, light on it, a solid of it; and a surface as a folder."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from rumu.cli.lamps import AlignOption, FlatFieldOption, SphereOption, read_lit_capture
 from rumu.cli.options import AsJson, check_writable, finite, not_an_input
-from rumu.cli.terminal import Outcome, print_outcome, stages, working
+from rumu.cli.terminal import Outcome, print_outcome, working
 from rumu.errors import GalleryError, SurfaceError
 
 if TYPE_CHECKING:
@@ -17,121 +16,18 @@ if TYPE_CHECKING:
 
     from rumu.image_stack import Progress
     from rumu.report.pictures import Picture
+    from rumu.surface.folder import Processing
     from rumu.values import Bilingual, Surface
 
-Solver = Literal["robust", "least_squares", "trimmed", "l1"]
-Integrator = Literal["auto", "dct", "frankot_chellappa", "masked"]
-Rectify = Literal["none", "bands", "svd", "masked"]
 Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
 
 REPORT = "report.html"
-LAMPS = "lamps.lp"
-"""Where the lamps stood, of a capture whose spheres told it."""
 _STL_VERTICES = 250_000  # of a solid for a printer: half a million triangles, 25 MB
 
 Folder = Annotated[
     Path, typer.Option("-o", "--out", help="Folder to write; an earlier result there is replaced.")
 ]
-
-
-@print_outcome
-def reconstruct(
-    *,
-    capture_dir: Annotated[
-        Path,
-        typer.Argument(
-            metavar="CAPTURE_DIR", help="Folder of photographs of one sheet, each under one lamp."
-        ),
-    ],
-    out: Folder,
-    solver: Annotated[Solver, typer.Option(help="How normals are solved for.")] = "robust",
-    integrator: Annotated[Integrator, typer.Option(help="How normals become height.")] = "auto",
-    rectify: Annotated[Rectify, typer.Option(help="Even out the lighting first.")] = "none",
-    mm_per_pixel: Annotated[
-        float | None, typer.Option(min=1e-6, help="Scale of the photographs; the height is then in mm.")
-    ] = None,
-    lamps_as_given: Annotated[
-        bool,
-        typer.Option("--lamps-as-given", help="Take the lamps as they are, though others fit better."),
-    ] = False,
-    leave_out: Annotated[
-        list[str] | None,
-        typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
-    ] = None,
-    sphere: SphereOption = None,
-    flat_field: FlatFieldOption = None,
-    align: AlignOption = False,
-    write: Annotated[
-        str,
-        typer.Option(
-            help="What is written, separated by commas: all, floats, pictures, mesh, report, height..."
-        ),
-    ] = "all",
-    as_json: AsJson = False,
-) -> Outcome:
-    """Photographs of one sheet under three or more lamps -> albedo, normals, height, mesh, report."""
-    from dataclasses import asdict
-
-    from rumu import pipeline
-    from rumu.capture.light_files import lp_text
-    from rumu.outputs import whole_folder
-    from rumu.surface.folder import MARKER
-    from rumu.surface.frame_check import exposure_notes
-    from rumu.surface.photograph_table import fault_notes, photograph_table, table_text
-
-    files = _files_to_write(write)
-    check_writable(whole_folder(out, marker=MARKER))
-    with stages() as progress:
-        capture, aligned = read_lit_capture(
-            capture_dir,
-            sphere=sphere,
-            flat_field=flat_field,
-            align=align,
-            leave_out=leave_out or (),
-            progress=progress,
-        )
-        if mm_per_pixel is not None:
-            capture = capture.changed(spacing=finite(mm_per_pixel))
-        if lamps_as_given:
-            capture = capture.changed(lamps_as_given=True)
-        surface = pipeline.reconstruct(
-            capture, solver=solver, integrator=integrator, rectify=rectify, progress=progress
-        )
-        table = photograph_table(capture, surface, aligned=aligned)
-        notes = (*capture.notes, *exposure_notes(capture, surface), *fault_notes(table))
-        title = capture_dir.resolve().name
-        beside = {LAMPS: lp_text(capture.names, capture.lights)} if sphere else {}
-        del capture  # its photographs
-        done = _write_surface(
-            surface, out, title=title, notes=notes, files=files, beside=beside, progress=progress
-        )
-    facts = {**done.facts, "photographs": [asdict(row) for row in table]}
-    return Outcome(facts, f"{done.text}\n{table_text(table)}")
-
-
-def _files_to_write(wanted: str) -> list[str]:
-    """The files that `--write` asks for: by groups, by arrays, or by their names."""
-    from rumu.surface.array_files import ARRAYS
-    from rumu.surface.folder import FILES, FLOATS, MESH, PICTURES
-
-    groups: dict[str, tuple[str, ...]] = {
-        "all": (*FILES, REPORT),
-        "floats": FLOATS,
-        "pictures": PICTURES,
-        "mesh": (MESH,),
-        "report": (REPORT,),
-        **{name: (f"{name}.tif", f"{name}.png") for name in ARRAYS},
-        **{name: (name,) for name in (*FILES, REPORT)},
-    }
-    found: list[str] = []
-    for one in filter(None, (part.strip().lower() for part in wanted.split(","))):
-        if one not in groups:
-            raise typer.BadParameter(f"{one!r} is none of {', '.join(groups)}", param_hint="'--write'")
-        found += [name for name in groups[one] if name not in found]
-    if not found:
-        raise typer.BadParameter("expected something to write", param_hint="'--write'")
-    return found
 
 
 @print_outcome
@@ -159,7 +55,7 @@ def relief(
         surface = raised(image, method=method, mode=mode)
         notes = _reduction_notes(surface)
         files = (*PICTURES, MESH, REPORT, *(FLOATS if floats else ()))
-        return _write_surface(surface, out, title=image.stem, notes=notes, files=files)
+        return write_result(surface, out, title=image.stem, notes=notes, files=files)
 
 
 def _reduction_notes(surface: Surface) -> list[Bilingual]:
@@ -311,7 +207,7 @@ def _surface_of(source: str) -> Surface:
         raise SurfaceError(f"{source}: there is no such file or folder, and {error}") from error
 
 
-def _write_surface(
+def write_result(
     surface: Surface,
     out: Path,
     *,
@@ -319,15 +215,21 @@ def _write_surface(
     notes: Sequence[Bilingual] = (),
     files: Collection[str],
     beside: Mapping[str, str] | None = None,
+    processing: Processing | None = None,
     progress: Progress | None = None,
 ) -> Outcome:
+    """Write a surface as a folder with its report, and say what was written.
+
+    files: which, and REPORT. beside: more texts by name. processing: how it was made, for surface.json.
+    """
     from rumu.report.pages import surface_page
     from rumu.report.wording import SOURCES
     from rumu.surface.folder import write_surface
 
     report = {REPORT: surface_page(surface, title=title, notes=notes)} if REPORT in files else {}
     written = [name for name in files if name != REPORT]
-    write_surface(surface, out, files=written, extra={**report, **(beside or {})}, progress=progress)
+    extra = {**report, **(beside or {})}
+    write_surface(surface, out, files=written, extra=extra, processing=processing, progress=progress)
     facts = {
         "out": out,
         "report": out / REPORT if report else None,

@@ -1,6 +1,7 @@
 """A surface as a folder that other programs can read, and back.
 
-    surface.json      unit, spacing, source, quality, version, scale of height.png, which files there are
+    surface.json      unit, spacing, source, quality, version, scale of height.png, which files there are, and
+                      of a reconstruction how it was made, see `rumu.surface.processing`
     height.tif        float32, in the unit; height.png is 16-bit: height = value * scale + offset
     normals.tif       float32 x, y, z; normals.png is 16-bit RGB: n = value / 32767.5 - 1, y up (OpenGL)
     albedo.tif        float32, linear; albedo.png is 8-bit sRGB
@@ -17,6 +18,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -45,18 +47,37 @@ _KIND = "rumu surface"
 _WRITERS = 2  # files that are written at the same time; each takes memory for its levels
 
 
+@dataclass(frozen=True, slots=True)
+class Processing:
+    """How a surface was made.
+
+    settings: of the command, by the names of its options. inputs: the SHA-256 of each file that was read,
+    by its path. result: that of each array. version: of rumu. made: when, in UTC. made_by: who, None where
+    nobody said.
+    """
+
+    settings: Mapping[str, Any]
+    inputs: Mapping[str, str]
+    result: Mapping[str, str]
+    version: str
+    made: str
+    made_by: str | None = None
+
+
 def write_surface(
     surface: Surface,
     folder: str | Path,
     *,
     files: Collection[str] = FILES,
     extra: Mapping[str, str | bytes] | None = None,
+    processing: Processing | None = None,
     progress: Progress | None = None,
 ) -> None:
     """Write a surface as a folder; it appears whole or not at all.
 
     folder: new, empty, or an earlier surface, which is replaced. files: which of FILES; the mask is always
-    written. extra: more files of the folder, text or bytes by name, such as a report.
+    written. extra: more files of the folder, text or bytes by name, such as a report. processing: how the
+    surface was made, for surface.json.
     Raises OutputError when the folder cannot be written or holds other files, SurfaceError when there is
     nothing to make a mesh of, a file is none of a surface, or an extra name is not a plain new name.
     """
@@ -74,6 +95,8 @@ def write_surface(
                 (new / name).write_bytes(content.encode() if isinstance(content, str) else content)
             _write_arrays(surface, new, arrays, progress)
             metadata = _metadata(surface, [*arrays, *glb])
+            if processing is not None:
+                metadata["processing"] = asdict(processing)
             text = json.dumps(metadata, indent=2, ensure_ascii=False) + "\n"
             (new / MARKER).write_text(text, encoding="utf-8")
         except OSError as error:

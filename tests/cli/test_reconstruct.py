@@ -1,0 +1,95 @@
+"""reconstruct --again: the record in surface.json, and a result that is made again from it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rumu.errors import SurfaceError
+from rumu.surface.processing import read_processing
+
+
+@pytest.fixture
+def first(rumu, capture, tmp_path):
+    """A result with settings that are not the default ones."""
+    options = (
+        "--solver",
+        "least_squares",
+        "--mm-per-pixel",
+        "0.05",
+        "--leave-out",
+        "lamp 4",
+        "--by",
+        "王小明",
+    )
+    assert rumu("reconstruct", capture, "-o", tmp_path / "first", *options, "--write", "floats").code == 0
+    return tmp_path / "first"
+
+
+def test_the_record_says_who_what_and_how(first, capture):
+    record = read_processing(first / "surface.json")
+    assert record.made_by == "王小明" and record.version and record.made.endswith("+00:00")
+    assert record.settings["solver"] == "least_squares" and record.settings["leave_out"] == ["lamp 4"]
+    names = {path.rsplit("/", 1)[1] for path in record.inputs}
+    assert names == {"lights.lp", "lamp 0.png", "lamp 1.png", "lamp 2.png", "lamp 3.png"}
+    path = capture / "lamp 2.png"
+    assert record.inputs[str(path.resolve())] == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert set(record.result) == {"height", "normals", "albedo", "confidence", "mask"}
+
+
+def test_a_result_is_made_again_to_the_last_bit(rumu, first, tmp_path):
+    ended = rumu("reconstruct", "--again", first / "surface.json", "-o", tmp_path / "second", "--json")
+    assert ended.code == 0 and ended.facts["again"]["same"] and ended.facts["unit"] == "mm"
+    for name in ("height.tif", "normals.tif"):
+        assert (tmp_path / "second" / name).read_bytes() == (first / name).read_bytes()
+    assert not (tmp_path / "second" / "report.html").exists()
+    told = rumu("reconstruct", "--again", first, "-o", tmp_path / "third").out
+    assert "again: the same as the earlier result, to the last bit" in told
+
+
+def test_files_that_changed_or_are_gone_are_named(rumu, first, capture, tmp_path):
+    page = np.asarray(Image.open(capture / "lamp 1.png")).copy()
+    page[0, 0] += 1
+    Image.fromarray(page).save(capture / "lamp 1.png")
+    again = ("reconstruct", "--again", first / "surface.json", "-o", tmp_path / "second")
+    rumu(*again).failed_with("1 of 5 files are not what they were", "lamp 1.png")
+    (capture / "lights.lp").unlink()
+    rumu(*again).failed_with("not there any more", "lights.lp")
+    assert not (tmp_path / "second").exists()
+
+
+def test_another_result_is_told_by_how_much(rumu, first, tmp_path):
+    """A record whose result is another one, as of an earlier version that solved otherwise."""
+    marker = first / "surface.json"
+    told = json.loads(marker.read_text(encoding="utf-8"))
+    told["processing"]["settings"]["solver"] = "trimmed"
+    told["processing"]["result"]["height"] = "0" * 64
+    told["processing"]["version"] = "0.0.1"
+    marker.write_text(json.dumps(told), encoding="utf-8")
+    facts = rumu("reconstruct", "--again", marker, "-o", tmp_path / "second", "--json").facts["again"]
+    assert not facts["same"] and "height" in facts["differs"] and facts["versions"][0] == "0.0.1"
+    assert 0 <= facts["largest"]["height"] < 1
+    assert "not the same" in rumu("reconstruct", "--again", marker, "-o", tmp_path / "third").out
+
+
+def test_what_does_not_go_together(rumu, first, capture, tmp_path):
+    second = tmp_path / "second"
+    assert rumu("reconstruct", "--again", first, "-o", second, "--solver", "l1").code == 2
+    assert rumu("reconstruct", capture, "--again", first, "-o", second).code == 2
+    assert rumu("reconstruct", "--again", first, "-o", first).code == 2
+    assert rumu("reconstruct", "-o", second).code == 2
+    assert not second.exists()
+
+
+@pytest.mark.parametrize("damage", [{"processing": None}, {"processing": {"inputs": 3}}, []])
+def test_a_folder_without_a_record_says_so(rumu, first, tmp_path, damage):
+    marker = first / "surface.json"
+    told = json.loads(marker.read_text(encoding="utf-8"))
+    marker.write_text(json.dumps({**told, **damage} if isinstance(damage, dict) else damage))
+    with pytest.raises(SurfaceError, match="expected a record"):
+        read_processing(marker)
+    rumu("reconstruct", "--again", marker, "-o", tmp_path / "x").failed_with("surface.json", "processing")
