@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from rumu.capture.folder import read_capture
 from rumu.errors import CaptureError
 from rumu.image_stack import ImageStack, Photograph, ScratchFile
 from rumu.surface.alignment import FrameAlignmentSettings, align_photographs
@@ -128,6 +129,14 @@ def test_photographs_keep_their_bits_and_stay_on_disk():
 def test_large_photographs_are_measured_small():
     done = align_photographs(shaken(MOVES), settings=FrameAlignmentSettings(side=130))
     assert done.moved[3] == pytest.approx(np.hypot(*MOVES[3]), abs=0.3)
+
+
+@pytest.mark.parametrize(
+    "name", ["psbox-cat", "uw-psm/cat", "uw-psm/gray", "uw-psm/horse", "bunny/bunny_lambert"]
+)
+def test_real_and_rendered_captures_that_stood_still_are_left_as_they_were(data, name):
+    """Their edges move with the lamp, which is no move of the camera."""
+    assert not align_photographs(read_capture(data / "photometric" / name)).moved.any()
 
 
 def test_a_photograph_of_something_else_is_named_and_left():

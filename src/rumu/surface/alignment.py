@@ -30,8 +30,9 @@ class FrameAlignmentSettings:
     pixels of the photograph below which it is left as it is, since every move softens. warned: pixels from
     which a photograph is named. farthest: share of the shorter side, beyond which a shift is no camera's
     that moved.
-    likeness: least correlation of the edges in the end; no_better: by which it must have grown. steps,
-    step: most steps of ECC, and the gain at which it ends. blur: width of its filter, in pixels.
+    likeness: least correlation of the edges in the end. clearly: share of what it lacked of 1 that may be
+    left, since light moves edges, too. steps, step: most steps of ECC, and the gain at which it ends.
+    blur: width of its filter, in pixels.
     """
 
     side: int = 1600
@@ -41,7 +42,7 @@ class FrameAlignmentSettings:
     warned: float = 3.0
     farthest: float = 0.15
     likeness: float = 0.25
-    no_better: float = 0.002
+    clearly: float = 0.8
     steps: int = 60
     step: float = 1e-6
     blur: int = 5
@@ -218,7 +219,7 @@ class _Finder:
         after = _likeness(wanted, _moved(edges, self.matrix(pose)))
         if after < s.likeness:
             return None
-        return pose if after > before + s.no_better else np.zeros(3)
+        return pose if 1 - after < s.clearly * (1 - before) else np.zeros(3)
 
 
 def _gray(frame: FloatArray) -> FloatArray:
