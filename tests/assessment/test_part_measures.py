@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from rumu import pipeline
-from rumu.assessment.part_measures import AXES
+from rumu.assessment.part_measures import AXES, measure_parts
 from rumu.assessment.remarks import write_remarks
 from rumu.characters.stroke_data import CanonicalCharacter, Structure, find_character
 from rumu.strokes.correspondence import CopyStrokes
+from rumu.strokes.placement import stroke_numbers
 
 PART_KINDS = {"squeeze", "part_place", "inner"}
 
@@ -134,3 +135,15 @@ def test_of_learners_copies_no_part_is_named_that_the_character_does_not_have(da
         assert len(mark.remarks) <= 3
         ends = [remark.zh.rstrip("。").rpartition("。")[2] for remark in mark.remarks]
         assert len(set(ends)) == len(ends), ends
+
+
+@pytest.mark.parametrize(("character", "last"), [("德", 3), ("讀", 7), ("銘", 8)])
+def test_a_dot_that_reaches_over_the_border_stays_with_its_part(data, character, last):
+    """The left dot of 德's 心 lies under 彳, 讀's left vertical under 言: they are of the right part."""
+    with (data / "e3c" / "scores.csv").open(encoding="utf-8", newline="") as stream:
+        row = next(row for row in csv.DictReader(stream) if row["character"] == character)
+    master = pipeline.prepare_master(data / "e3c" / row["template"], character=character)
+    itself = master.stroke_model.itself
+    parts = measure_parts(itself, "left-right")
+    numbers = stroke_numbers(itself.master)
+    assert set(numbers[parts.first & (numbers > 0)]) == set(range(1, last + 1))

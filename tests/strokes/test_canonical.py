@@ -17,7 +17,7 @@ from rumu.strokes.canonical import lay_character
 from rumu.strokes.correspondence import CopyStrokes, StrokeMatch, match_strokes
 from rumu.strokes.naming import HORIZONTAL, name_strokes, stroke_title
 from rumu.strokes.placement import stroke_numbers
-from rumu.values import Surface
+from rumu.values import FloatArray, Surface
 
 SIDE = 360
 
@@ -188,18 +188,58 @@ WHOLE = ("003078", "007350", "004319", "000625", "006900", "004471", "002524")
 """Copies of which a stroke was once said to be missing, though all of them are there."""
 
 
-def match_of(data: Path, image: str) -> StrokeMatch:
+def copy_and_master(data: Path, image: str) -> tuple[Path, PreparedMaster]:
     import csv
 
     with (data / "e3c" / "scores.csv").open(encoding="utf-8", newline="") as stream:
         row = next(row for row in csv.DictReader(stream) if row["image"].endswith(f"{image}.png"))
     master = prepare_master(data / "e3c" / row["template"], character=row["character"])
-    return matched(rumu.relief(data / "e3c" / row["image"]), master)
+    return data / "e3c" / row["image"], master
+
+
+def match_of(data: Path, image: str) -> StrokeMatch:
+    copy, master = copy_and_master(data, image)
+    return matched(rumu.relief(copy), master)
+
+
+def without_stroke(page: FloatArray, match: StrokeMatch, number: int) -> FloatArray:
+    """The page, (H, W) gray, with the ink about a stroke taken off, but for what lies about the others."""
+    size = np.array(page.shape[::-1])
+    at = match.framed.on_picture(match.moved) * size - 0.5
+    scale = np.sqrt(abs(np.linalg.det(match.framed.to_picture[:, :2] * size[:, None])))
+    masks = []
+    own = stroke_numbers(match.master) == number
+    for which, reach in ((own, 1.6), (~own, 1.0)):
+        mask = np.zeros(page.shape, np.uint8)
+        for (x, y), radius in zip(at[which], match.radius[which], strict=True):
+            cv2.circle(mask, (round(x), round(y)), round(reach * radius * scale), 1, -1)
+        masks.append(mask > 0)
+    return np.where(masks[0] & ~masks[1], 255, page).astype(np.uint8)
 
 
 @pytest.mark.parametrize("image", WHOLE)
 def test_whole_copies_lack_nothing(data: Path, image: str) -> None:
     assert match_of(data, image).missing == ()
+
+
+@pytest.mark.parametrize(
+    ("image", "number"),
+    [
+        ("003110", 6),
+        ("003952", 7),
+        ("000139", 3),
+        ("003864", 1),
+        ("004313", 11),
+        ("008957", 9),
+    ],
+)
+def test_a_stroke_erased_from_a_learners_copy_is_told(data: Path, image: str, number: int) -> None:
+    copy, master = copy_and_master(data, image)
+    page = cv2.imread(str(copy), cv2.IMREAD_GRAYSCALE)
+    match = matched(rumu.relief(copy), master)
+    assert number not in match.missing
+    left = without_stroke(page, match, number)
+    assert matched(rumu.relief(left / np.float32(255)), master).missing == (number,)
 
 
 @pytest.mark.parametrize("image", ["004105", "004108", "004309"])

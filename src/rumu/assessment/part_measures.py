@@ -125,7 +125,8 @@ def _widening(places: FloatArray, copy: FloatArray, owner: IntArray) -> float:
 def _first_part(match: StrokeMatch, k: int) -> BoolArray | None:
     """(n,) which of the master's points are of its left (k is 0) or upper (k is 1) part.
 
-    The parts meet where the master has the least ink; a stroke is of the part in which its middle lies.
+    The parts meet where the master has the least ink; a stroke is of the part in which its middle lies, and
+    of that in which it is written.
     """
     ink = match.framed_master.ink.sum(axis=k).astype(float)
     inked = np.flatnonzero(ink)
@@ -136,10 +137,28 @@ def _first_part(match: StrokeMatch, k: int) -> BoolArray | None:
     middle = (a + b) / 2
     border = (float(least[np.abs(least - middle).argmin()]) - (SIDE - 1) / 2) / SCALE
     points = match.master.points
-    middles = np.array([points.xy[points.owner == i, k].mean() for i in range(len(match.master.lines))])
-    strokes, first = int((middles < border).sum()), (middles < border)[points.owner]
-    whole = PARTS.strokes <= strokes <= len(middles) - PARTS.strokes
+    own = [points.owner == i for i in range(len(match.master.lines))]
+    before = np.array([points.xy[line, k].mean() < border for line in own])
+    numbers = np.array([line.number for line in match.master.lines])
+    before = _written_first(before, numbers, np.array([points.radius[line].sum() for line in own]))
+    strokes, first = int(before.sum()), before[points.owner]
+    whole = PARTS.strokes <= strokes <= len(before) - PARTS.strokes
     return first if whole and PARTS.share <= first.mean() <= 1 - PARTS.share else None
+
+
+def _written_first(before: BoolArray, numbers: IntArray, ink: FloatArray) -> BoolArray:
+    """(m,) which lines are of the first part, given those that lie before the border: (m,), as all of these.
+
+    The strokes of one part are written after those of the other: a dot that reaches over the border changes
+    sides. Of the places in the order of writing where the parts may meet, the one that moves the least ink.
+    numbers: of their strokes, 0 where they are not known; such lines stay where they are.
+    """
+    known = numbers > 0
+    if not known.any():
+        return before
+    last = np.arange(1, numbers.max() + 1)
+    moved = [float(ink[known & ((numbers <= number) != before)].sum()) for number in last]
+    return np.where(known, numbers <= last[int(np.argmin(moved))], before)
 
 
 def measure_inner(match: StrokeMatch, structure: Structure | None) -> InnerMeasures | None:

@@ -9,6 +9,7 @@ its neighbour's ink gives it back. When unsure, nothing is said.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -29,19 +30,34 @@ from rumu.values import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True)
-class MissingRule:
-    """Figures that together say that a stroke is missing; see `StrokePresence` for the first four.
+class MissingWeights:
+    """Logistic weights of what speaks for, and against, a stroke's being missing; see `StrokeEvidence`.
 
-    min_gain: by how much the rest explains the copy better without the stroke, over its share of the ink.
-    max_spare: largest patch near its place that the rest does not account for, over its own ink.
+    Fitted to 810 learners' copies as they are and with one stroke erased; docs/what-was-tried.md says how.
     """
 
-    max_covered: float = 1.0
-    min_bare: float = 0.0
-    min_bare_expected: float = 0.0
-    min_claimed: float = 0.0
-    min_gain: float = 0.5
-    max_spare: float = 0.3
+    bias: float = 1.885
+    bare: float = 2.558
+    bare_expected: float = 1.291
+    gain: float = 2.547
+    lost: float = -1.929
+    elsewhere: float = -3.87
+    otherwise: float = -3.858
+
+
+@dataclass(frozen=True, slots=True)
+class PlainRule:
+    """When a stroke is gone so plainly that it does not matter what else is not found.
+
+    bare, gain: at least, of both shares on bare paper, and of the gain. covered, elsewhere, found: at most,
+    of it that found ink, that finds spare ink, and of how surely another way of laying all strokes finds it.
+    """
+
+    bare: float = 0.7
+    gain: float = 0.85
+    covered: float = 0.2
+    elsewhere: float = 0.6
+    found: float = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,40 +67,36 @@ class PresenceSettings:
     off_ink: distance from the copy's ink from which a point lies on bare paper. crossing: distance from
         another stroke within which a point is out of view; least_view: share of a stroke that must be in
         view, else all of it is taken to be.
-    suspicious: figure from which a stroke is tested, and most_tested: how many are.
     min_share: share of the master's ink in a stroke below which nothing is said of it; min_unnamed_share:
-        the same of a line that is no canonical stroke; small_share: up to which `small_rule` holds.
-    rules: of which one must hold.
-    there_covered, there_claimed, there_bare: share of a stroke, laid in another way, that must have found
-        ink, and that may claim another's or lie on bare paper, for it to be there after all.
+        the same of a line that is no canonical stroke.
+    weights, least_odds: of the evidence, and their sum, log odds, from which a stroke is missing.
+    plain: when a stroke is gone whatever else is missing.
+    suspicious: part of that sum, of its bare paper alone, from which a stroke is tested, and most_tested: how
+        many are. most_gain: what the gain counts at most.
     tube, widest: half-width, over its own, up to which ink is a stroke's, and greatest of its half-widths
-        over its usual one, so that what joins it is not its own. spare_reach: distance from the place of a
-        stroke, rms radii, within which spare ink may be it.
+        over its usual one, so that what joins it is not its own.
+    pushes, push_step: how many steps to each side, and how long, rms radii, a stroke is pushed when it is
+        sought in spare ink; push_reach: how far at most; push_sizes: times its own size.
     other_ways: of laying all strokes, tried before one is believed to be missing.
     """
 
     off_ink: float = 0.25
     crossing: float = 0.6
     least_view: float = 0.25
-    suspicious: float = 0.3
-    most_tested: int = 4
     min_share: float = 0.025
     min_unnamed_share: float = 0.06
-    small_share: float = 0.045
-    small_rule: MissingRule = MissingRule(0.3, 0.8, 0.8, min_gain=0.6, max_spare=0.2)
-    rules: tuple[MissingRule, ...] = (
-        MissingRule(0.4, 0.6, 0.6, min_gain=0.6, max_spare=0.45),  # found nothing
-        MissingRule(min_bare=0.42, min_bare_expected=0.7, min_gain=0.4, max_spare=0.3),  # found some
-        MissingRule(min_bare_expected=0.55, min_gain=0.7, max_spare=0.13),  # nothing is left for it
-        MissingRule(min_bare_expected=0.9, min_claimed=0.25, max_spare=0.1),  # took another's ink
-        MissingRule(0.15, 0.3, 0.3, min_gain=0.9, max_spare=0.13),  # mostly crossed by others
-    )
-    there_covered: float = 0.6
-    there_claimed: float = 0.5
-    there_bare: float = 0.2
+    weights: MissingWeights = MissingWeights()
+    least_odds: float = 1.2
+    plain: PlainRule = PlainRule()
+    suspicious: float = 0.73
+    most_tested: int = 3
+    most_gain: float = 1.3
     tube: float = 1.2
     widest: float = 1.25
-    spare_reach: float = 0.6
+    pushes: int = 6
+    push_step: float = 0.075
+    push_reach: float = 0.45
+    push_sizes: tuple[float, ...] = (0.75, 1.0)
     other_ways: tuple[MatchSettings, ...] = (
         MatchSettings(
             warp_sigmas=(0.35, 0.28, 0.22, 0.18, 0.15, 0.12),
@@ -118,27 +130,43 @@ class StrokePresence:
 
     @property
     def suspicion(self) -> float:
-        """From 0 to 1, how much speaks for its being missing."""
-        return max(self.bare, self.claimed, 1.0 - self.covered, 0.8 * self.bare_expected)
+        """How much its bare paper speaks for its being missing, log odds."""
+        w = PRESENCE.weights
+        return w.bare * self.bare + w.bare_expected * self.bare_expected
 
     @property
-    def is_there(self) -> bool:
-        """Whether it has found ink that is its own alone."""
-        s = PRESENCE
-        return self.covered >= s.there_covered and self.claimed < s.there_claimed and self.bare < s.there_bare
+    def found(self) -> float:
+        """From 0 to 1, how surely it has found ink that is its own alone."""
+        return self.covered * (1.0 - self.claimed) * (1.0 - self.bare)
 
-    def is_missing(self, gain: float, spare: float) -> bool:
-        """Whether a rule says so; gain, spare: see `MissingRule`."""
-        small = self.share < PRESENCE.small_share
-        return any(
-            self.covered <= rule.max_covered
-            and self.bare >= rule.min_bare
-            and self.bare_expected >= rule.min_bare_expected
-            and self.claimed >= rule.min_claimed
-            and gain >= rule.min_gain
-            and spare <= rule.max_spare
-            for rule in ((PRESENCE.small_rule,) if small else PRESENCE.rules)
-        )
+
+@dataclass(frozen=True, slots=True)
+class StrokeEvidence:
+    """What speaks for and against a stroke's being missing, once the rest has been laid without it.
+
+    presence: before that. gain: by how much the rest explains the copy better without it, over its share of
+    the ink. lost: ink that the rest does not find besides, over the same: where much is not found, little is
+    known. elsewhere: the largest share of it that, pushed a little, would lie on ink that the rest does not
+    account for.
+    """
+
+    presence: StrokePresence
+    gain: float
+    lost: float
+    elsewhere: float
+
+    def is_plain(self, *, found: float) -> bool:
+        """Whether it is gone so plainly that it does not matter what else is not found."""
+        rule, seen = PRESENCE.plain, self.presence
+        gone = min(seen.bare, seen.bare_expected) >= rule.bare and self.gain >= rule.gain
+        found_some = seen.covered > rule.covered or self.elsewhere > rule.elsewhere or found > rule.found
+        return gone and not found_some
+
+    def odds(self, *, found: float = 0.0) -> float:
+        """Log odds that it is missing; found: how surely another way of laying all strokes finds it."""
+        w, lost = PRESENCE.weights, 0.0 if self.is_plain(found=found) else self.lost
+        odds = w.bias + self.presence.suspicion + w.gain * min(self.gain, PRESENCE.most_gain)
+        return odds + w.lost * lost + w.elsewhere * self.elsewhere + w.otherwise * found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -158,20 +186,14 @@ class Compared:
 def find_missing(compared: Compared) -> tuple[tuple[int, ...], Placement]:
     """Numbers of the strokes that the copy lacks, see `StrokePresence`, and all lines on the copy.
 
-    When a stroke seems to be missing, other ways of laying the lines are tried, and what finds its ink in the
-    best of them is there after all. That placement is given back.
+    When a stroke seems to be missing, other ways of laying the lines are tried, and what finds its ink in one
+    of them is hardly missing. Where nothing is missing after all, the best of these ways is given back.
     """
-    master, copy = compared.master, compared.copy
-    whole = place_lines(master, copy)
-    missing = _find_missing(compared, whole)
-    if not missing:
-        return (), whole
-    others = [place_lines(master, copy, settings=settings) for settings in PRESENCE.other_ways]
-    best = min(others, key=lambda placement: placement.left_over)
-    if best.left_over > whole.left_over:
-        return missing, whole
-    there = {presence.number for presence in measure_presence(compared, best) if presence.is_there}
-    return tuple(number for number in missing if number not in there), best
+    search = MissingSearch(compared)
+    missing, doubted = search.find()
+    if missing or not doubted:
+        return missing, search.whole
+    return (), min((*search.others, search.whole), key=lambda placement: placement.left_over)
 
 
 def lay_rest(compared: Compared, missing: tuple[int, ...]) -> tuple[FramedInk, CentreLines, Placement]:
@@ -195,39 +217,91 @@ def lay_rest(compared: Compared, missing: tuple[int, ...]) -> tuple[FramedInk, C
     return framed, copy, replace(rest, found=LineMatch(moved, responsibility), covered=covered, owner=owner)
 
 
-def _find_missing(compared: Compared, whole: Placement) -> tuple[int, ...]:
-    master, copy = compared.master, compared.copy
-    numbers = stroke_numbers(master)
-    suspects = _suspects(compared, whole)
-    missing: list[int] = []
-    left_over, strokes = whole.left_over, len(np.unique(numbers))
-    without: dict[int, tuple[Placement, FloatArray]] = {}  # each suspect, besides what is missing
-    while suspects and len(missing) < strokes - 1:
-        if not without:
-            without = {s.number: lay_without(master, copy, numbers, (*missing, s.number)) for s in suspects}
-        best = max(suspects, key=lambda s: left_over - without[s.number][0].left_over)
-        rest, move = without[best.number]
-        suspects.remove(best)
-        gone = np.isin(numbers, (*missing, best.number))
+@dataclass(frozen=True, eq=False)
+class MissingSearch:
+    """The search for the strokes that a copy lacks."""
+
+    compared: Compared
+
+    @cached_property
+    def whole(self) -> Placement:
+        """All lines on the copy."""
+        return place_lines(self.compared.master, self.compared.copy)
+
+    @cached_property
+    def others(self) -> tuple[Placement, ...]:
+        """The same, laid in other ways."""
+        master, copy = self.compared.master, self.compared.copy
+        return tuple(place_lines(master, copy, settings=settings) for settings in PRESENCE.other_ways)
+
+    @cached_property
+    def found_otherwise(self) -> dict[int, float]:
+        """For each stroke how surely one of the other ways finds it, from 0 to 1."""
+        ways = [measure_presence(self.compared, placement) for placement in self.others]
+        return {same[0].number: max(presence.found for presence in same) for same in zip(*ways, strict=True)}
+
+    def find(self) -> tuple[tuple[int, ...], bool]:
+        """Numbers of what is missing, and whether more would be if other ways were not asked."""
+        numbers = stroke_numbers(self.compared.master)
+        suspects, doubted = self.suspects(), False
+        missing: tuple[int, ...] = ()
+        left_over, strokes = self.whole.left_over, len(np.unique(numbers))
+        without: dict[int, tuple[Placement, FloatArray]] = {}  # each suspect, besides what is missing
+        while suspects and len(missing) < strokes - 1:
+            if not without:
+                without = {s.number: self.lay_without((*missing, s.number)) for s in suspects}
+            best = max(suspects, key=lambda s: left_over - without[s.number][0].left_over)
+            suspects.remove(best)
+            rest, move = without[best.number]
+            gain = (left_over - rest.left_over) / best.share
+            evidence = self.weigh(best, rest, move, missing=missing, gain=gain)
+            if evidence.odds() < PRESENCE.least_odds:
+                continue
+            doubted = True
+            if evidence.odds(found=self.found_otherwise[best.number]) < PRESENCE.least_odds:
+                continue
+            missing, left_over, without = (*missing, best.number), rest.left_over, {}
+        return missing, doubted
+
+    def suspects(self) -> list[StrokePresence]:
+        """The strokes that a test could show to be missing, the most suspicious first."""
+        every = measure_presence(self.compared, self.whole)
+        suspects = [presence for presence in every if presence.suspicion > PRESENCE.suspicious]
+        return sorted(suspects, key=lambda presence: -presence.suspicion)[: PRESENCE.most_tested]
+
+    def lay_without(self, gone: tuple[int, ...]) -> tuple[Placement, FloatArray]:
+        """The rest of the lines on the copy, and the move of its points, see `placement.lay_without`."""
+        master = self.compared.master
+        return lay_without(master, self.compared.copy, stroke_numbers(master), gone)
+
+    def weigh(
+        self,
+        stroke: StrokePresence,
+        rest: Placement,
+        move: FloatArray,
+        *,
+        missing: tuple[int, ...],
+        gain: float,
+    ) -> StrokeEvidence:
+        """What is to be said of a stroke, besides what is missing already.
+
+        rest, move: of `lay_without`. gain: see `StrokeEvidence`.
+        """
+        compared = self.compared
+        numbers, radius = stroke_numbers(compared.master), compared.master.points.radius
+        gone, own = np.isin(numbers, (*missing, stroke.number)), numbers == stroke.number
+        lost = float(radius[~gone][~rest.covered].sum()) / float(radius.sum())
         moved = replace(compared, framed=move_ink(compared.framed, move))
-        spare = _spare_ink(moved, rest, gone=gone, own=numbers == best.number)
-        if best.is_missing((left_over - rest.left_over) / best.share, spare):
-            missing.append(best.number)
-            left_over = rest.left_over
-            without = {}
-    return tuple(missing)
+        return StrokeEvidence(
+            stroke,
+            gain=gain,
+            lost=lost / stroke.share,
+            elsewhere=_found_elsewhere(moved, rest, gone=gone, own=own),
+        )
 
 
-def _suspects(compared: Compared, whole: Placement) -> list[StrokePresence]:
-    """The strokes that a test could show to be missing, the most suspicious first."""
-    every = measure_presence(compared, whole)
-    suspects = [presence for presence in every if presence.suspicion > PRESENCE.suspicious]
-    suspects = sorted(suspects, key=lambda presence: -presence.suspicion)[: PRESENCE.most_tested]
-    return [presence for presence in suspects if presence.is_missing(gain=np.inf, spare=0.0)]
-
-
-def _spare_ink(compared: Compared, rest: Placement, *, gone: BoolArray, own: BoolArray) -> float:
-    """The largest patch near the place of a stroke that none of the others accounts for, over its own ink.
+def _found_elsewhere(compared: Compared, rest: Placement, *, gone: BoolArray, own: BoolArray) -> float:
+    """The largest share of a stroke that, pushed a little, lies on ink that none of the others accounts for.
 
     gone: (n,) points of all that is missing; own: of this stroke.
     """
@@ -241,16 +315,13 @@ def _spare_ink(compared: Compared, rest: Placement, *, gone: BoolArray, own: Boo
     radius, owner = depth[pixels_at(moved[strokes])], points.owner[strokes]
     usual = np.array([np.median(radius[owner == k]) for k in owner])
     tubes = draw_discs(moved[strokes], s.tube * np.minimum(radius, s.widest * usual))
-    spare = framed.ink & ~tubes
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (3, 3))
-    spare = cv2.morphologyEx(spare.view(np.uint8), cv2.MORPH_OPEN, disc) > 0
-    near = draw_discs(moved[own], np.full(np.count_nonzero(own), s.spare_reach))
-    _, patches = cv2.connectedComponents(spare.view(np.uint8), connectivity=8)
-    areas = np.bincount(patches.ravel())
-    areas[0] = 0
-    areas[np.setdiff1d(np.arange(len(areas)), patches[near])] = 0
-    own_area = float((2.0 * points.radius[own]).sum() * points.spacing) * SCALE**2
-    return float(areas.max()) / own_area
+    spare = cv2.dilate((framed.ink & ~tubes).view(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    at, steps = moved[own], s.push_step * np.arange(-s.pushes, s.pushes + 1)
+    pushes = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 1, 2)
+    pushes = pushes[np.hypot(*pushes[:, 0].T) <= s.push_reach]
+    middle = at.mean(axis=0)
+    tried = np.concatenate([middle + size * (at - middle) + pushes for size in s.push_sizes])
+    return float(spare[pixels_at(tried.reshape(-1, 2))].reshape(tried.shape[:2]).mean(axis=1).max())
 
 
 def measure_presence(compared: Compared, whole: Placement) -> tuple[StrokePresence, ...]:
