@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -23,7 +24,9 @@ from PIL import Image, ImageDraw
 from rumu.database.tables import Job
 from rumu.errors import RumuError
 from rumu.gallery.catalog import open_gallery
+from rumu.gallery.seed import add_starter_works
 from rumu.studio import job_queue
+from rumu.studio.job_handlers import prepare
 from rumu.studio.people import create_person
 from rumu.studio.storage import Storage
 from rumu.web.server import is_loopback, listen, serve
@@ -74,10 +77,23 @@ class Server:
         self.process.stdout.close()
 
 
+@pytest.fixture(scope="module")
+def derived(tmp_path_factory):
+    """The folder of what a first start makes of the starter works, made once: every server would make it."""
+    home = tmp_path_factory.mktemp("derived")
+    gallery = open_gallery(database=f"sqlite:///{home / 'rumu.sqlite'}", files=home / "files")
+    add_starter_works(gallery)
+    storage = Storage(database=f"sqlite:///{home / 'rumu.sqlite'}", files=home / "files")
+    prepare(gallery, {}, lambda *_: None, storage)
+    gallery.database.close()
+    return home / "files" / "derived"
+
+
 @pytest.fixture
-def start(tmp_path, database_url):
+def start(tmp_path, database_url, derived):
     """Start a server; every start uses the same database and store."""
     started = []
+    shutil.copytree(derived, tmp_path / "files" / "derived", copy_function=os.link)
     gallery = open_gallery(database=database_url, files=tmp_path / "files")
     with gallery.database.writing() as session:
         create_person(session, name="館主", password=PASSWORD, role="owner")
