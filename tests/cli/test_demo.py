@@ -63,16 +63,19 @@ def test_the_demo_ends_in_a_gallery_that_is_ready(tmp_path, own_home):
     it."""
     command = [sys.executable, "-m", "rumu.cli", "demo", "--no-open", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as demo:
-        lines = []
-        while not (lines and "/#/join/" in lines[-1]):
-            lines.append(demo.stdout.readline())
-            assert lines[-1], demo.stderr.read()
-        said = "".join(lines)
-        url = re.search(r"http://127\.0\.0\.1:\d+/", said)[0]
-        with httpx.Client(base_url=url, trust_env=False, timeout=60) as client:
-            works = client.get("/api/works").json()
-            assert works["total"] == 31 and client.get(works["items"][0]["thumb"]).status_code == 200
-        thumbs = list((own_home / "files" / "derived").rglob("*thumb*"))
-        demo.send_signal(signal.SIGINT)
-        assert demo.wait(120) == 130  # on a busy machine its workers end slowly
+        try:
+            lines = []
+            while not (lines and "/#/join/" in lines[-1]):
+                lines.append(demo.stdout.readline())
+                assert lines[-1], demo.stderr.read()
+            said = "".join(lines)
+            url = re.search(r"http://127\.0\.0\.1:\d+/", said)[0]
+            with httpx.Client(base_url=url, trust_env=False, timeout=60) as client:
+                works = client.get("/api/works").json()
+                assert works["total"] == 31 and client.get(works["items"][0]["thumb"]).status_code == 200
+            thumbs = list((own_home / "files" / "derived").rglob("*thumb*"))
+            demo.send_signal(signal.SIGINT)
+            assert demo.wait(120) == 130  # on a busy machine its workers end slowly
+        finally:
+            demo.kill()
     assert "nobody wrote them" in said and len(thumbs) == 62

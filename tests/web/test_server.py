@@ -59,7 +59,7 @@ class Server:
             text=True,
         )
         self.facts = json.loads(self.process.stdout.readline())
-        self.client = httpx.Client(base_url=self.facts["url"], timeout=60, trust_env=False)
+        self.client = httpx.Client(base_url=self.facts["url"], timeout=180, trust_env=False)
         self.token = self.client.get("/api/session").json()["csrf"]
 
     def post(self, url, **more):

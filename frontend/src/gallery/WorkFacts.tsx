@@ -48,7 +48,7 @@ export function WorkFacts({ work, facts, alone = false }: { work: WorkTexts; fac
   );
 }
 
-/** The work's own size, and that of its maps where they are smaller. */
+/** The work's own size, and that of its maps where they are smaller: all is drawn of them, or only what is seen in depth. */
 function Size({ work, facts }: { work: WorkTexts; facts: ViewerFacts | null }) {
   if (!facts) return <span class="size">{work.width} × {work.height} px</span>;
   const { width, height, spacing, unit } = facts;
@@ -56,7 +56,7 @@ function Size({ work, facts }: { work: WorkTexts; facts: ViewerFacts | null }) {
     <>
       {unit === "mm" && <span class="size">{formatLength(width * spacing, unit)} × {formatLength(height * spacing, unit)}</span>}
       <span class="size">{work.width} × {work.height} px</span>
-      {width < work.width && <span class="size reduced">{t("shownAt", { width, height })}</span>}
+      {width < work.width && <span class="size reduced">{t(facts.tiles ? "inDepthAt" : "shownAt", { width, height })}</span>}
     </>
   );
 }
