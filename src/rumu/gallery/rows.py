@@ -42,6 +42,7 @@ def _check_year(time: datetime) -> datetime:
 
 _clean = AfterValidator(reject_control_characters)
 RowId = Annotated[str, StringConstraints(pattern=ID_PATTERN)]
+IdOrNone = Annotated[str, StringConstraints(pattern=f"^$|{ID_PATTERN}")]
 Line = Annotated[str, StringConstraints(max_length=200), _clean]
 Passage = Annotated[str, StringConstraints(max_length=20_000), _clean]
 Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
@@ -65,8 +66,8 @@ class CollectionRow(_Row):
     note_en: Passage = ""
     source: Passage = ""
     licence: Line = ""
-    cover_id: RowId | Literal[""] = ""
-    tour_id: RowId | Literal[""] = ""
+    cover_id: IdOrNone = ""
+    tour_id: IdOrNone = ""
     created: Time
 
 
