@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rumu.capture.image import to_srgb
 from rumu.values import FloatArray, Surface
 
 Picture = npt.NDArray[Any]  # uint8 unless said: (H, W) gray, (H, W, 3) RGB
@@ -46,8 +47,7 @@ _SIDE = PictureSettings().side
 def srgb(linear: FloatArray, *, bits: int = 8) -> Picture:
     """(H, W) or (H, W, 3) linear in [0, 1], clipped -> same shape, sRGB (IEC 61966-2-1), 8 or 16 bits."""
     light = np.clip(np.asarray(linear, dtype=np.float32), 0.0, 1.0)
-    coded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.power(light, 1 / 2.4) - 0.055)
-    return np.asarray(np.round(coded * (2**bits - 1)), dtype=np.uint8 if bits == 8 else np.uint16)
+    return np.asarray(np.round(to_srgb(light) * (2**bits - 1)), dtype=np.uint8 if bits == 8 else np.uint16)
 
 
 def shrink_to_fit(array: npt.NDArray[Any], *, side: int) -> npt.NDArray[Any]:

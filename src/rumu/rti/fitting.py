@@ -12,6 +12,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from rumu.capture.image import to_srgb
 from rumu.errors import CaptureError
 from rumu.image_stack import ImageStack, Progress, each_range
 from rumu.rti.image import TERMS, Basis, RtiImage, light_weights
@@ -209,7 +210,5 @@ class _LeastSquares:
 
 @lru_cache(maxsize=1)
 def _screen_values() -> FloatArray:
-    """(65536,) float32: the sRGB value (IEC 61966-2-1) of each level of linear light."""
-    light = np.linspace(0.0, 1.0, _LEVELS)
-    coded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return coded.astype(np.float32)
+    """(65536,) float32: the sRGB value of each level of linear light."""
+    return to_srgb(np.linspace(0.0, 1.0, _LEVELS)).astype(np.float32)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.image import to_linear
+from rumu.capture.image import to_linear, to_srgb
 from rumu.errors import SurfaceError
 from rumu.values import FloatArray, Surface
 
@@ -123,8 +123,7 @@ def _levels(
 def _srgb_table() -> npt.NDArray[np.uint8]:
     """(65536,) the sRGB level of linear light in 16 bits."""
     linear = np.arange(_LEVELS + 1) / _LEVELS
-    curved = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.asarray(np.round(curved * 255)).astype(np.uint8)
+    return np.asarray(np.round(to_srgb(linear) * 255)).astype(np.uint8)
 
 
 def _save(path: Path, samples: npt.NDArray[Any]) -> None:

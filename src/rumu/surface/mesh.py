@@ -13,6 +13,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from rumu.capture.image import to_srgb
 from rumu.errors import SurfaceError
 from rumu.values import BoolArray, FloatArray, Source, Surface
 
@@ -159,8 +160,7 @@ def stl_bytes(vertices: FloatArray, faces: npt.NDArray[np.int64], *, source: Sou
 def albedo_srgb(albedo: FloatArray) -> npt.NDArray[np.uint8]:
     """(H, W, 3) uint8, sRGB, from linear albedo (H, W) or (H, W, 3) in [0, 1]."""
     linear = np.clip(albedo if albedo.ndim == 3 else np.repeat(albedo[..., None], 3, axis=2), 0.0, 1.0)
-    curved = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.asarray(np.round(curved * 255)).astype(np.uint8)
+    return np.asarray(np.round(to_srgb(linear) * 255)).astype(np.uint8)
 
 
 def _points(
