@@ -116,6 +116,12 @@ def _flag_entry(path: Path, content: dict[str, Any], key: str) -> bool:
     return value
 
 
+def description_of(folder: Path) -> Description:
+    """What the capture.json of a folder says, see `read_description`; nothing where there is none."""
+    file = folder / DESCRIPTION
+    return read_description(file) if file.is_file() else Description()
+
+
 def entry_among(folder: Path, key: str, value: str | None, known: tuple[Choice, ...]) -> Choice:
     """An entry of capture.json among those that are known; the first where there is none."""
     for one in known:

@@ -2,8 +2,7 @@
 
 One frame under even light tells the vignetting of the lens; one for each lamp tells how its light falls
 off, too. Only what changes slowly is taken from them, so that neither their noise nor their dust comes in.
-Their ambient light
-is not taken off: photograph them in the dark.
+Their ambient light is not taken off: photograph them in the dark.
 """
 
 from __future__ import annotations
@@ -95,8 +94,7 @@ def divide_by_flat_frames(
     -------
     Capture
         With the same lamps. Frames of single lamps also tell the strengths of the lamps, where the capture
-        did
-        not know them: what a sheet that faces the camera shows in its middle over the height of the lamp.
+        did not know them: what a sheet that faces the camera shows in its middle over the height of the lamp.
 
     Raises
     ------
@@ -105,10 +103,10 @@ def divide_by_flat_frames(
     """
     limits = limits or FlatFrameLimits()
     height, width = capture.mask.shape
-    frames = _frames_of(Path(path), capture.names)
+    frames, of_lamps = _frames_of(Path(path), capture.names)
     turned = capture.orientation == "exif"
     lights = [_light_of(_read(one, encoding, turned=turned), (height, width), one, limits) for one in frames]
-    single = len(frames) == len(capture.names) and len(frames) > 1 and _are_of_lamps(frames, capture.names)
+    single = of_lamps and len(frames) > 1
     fields = lights if single else [np.mean([one / _middle(one) for one in lights], axis=0)]
     inverse = [_middle(one) / one for one in fields]
     least = 1 / max(float(one.max()) for one in inverse)  # so that no factor is above 1
@@ -121,10 +119,10 @@ def divide_by_flat_frames(
     return capture.changed(images=stack, strengths=strengths, notes=(*capture.notes, *notes))
 
 
-def _frames_of(path: Path, names: Sequence[str]) -> list[Path]:
-    """The frames: one file; or those of a folder, in the order of the photographs where they are of lamps."""
+def _frames_of(path: Path, names: Sequence[str]) -> tuple[list[Path], bool]:
+    """The frames, one file or those of a folder; and whether each is of one lamp, in their order then."""
     if path.is_file():
-        return [path]
+        return [path], False
     if not path.is_dir():
         raise capture_error(
             path, en="expected a flat-field frame or a folder of them, there is none", zh="找不到平場照片"
@@ -136,7 +134,7 @@ def _frames_of(path: Path, names: Sequence[str]) -> list[Path]:
     wanted = [Path(name).stem.casefold() for name in names]
     there = [stem in by_stem for stem in wanted]
     if not any(there):
-        return found
+        return found, False
     if not all(there):
         missing = names[there.index(False)]
         raise capture_error(
@@ -144,13 +142,7 @@ def _frames_of(path: Path, names: Sequence[str]) -> list[Path]:
             en=f"expected a flat-field frame for each photograph, found none named like {missing}",
             zh=f"每張照片應有同名的平場照片，卻沒有 {missing} 的",
         )
-    return [by_stem[stem] for stem in wanted]
-
-
-def _are_of_lamps(frames: Sequence[Path], names: Sequence[str]) -> bool:
-    return all(
-        frame.stem.casefold() == Path(name).stem.casefold() for frame, name in zip(frames, names, strict=True)
-    )
+    return [by_stem[stem] for stem in wanted], True
 
 
 def _read(path: Path, encoding: Encoding, *, turned: bool) -> Photograph:

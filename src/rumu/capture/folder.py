@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rumu.capture.description import DESCRIPTION, Description, entry_among, read_description
+from rumu.capture.description import DESCRIPTION, Description, description_of, entry_among
 from rumu.capture.dome import read_dome, without_fall_off
 from rumu.capture.formats import ENCODINGS, Encoding
 from rumu.capture.frames import ORIENTATIONS, Orientation, read_frames
@@ -162,8 +162,7 @@ def _find_files(path: Path, within: Path | None) -> tuple[FolderImages, Descript
     folder, named = _split_path(path)
     images = FolderImages(folder, within=within)
     images.check_links()
-    description_file = folder / DESCRIPTION
-    description = read_description(description_file) if description_file.is_file() else Description()
+    description = description_of(folder)
     lamps = _read_lamps(images, named, description)
     _check_lamps(lamps)
     return images, description, lamps

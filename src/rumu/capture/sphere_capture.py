@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rumu.capture.description import DESCRIPTION, Description, entry_among, read_description
+from rumu.capture.description import description_of, entry_among
 from rumu.capture.formats import ENCODINGS
 from rumu.capture.frames import ORIENTATIONS, read_frames
 from rumu.capture.masks import read_folder_mask
@@ -70,8 +70,7 @@ def read_sphere_capture(
             en=f"expected at least {_FEWEST} photographs, found {len(paths)}",
             zh=f"至少要有 {_FEWEST} 張照片，這裡只有 {len(paths)} 張",
         )
-    file = folder / DESCRIPTION
-    description = read_description(file) if file.is_file() else Description()
+    description = description_of(folder)
     frames = read_frames(
         tuple(paths),
         as_shown=False,

@@ -30,6 +30,11 @@ SphereOption = Annotated[
     ),
 ]
 
+LeaveOutOption = Annotated[
+    list[str] | None,
+    typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
+]
+
 FlatFieldOption = Annotated[
     Path | None,
     typer.Option(

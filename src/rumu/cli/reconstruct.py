@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from rumu.cli.lamps import AlignOption, FlatFieldOption, SphereOption, read_lit_capture
+from rumu.cli.lamps import AlignOption, FlatFieldOption, LeaveOutOption, SphereOption, read_lit_capture
 from rumu.cli.options import AsJson, check_writable, finite
 from rumu.cli.surfaces import REPORT, Folder, write_result
 from rumu.cli.terminal import Outcome, print_outcome, stages
@@ -75,10 +75,7 @@ def reconstruct(
         bool,
         typer.Option("--lamps-as-given", help="Take the lamps as they are, though others fit better."),
     ] = False,
-    leave_out: Annotated[
-        list[str] | None,
-        typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
-    ] = None,
+    leave_out: LeaveOutOption = None,
     sphere: SphereOption = None,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
@@ -188,15 +185,14 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
 
 def _files_read(folder: Path, capture: Capture, flat_field: Path | None) -> list[Path]:
     """The files that a capture was read from: photographs, lamps, mask, description, flat-field frames."""
-    from rumu.capture.description import DESCRIPTION, Description, read_description
+    from rumu.capture.description import description_of
     from rumu.capture.masks import mask_file
     from rumu.capture.photographs import FolderImages, files
 
     place = folder if folder.is_dir() else folder.parent
     images = FolderImages(place)
     told = [one for one in files(place) if one.suffix.lower() in (".lp", ".dome", ".txt", ".json")]
-    file = place / DESCRIPTION
-    mask = mask_file(images, read_description(file) if file.is_file() else Description())
+    mask = mask_file(images, description_of(place))
     ambient = images.by_stem("ambient")
     found = [*told, *(place / name for name in capture.names), *(one for one in (mask, ambient) if one)]
     if flat_field is not None:

@@ -7,13 +7,13 @@ from typing import Annotated, Literal
 
 import typer
 
-from rumu.cli.lamps import AlignOption, FlatFieldOption, SphereOption, read_lit_capture
+from rumu.cli.lamps import AlignOption, FlatFieldOption, LeaveOutOption, SphereOption, read_lit_capture
 from rumu.cli.options import AsJson, check_writable, finite
 from rumu.cli.terminal import Outcome, print_outcome, stages
 
 Basis = Literal["ptm", "hsh"]
 Channels = Literal["lrgb", "rgb"]
-_BASIS_OF = {".ptm": "ptm", ".rti": "hsh"}
+_BASIS_OF: dict[str, Basis] = {".ptm": "ptm", ".rti": "hsh"}
 
 
 @print_outcome
@@ -47,10 +47,7 @@ def rti(
             "rgb of hsh)."
         ),
     ] = None,
-    leave_out: Annotated[
-        list[str] | None,
-        typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
-    ] = None,
+    leave_out: LeaveOutOption = None,
     sphere: SphereOption = None,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
@@ -70,7 +67,7 @@ def rti(
         raise typer.BadParameter(f"{out.suffix} holds {implied}, not {basis}", param_hint="'--basis'")
     if out.suffix.lower() == ".rti" and channels == "lrgb":
         raise typer.BadParameter(".rti holds each channel by itself, not lrgb", param_hint="'--channels'")
-    chosen: Basis = basis or ("hsh" if implied == "hsh" else "ptm")
+    chosen = basis or implied or "ptm"
     check_writable(whole_file(out) if implied else whole_folder(out, marker=INFO))
     with stages() as progress:
         capture, _ = read_lit_capture(
