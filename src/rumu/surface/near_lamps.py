@@ -20,9 +20,8 @@ import numpy as np
 
 from rumu.capture.dome import places
 from rumu.image_stack import SATURATION, ImageStack, Progress, each_range
-from rumu.surface import compiled, robust
 from rumu.surface.robust import RobustSettings, Solver, TileSolution
-from rumu.surface.solve import Solution
+from rumu.surface.solve import Solution, SolutionArrays, tile_solver
 from rumu.surface.stereo import SHADOW_FLOOR, check_stack
 from rumu.values import BoolArray, Capture, FloatArray, IntArray
 
@@ -62,45 +61,29 @@ def solve_near(
     check_stack(stack, lights)
     near = near or NearSettings()
     options = {"solver": solver, "black_level": black_level, "settings": settings or RobustSettings()}
-    n, height, width, *channels = stack.shape
+    n, height, width = stack.shape[:3]
     lamps = _NearLamps(lights, positions, (height, width))
     side = max(4, min(near.side, int(near.of_height * positions[:, 2].min())))
     rows = max(1, min(side, near.values // (n * width)))
-    normals = np.empty((stack.pixels, 3), np.float32)
-    normals[:] = (0, 0, 1)
-    albedo = np.zeros((stack.pixels, *channels), np.float32)
-    confidence = np.zeros(stack.pixels, np.float32)
-    chosen = mask.reshape(-1)
+    found, chosen = SolutionArrays(stack.shape[1:]), mask.reshape(-1)
 
-    def one(part: slice) -> list[TileSolution]:
+    def one(part: slice) -> list[tuple[FloatArray, int, int]]:
         values = stack.range(part.start, part.stop)
-        found = []
+        solved = []
         for block in _blocks(part, width, side):
             pixels = block[chosen[block]]
             if not pixels.size:
                 continue
             tile = values[:, pixels - part.start]
             done = lamps.solve(tile, pixels, block, near.rounds, options)
-            normals[pixels], albedo[pixels], confidence[pixels] = done.normals, done.albedo, done.confidence
-            found.append(done)
-        return found
+            found.put(pixels, done)
+            solved.append((done.residuals, done.dark, done.lit))
+        return solved
 
-    solved = [
-        tile
-        for tiles in each_range(
-            one, stack.pixels, size=rows * width, label="Solving for the normals", progress=progress
-        )
-        for tile in tiles
-    ]
-    residuals = np.concatenate([tile.residuals for tile in solved]) if solved else np.zeros(0)
-    dark, lit = sum(tile.dark for tile in solved), sum(tile.lit for tile in solved)
-    return Solution(
-        normals.reshape(height, width, 3),
-        albedo.reshape(height, width, *channels),
-        confidence.reshape(height, width),
-        float(np.median(residuals)) if residuals.size else 0.0,
-        dark / max(1, dark + lit),
+    bands = each_range(
+        one, stack.pixels, size=rows * width, label="Solving for the normals", progress=progress
     )
+    return found.whole(tile for tiles in bands for tile in tiles)
 
 
 def shading(capture: Capture, normals: FloatArray, pixels: IntArray) -> FloatArray:
@@ -113,7 +96,12 @@ def shading(capture: Capture, normals: FloatArray, pixels: IntArray) -> FloatArr
         return np.asarray(shown)
     x, y = places(pixels, capture.mask.shape)
     aside = normals[:, 0] * x + normals[:, 1] * y
-    return np.asarray(shown - (capture.lights[:, 2] / capture.positions[:, 2])[:, None] * aside)
+    return np.asarray(shown - _loss(capture.lights, capture.positions)[:, None] * aside)
+
+
+def _loss(lights: FloatArray, positions: FloatArray) -> FloatArray:
+    """(N,): by how much each lamp loses of n_x and n_y for every pixel away from the middle."""
+    return np.asarray(lights[:, 2] / positions[:, 2])
 
 
 def _blocks(part: slice, width: int, side: int) -> Iterator[IntArray]:
@@ -130,11 +118,6 @@ class _NearLamps:
     positions: FloatArray
     shape: tuple[int, int]
 
-    @property
-    def aside(self) -> FloatArray:
-        """(N,): by how much each lamp loses of n_x and n_y for every pixel away from the middle."""
-        return np.asarray(self.lights[:, 2] / self.positions[:, 2])
-
     def solve(
         self,
         values: FloatArray,
@@ -144,16 +127,16 @@ class _NearLamps:
         options: dict[str, Any],
     ) -> TileSolution:
         """Some pixels (P,) of a block, whose values are (N, P[, 3]). options: of `solve_tile`."""
-        solve_tile = compiled.solve_tile if compiled.has_numba() else robust.solve_tile
+        solve_tile, loss = tile_solver(), _loss(self.lights, self.positions)[:, None]
         x, y = places(pixels, self.shape)
         middle = [float(one.mean()) for one in places(block[[0, -1]], self.shape)]
         lights = self.lights.copy()
-        lights[:, :2] -= self.aside[:, None] * middle
+        lights[:, :2] -= loss * middle
         done = solve_tile(values, lights, **options)
         lit = (values > SHADOW_FLOOR) & (values < SATURATION)
         for _ in range(rounds - 1):
             beside = done.normals[:, 0] * (x - middle[0]) + done.normals[:, 1] * (y - middle[1])
-            seen_less = (-self.aside[:, None] * beside).astype(np.float32)
+            seen_less = (-loss * beside).astype(np.float32)
             less = seen_less * done.albedo if values.ndim == 2 else seen_less[..., None] * done.albedo
             moved = np.clip(values - less, np.float32(1.01 * SHADOW_FLOOR), np.float32(0.999 * SATURATION))
             done = solve_tile(np.where(lit, moved, values), lights, **options)

@@ -6,6 +6,7 @@ are.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +14,9 @@ import numpy as np
 from rumu.errors import SurfaceError
 from rumu.image_stack import ImageStack, Progress, each_range
 from rumu.surface import compiled, robust
-from rumu.surface.robust import SOLVERS, RobustSettings, Solver
+from rumu.surface.robust import SOLVERS, RobustSettings, Solver, TileSolution
 from rumu.surface.stereo import check_stack
-from rumu.values import BoolArray, FloatArray
+from rumu.values import BoolArray, FloatArray, IntArray
 
 _TILE = 400_000
 """Values of brightness that a thread works on at a time: a few MB with all that is derived from them."""
@@ -37,6 +38,45 @@ class Solution:
     confidence: FloatArray
     residual: float
     shadow_share: float
+
+
+class SolutionArrays:
+    """A solution while it is made, some pixels at a time; what is not solved faces the camera.
+
+    shape: (H, W), or (H, W, 3) in colour.
+    """
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        pixels = shape[0] * shape[1]
+        self._shape = shape
+        self._normals = np.empty((pixels, 3), dtype=np.float32)
+        self._normals[:] = (0, 0, 1)
+        self._albedo = np.zeros((pixels, *shape[2:]), dtype=np.float32)
+        self._confidence = np.zeros(pixels, dtype=np.float32)
+
+    def put(self, pixels: slice | IntArray, done: TileSolution) -> None:
+        """Set some pixels by their numbers."""
+        self._normals[pixels] = done.normals
+        self._albedo[pixels] = done.albedo
+        self._confidence[pixels] = done.confidence
+
+    def whole(self, tiles: Iterable[tuple[FloatArray, int, int]]) -> Solution:
+        """The solution, with the residuals, and the numbers of dark and lit values, of all tiles."""
+        parts = list(tiles)
+        pooled = np.concatenate([residuals for residuals, _, _ in parts]) if parts else np.zeros(0)
+        dark, lit = sum(part[1] for part in parts), sum(part[2] for part in parts)
+        return Solution(
+            self._normals.reshape(*self._shape[:2], 3),
+            self._albedo.reshape(self._shape),
+            self._confidence.reshape(self._shape[:2]),
+            float(np.median(pooled)) if pooled.size else 0.0,
+            dark / max(1, dark + lit),
+        )
+
+
+def tile_solver() -> Callable[..., TileSolution]:
+    """What solves some pixels: the compiled kernels, or NumPy where there is no numba, after a warning."""
+    return compiled.solve_tile if compiled.has_numba() else robust.solve_tile
 
 
 def solve(
@@ -62,12 +102,7 @@ def solve(
         raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
     check_stack(images, lights)
     stack = images if isinstance(images, ImageStack) else ImageStack.of_arrays(images)
-    solve_tile = compiled.solve_tile if compiled.has_numba() else robust.solve_tile
-    n, height, width, *channels = stack.shape
-    normals = np.empty((stack.pixels, 3), dtype=np.float32)
-    normals[:] = (0, 0, 1)
-    albedo = np.zeros((stack.pixels, *channels), dtype=np.float32)
-    confidence = np.zeros(stack.pixels, dtype=np.float32)
+    solve_tile, found = tile_solver(), SolutionArrays(stack.shape[1:])
     chosen = None if mask is None or mask.all() else mask.ravel()
     settings = settings or RobustSettings()
 
@@ -78,22 +113,10 @@ def solve(
         values = stack.range(part.start, part.stop)
         values = values if isinstance(inside, slice) else values[:, inside]
         done = solve_tile(values, lights, solver=solver, black_level=black_level, settings=settings)
-        normals[part][inside] = done.normals
-        albedo[part][inside] = done.albedo
-        confidence[part][inside] = done.confidence
+        found.put(part if isinstance(inside, slice) else part.start + inside, done)
         return done.residuals, done.dark, done.lit
 
-    solved = list(
-        each_range(
-            one, stack.pixels, size=max(1, tile // n), label="Solving for the normals", progress=progress
-        )
-    )
-    residuals, dark, lit = zip(*solved, strict=True)
-    pooled = np.concatenate(residuals)
-    return Solution(
-        normals.reshape(height, width, 3),
-        albedo.reshape(height, width, *channels),
-        confidence.reshape(height, width),
-        float(np.median(pooled)) if pooled.size else 0.0,
-        sum(dark) / max(1, sum(dark) + sum(lit)),
+    size = max(1, tile // len(stack))
+    return found.whole(
+        each_range(one, stack.pixels, size=size, label="Solving for the normals", progress=progress)
     )
