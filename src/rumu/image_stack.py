@@ -216,7 +216,7 @@ class ImageStack:
         for start in range(0, self.pixels, _BAND):
             part = slice(start, min(start + _BAND, self.pixels))
             dark = None if self._dark is None else self._dark.range(part.start, part.stop)
-            factor = self._factor(number, np.arange(part.start, part.stop))
+            factor = self._factor(number, np.arange(part.start, part.stop)) if self._gains[number] else None
             light = self._photographs[number].range(part.start, part.stop)
             found[part] = self._calibrated(light, dark, factor)
         return found.reshape(self.shape[1:])
@@ -230,13 +230,7 @@ class ImageStack:
 
         dark = None if self._dark is None else self._dark.reduced(size)
         light = self._photographs[number].reduced(size)
-        height, width = light.shape[:2]
-        rows, columns = (
-            ((np.arange(few) + 0.5) * many / few).astype(int)
-            for few, many in ((height, self.shape[1]), (width, self.shape[2]))
-        )
-        factor = self._factor(number, (rows[:, None] * self.shape[2] + columns).reshape(-1))
-        light = self._calibrated(light, dark, None if factor is None else factor.reshape(height, width))
+        light = self._calibrated(light, dark, self._factor_in_cells(number, light.shape[:2]))
         return np.asarray(cv2.resize(light, size, interpolation=cv2.INTER_AREA))
 
     def floats(self) -> Floats:
@@ -248,6 +242,17 @@ class ImageStack:
         if len(set(self._gains)) == 1:
             return [self._factor(0, pixels)] * len(self)
         return [self._factor(number, pixels) for number in range(len(self))]
+
+    def _factor_in_cells(self, number: int, cells: tuple[int, ...]) -> Floats | None:
+        """(h, w): what a photograph is multiplied by in the middles of so many cells."""
+        if not self._gains[number]:
+            return None
+        rows, columns = (
+            ((np.arange(few) + 0.5) * many / few).astype(int)
+            for few, many in zip(cells, self.shape[1:3], strict=True)
+        )
+        factor = self._factor(number, (rows[:, None] * self.shape[2] + columns).reshape(-1))
+        return None if factor is None else factor.reshape(cells)
 
     def _factor(self, number: int, pixels: Pixels) -> Floats | None:
         factor: Floats | None = None
