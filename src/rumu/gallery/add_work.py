@@ -86,7 +86,7 @@ def add_picture(
     path = Path(path)
     check_choice(method, get_args(Method), "method")
     columns, rows = read_with_ink(path)[2]  # refuses a sheet without writing
-    added = _add_picture_bytes(
+    return _add_picture_bytes(
         gallery,
         path.read_bytes(),
         size=(columns, rows),
@@ -96,8 +96,6 @@ def add_picture(
         height_source=method,
         spacing=spacing,
     )
-    make_large_tiles(gallery, added.id)
-    return added
 
 
 def add_capture(
@@ -147,7 +145,6 @@ def add_capture(
     )
     metadata = replace(metadata, origin=metadata.origin or folder.name)
     added = add_stored_work(gallery, metadata, stored, collection=collection)
-    make_large_tiles(gallery, added.id)
     return replace(added, notes=(*capture.notes, *exposure_notes(capture, surface)))
 
 
@@ -198,8 +195,21 @@ def add_stored_work(
 ) -> AddedWork:
     """Add the row of a work whose files are stored, at the end of its collection, unless it exists.
 
-    more: further columns.
+    more: further columns. A large work gets its tiles.
     """
+    added = _add_row(gallery, metadata, files, collection=collection, **more)
+    make_large_tiles(gallery, added.id)
+    return added
+
+
+def _add_row(
+    gallery: Gallery,
+    metadata: WorkMetadata,
+    files: StoredFiles,
+    *,
+    collection: CollectionMetadata,
+    **more: Any,
+) -> AddedWork:
     with gallery.database.writing() as session:
         insert_works(session, collection, [])
         existing = session.scalar(select(Work.id).where(Work.digest == files.digest))
@@ -282,7 +292,7 @@ def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
     import numpy as np
     from PIL import Image
 
-    from rumu.capture.description import read_description
+    from rumu.capture.description import description_of
 
     target.mkdir(parents=True)
     names, lines = {}, [str(len(capture.names))]
@@ -303,9 +313,8 @@ def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
     description: dict[str, Any] = {"spacing_mm": capture.spacing, "orientation": capture.orientation}
     description["lamps_as_given"] = capture.lamps_as_given or None
     description = {key: value for key, value in description.items() if value is not None}
-    if (folder / "capture.json").is_file():
-        encoding = read_description(folder / "capture.json").encoding
-        description |= {} if encoding is None else {"encoding": encoding}
+    encoding = description_of(folder).encoding
+    description |= {} if encoding is None else {"encoding": encoding}
     (target / "capture.json").write_text(json.dumps(description), encoding="utf-8")
     return folder_digest({file.name: file for file in target.iterdir()})
 

@@ -10,6 +10,7 @@ from sqlalchemy import func, select, update
 from rumu.database.tables import Collection, Tour, Work
 from rumu.errors import GalleryError
 from rumu.gallery.catalog import collection
+from rumu.gallery.metadata import is_whole_of
 from rumu.gallery.store import Gallery
 
 
@@ -31,11 +32,11 @@ class Exhibition:
 def exhibition(gallery: Gallery, collection_id: str) -> Exhibition:
     """The exhibition of a collection. Raises GalleryError when there is none with this id."""
     row = collection(gallery, collection_id)
-    wholes = (Work.collection_id == collection_id, Work.parent_id.is_(None))
+    whole = is_whole_of(collection_id)
     with gallery.database.reading() as session:
-        works = session.execute(select(func.count(Work.id)).where(*wholes)).scalar_one()
+        works = session.execute(select(func.count(Work.id)).where(whole)).scalar_one()
         chosen = session.scalar(select(Work).where(Work.id == row.cover_id, Work.collection_id == row.id))
-        first = select(Work).where(*wholes).order_by(Work.position, Work.id).limit(1)
+        first = select(Work).where(whole).order_by(Work.position, Work.id).limit(1)
         tour = session.get(Tour, row.tour_id) if row.tour_id else None
         return Exhibition(row, works, chosen or session.scalar(first), chosen is not None, tour)
 
@@ -48,8 +49,8 @@ def order_works(gallery: Gallery, collection_id: str, first: Sequence[str]) -> N
     """
     collection(gallery, collection_id)
     with gallery.database.writing() as session:
-        wholes = (Work.collection_id == collection_id, Work.parent_id.is_(None))
-        order = select(Work.id, Work.position).where(*wholes).order_by(Work.position, Work.id)
+        whole = is_whole_of(collection_id)
+        order = select(Work.id, Work.position).where(whole).order_by(Work.position, Work.id)
         there = {name: position for name, position in session.execute(order)}
         foreign = sorted(set(first) - set(there))
         if foreign or len(set(first)) < len(first):

@@ -36,7 +36,6 @@ from rumu.gallery.museum_web import FetchSettings, MuseumWeb, NotThere
 from rumu.gallery.public_addresses import RefusedAddress, UnknownHost
 from rumu.gallery.rights import licence_of
 from rumu.gallery.store import Gallery
-from rumu.gallery.tile_maps import make_large_tiles
 from rumu.homes import user_home
 from rumu.inputs import read_file
 from rumu.values import Bilingual
@@ -252,5 +251,4 @@ def _store(
         height=picture.height,
     )
     record: dict[str, Any] = manifest.record | {"canvas": canvas.id, "canvas_label": canvas.label}
-    added = add_stored_work(gallery, metadata, files, collection=collection, record=record)
-    make_large_tiles(gallery, added.id)
+    add_stored_work(gallery, metadata, files, collection=collection, record=record)

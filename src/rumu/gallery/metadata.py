@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, and_, func, select
 
 from rumu.database.tables import Collection, Work, now
 from rumu.gallery.rows import CollectionRow, WorkRow, check_row
@@ -129,8 +129,12 @@ def _columns(name: str, text: Bilingual, *, max_length: int | None = _MAX_LENGTH
 def next_position(session: Session, collection_id: str) -> int:
     """The position after the last work of a collection; characters stand on their pages, and do not count."""
     after_last = select(func.coalesce(func.max(Work.position) + 1, 0))
-    wholes = (Work.collection_id == collection_id, Work.parent_id.is_(None))
-    return session.execute(after_last.where(*wholes)).scalar_one()
+    return session.execute(after_last.where(is_whole_of(collection_id))).scalar_one()
+
+
+def is_whole_of(collection_id: str) -> ColumnElement[bool]:
+    """The condition that a work is of a collection and no character within a page."""
+    return and_(Work.collection_id == collection_id, Work.parent_id.is_(None))
 
 
 def work_digest(content: bytes | str, *label: str) -> str:
