@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 from urllib.parse import quote
 
 from anyio.to_thread import run_sync
@@ -19,7 +19,7 @@ from rumu.gallery.derived import KINDS, MESHES, PLAIN, MeshShape, viewer_facts
 from rumu.gallery.exhibitions import exhibition, order_works
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.single_page import single_page
-from rumu.gallery.tile_maps import MapName, has_tiles, tiles_etag
+from rumu.gallery.tile_maps import MAPS, has_tiles, tiles_etag
 from rumu.gallery.whole_works import CharacterWithin, characters_within, count_characters
 from rumu.studio.errors import Missing, Unusable
 from rumu.values import SCRIPTS
@@ -213,9 +213,7 @@ def tile_services(service: Service, work: Work) -> dict[str, str] | None:
     if not has_tiles(work):
         return None
     assets = assets_of(service.gallery.store, work)
-    services = {
-        name: service_url(f"/iiif/tiles/{name}/{quote(work.id, safe='')}") for name in get_args(MapName)
-    }
+    services = {name: service_url(f"/iiif/tiles/{name}/{quote(work.id, safe='')}") for name in MAPS}
     return services | {"version": tiles_etag(assets, "albedo")}
 
 
