@@ -6,10 +6,9 @@
         coefficients of red, then of green, then of blue. A coefficient is scale * (byte - bias), and 255 is
         white.
 .rti    Cultural Heritage Imaging's universal RTI, hemispherical harmonics (type 3). Lines of text: #HSH1.2;
-3;
-        width, height and 3 channels; terms, 2 and 1. Then float32 scales and biases, one for each term, and
-        bytes, rows from the top: for each pixel the coefficients of red, green and blue. A coefficient is
-        byte / 255 * scale + bias, and 1 is white.
+        3; width, height and 3 channels; terms, 2 and 1. Then float32 scales and biases, one for each term,
+        and bytes, rows from the top: for each pixel the coefficients of red, green and blue. A coefficient
+        is byte / 255 * scale + bias, and 1 is white.
 """
 
 from __future__ import annotations

@@ -29,16 +29,14 @@ class FineSettings:
     """How normals are made block by block.
 
     block: side of a block, in pixels. margin: pixels around it for each pixel of the thickest stroke's
-    half-width; the
-        inflation of a stroke depends on what is so far along it by a thousandth. widest: most pixels of the
-        margin; where strokes are thicker, the normals are made of a picture of half the size, or a
-        quarter...
+        half-width; the inflation of a stroke depends on what is so far along it by a thousandth. widest:
+        most pixels of the margin; where strokes are thicker, the normals are made of a picture of half the
+        size, or a quarter...
     near: standard deviation, in pixels of the reduced surface, of the neighbourhood that says how dark ink
-    and paper
-        are. reach: pixels of the reduced surface beyond its ink that may be ink. smooth: standard deviation
-        of the smoothing of the large picture, in pixels of the reduced surface. soften: of that of the
-        height, in pixels of the picture, so that a low lamp does not show the steps of the outline from
-        pixel to pixel.
+        and paper are. reach: pixels of the reduced surface beyond its ink that may be ink.
+    smooth: standard deviation of the smoothing of the large picture, in pixels of the reduced surface.
+    soften: of that of the height, in pixels of the picture, so that a low lamp does not show the steps of
+        the outline from pixel to pixel.
     """
 
     block: int = 1024
