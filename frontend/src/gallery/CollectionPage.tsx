@@ -24,7 +24,7 @@ const BATCH = 200;
 
 export default function CollectionPage({ params, query }: PageProps) {
   const id = params.id ?? "";
-  const loaded = useLoaded((signal) => get<Exhibition>(`api/collections/${encodeURIComponent(id)}`, signal), id);
+  const loaded = useLoaded((signal) => get<Exhibition>(collectionUrl({ id }), signal), id);
   const asked = query.get("kiosk");
   useEffect(() => {
     if (asked === "off") leaveKiosk();

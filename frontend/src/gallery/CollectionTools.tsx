@@ -29,7 +29,7 @@ export function CollectionTools({ item, onChange }: Props) {
   );
 }
 
-export const collectionUrl = ({ id }: Collection): string => `api/collections/${encodeURIComponent(id)}`;
+export const collectionUrl = ({ id }: Pick<Collection, "id">): string => `api/collections/${encodeURIComponent(id)}`;
 
 function EditDialog({ item, onClose, onSaved }: { item: Collection; onClose: () => void; onSaved: () => void }) {
   const [title, setTitle] = useState(item.title);
