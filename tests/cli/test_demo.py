@@ -58,11 +58,17 @@ def test_a_place_that_cannot_be_written(rumu, desk, no_browser):
     assert not no_browser
 
 
+def heed_ctrl_c():
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_the_demo_ends_in_a_gallery_that_is_ready(tmp_path, own_home):
     """The table, then a server whose first page has its thumbnails, and a link for the owner; Ctrl-C ends
     it."""
     command = [sys.executable, "-m", "rumu.cli", "demo", "--no-open", "--port", "0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as demo:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    # tests that run in the background (nohup) ignore Ctrl-C, and so would what they start
+    with subprocess.Popen(command, preexec_fn=heed_ctrl_c, **pipes) as demo:
         try:
             lines = []
             while not (lines and "/#/join/" in lines[-1]):

@@ -25,10 +25,11 @@ LogIn = Callable[..., Visitor]
 
 
 def faults(page: Page) -> list[str]:
-    """The serious and critical ones, each with where it is."""
+    """The serious and critical ones, each with where it is, once what comes up on the page has come up."""
     if not AXE.is_file():
         absent("axe-core (npm ci in frontend/)")
     page.evaluate(AXE.read_text(encoding="utf-8"))
+    page.evaluate("Promise.all(document.getAnimations().map((one) => one.finished.catch(() => null)))")
     found: dict[str, Any] = page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
     return [
         f"{fault['id']}: {fault['help']} at {[node['target'] for node in fault['nodes']][:3]}"
