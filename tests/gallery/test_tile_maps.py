@@ -16,6 +16,7 @@ from rumu.gallery.add_work import add_picture
 from rumu.gallery.assets import Assets, assets_of
 from rumu.gallery.catalog import delete_work, work
 from rumu.gallery.derived import delete_least_used
+from rumu.gallery.iiif import manifest
 from rumu.gallery.metadata import WorkMetadata
 from rumu.gallery.store import Gallery
 from rumu.gallery.tile_maps import LARGE, MAPS, has_tiles, make_tiles, stored_tiles, tiles_etag
@@ -51,6 +52,16 @@ def test_the_albedo_of_a_picture_is_the_picture(bare, page, tmp_path):
     assert (tiles.info["width"], tiles.info["height"]) == page.shape[1::-1]
     tile = np.asarray(Image.open(io.BytesIO(tiles.read("512,0,512,512/512,512/0/default.jpg"))))
     assert np.abs(tile.astype(float) - page[:512, 512:1024]).mean() < 2
+
+
+def test_its_manifest_says_where_the_tiles_are(bare, page, tmp_path):
+    work_id = add(bare, tmp_path / "page.png", page)
+    links = manifest(bare, work_id, base="https://example.org")["seeAlso"]
+    assert [link["id"] for link in links] == [
+        f"https://example.org/iiif/tiles/{name}/{work_id}/info.json" for name in MAPS
+    ]
+    small = add(bare, tmp_path / "small.png", page[:900, :900])
+    assert "seeAlso" not in manifest(bare, small, base="https://example.org")
 
 
 def test_normals_are_as_large_as_the_picture_and_raised_where_there_is_ink(bare, page, tmp_path):

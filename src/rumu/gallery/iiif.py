@@ -18,10 +18,15 @@ from rumu.gallery.iiif_image import MAX_SIDE
 from rumu.gallery.iiif_text import PagePlaces, places_of, text_annotations, text_ranges
 from rumu.gallery.rights import is_address, rights_address
 from rumu.gallery.store import Gallery
+from rumu.gallery.tile_maps import MAPS, MapName, has_tiles
 from rumu.gallery.vocabulary import HEIGHT_SOURCES, dynasty_name, script_name
 from rumu.gallery.whole_works import CharacterWithin, characters_within
 
 _CHINESE, _ENGLISH = "zh-Hant", "en"
+_MAP_NAMES: dict[MapName, tuple[str, str]] = {
+    "albedo": ("反照率圖塊", "Tiles of its albedo"),
+    "normals": ("法線圖塊", "Tiles of its normals"),
+}
 
 
 def manifest(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
@@ -71,6 +76,8 @@ def manifest(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
         )
     if row.record is not None and row.record["provider"] and is_address(row.record["manifest"]):
         facts["provider"] = [_provider(one, row.record) for one in row.record["provider"]]
+    if has_tiles(row):
+        facts["seeAlso"] = [_tile_service(name, row, base=base) for name in MAPS]
     within = characters_within(gallery, work_id)
     if within:
         places = places_of(row, base=base)
@@ -90,6 +97,17 @@ def _contents(url: str, within: Sequence[CharacterWithin], places: PagePlaces) -
         "type": "Range",
         "label": _label("釋文", "Text"),
         "items": text_ranges(within, places),
+    }
+
+
+def _tile_service(name: MapName, row: Work, *, base: str) -> dict[str, Any]:
+    """Where a map of a large work is served in tiles."""
+    return {
+        "id": f"{base}/iiif/tiles/{name}/{row.id}/info.json",
+        "type": "Dataset",
+        "label": _label(*_MAP_NAMES[name]),
+        "format": "application/ld+json",
+        "profile": "http://iiif.io/api/image/3/context.json",
     }
 
 
