@@ -90,4 +90,38 @@ export class HeightField {
     }
     return null;
   }
+
+  /**
+   * Heights averaged under a tent that reaches about `radius` texels to each side, so that a grid of squares of that
+   * size steps over an edge without stairs. weights: what each height counts, such as whether it was measured.
+   */
+  smoothed(radius: number, weights?: Float32Array): Float32Array {
+    const reach = Math.round(radius / 2);
+    if (reach === 0) return this.values;
+    const { width, height } = this;
+    const blur = (values: Float32Array) => {
+      for (let pass = 0; pass < 2; pass++) values = boxMeans(boxMeans(values, width, height, reach, 1), height, width, reach, width);
+      return values;
+    };
+    if (!weights) return blur(this.values);
+    const sums = blur(this.values.map((value, k) => value * weights[k]!));
+    const counted = blur(weights);
+    return sums.map((sum, k) => (counted[k]! > 1e-3 ? sum / counted[k]! : this.values[k]!));
+  }
+}
+
+/** Means of 2 reach + 1 neighbours along lines of `length`, whose values lie `step` apart; edges are repeated. */
+function boxMeans(values: Float32Array, length: number, lines: number, reach: number, step: number): Float32Array {
+  const means = new Float32Array(values.length);
+  const next = step === 1 ? length : 1;
+  for (let line = 0; line < lines; line++) {
+    const at = (k: number) => values[line * next + Math.min(Math.max(k, 0), length - 1) * step]!;
+    let sum = 0;
+    for (let k = -reach; k <= reach; k++) sum += at(k);
+    for (let k = 0; k < length; k++) {
+      means[line * next + k * step] = sum / (2 * reach + 1);
+      sum += at(k + reach + 1) - at(k - reach);
+    }
+  }
+  return means;
 }

@@ -60,6 +60,8 @@ const FLAT_SQUARES = 2;
 const SURFACE_SQUARES = 256;
 const MESH_SQUARES = 96;
 const CONTOUR_COUNT = 14;
+/** Texels over which heights are averaged for contour lines, which follow each grain else. */
+const CONTOUR_REACH = 3;
 /** The viewing position for the flat sheet: so far away that it is straight above every point. */
 const DISTANT_EYE: Vec3 = [0, 0, 1e4];
 
@@ -76,6 +78,7 @@ export class SheetScene {
   private readonly base: { albedo: Texture; normals: Texture };
   private detail: SheetDetail | null = null;
   private readonly grids = new Map<number, BufferGeometry>();
+  private readonly smoothed = new Map<number, DataTexture>();
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -177,7 +180,8 @@ export class SheetScene {
     uniform("lensPosition").value.set(lensPosition?.u ?? 0, lensPosition?.v ?? 0, lensPosition?.radius ?? 0);
     uniform("light").value.set(...lampDirection(state.tilt, state.slant));
     uniform("lift").value = state.mode === "sheet" ? 0 : state.exaggeration / this.field.scale;
-    uniform("exaggeration").value = state.exaggeration;
+    uniform("exaggeration").value = this.litExaggeration(state);
+    uniform("smoothed").value = this.heights(state.mode === "contours" ? CONTOUR_REACH : this.squareSize(longest));
     uniform("look").value = LOOKS.indexOf(state.look);
     uniform("eye").value.set(...eye);
     uniform("cells").value.set(...squares(this.field, longest));
@@ -199,10 +203,7 @@ export class SheetScene {
   private material(): RawShaderMaterial {
     const { field, maps } = this;
     const { albedo, normals } = this.base;
-    const heights = new DataTexture(field.values as Float32Array<ArrayBuffer>, field.width, field.height, RedFormat, FloatType);
-    heights.minFilter = heights.magFilter = NearestFilter;
-    heights.needsUpdate = true;
-    this.textures.push(heights);
+    const heights = this.heights(0);
     const { lamps } = maps;
     return new RawShaderMaterial({
       glslVersion: GLSL3,
@@ -211,6 +212,7 @@ export class SheetScene {
       side: DoubleSide,
       uniforms: {
         heights: { value: heights },
+        smoothed: { value: heights },
         albedo: { value: albedo },
         normals: { value: normals },
         photo: { value: maps.photo ? this.texture(maps.photo, true) : albedo },
@@ -239,6 +241,31 @@ export class SheetScene {
         paperColour: { value: new Vector3(1, 1, 1) },
       },
     });
+  }
+
+  /** By how much slopes are exaggerated where they are lit. The ink of a drawn relief under the warm lamp keeps more of its gloss. */
+  private litExaggeration({ exaggeration, look }: ViewState): number {
+    const drawn = this.sheen > 0 && LOOKS[0] === look;
+    return drawn && exaggeration > 1 ? Math.sqrt(exaggeration) : exaggeration;
+  }
+
+  /** Texels of the heights to a square of the mesh. */
+  private squareSize(longest: number): number {
+    return longest === FLAT_SQUARES ? 0 : Math.max(this.field.width, this.field.height) / longest;
+  }
+
+  /** The heights averaged over so many texels, made when first needed. */
+  private heights(reach: number): DataTexture {
+    const { field, maps } = this;
+    const known = this.smoothed.get(reach);
+    if (known) return known;
+    const values = field.smoothed(reach, maps.mask && reach > 0 ? sharesMeasured(maps.mask, field) : undefined);
+    const texture = new DataTexture(values as Float32Array<ArrayBuffer>, field.width, field.height, RedFormat, FloatType);
+    texture.minFilter = texture.magFilter = NearestFilter;
+    texture.needsUpdate = true;
+    this.textures.push(texture);
+    this.smoothed.set(reach, texture);
+    return texture;
   }
 
   /** The mesh with so many squares, built when first needed. */
@@ -291,6 +318,14 @@ export function grid(field: { wide: number; tall: number }, longest: number): Bu
   geometry.setAttribute("uv", new BufferAttribute(fractions, 2));
   geometry.setIndex(new BufferAttribute(faces, 1));
   return geometry;
+}
+
+/** How much of each texel of the heights was measured, by a mask. */
+function sharesMeasured(mask: ImageBitmap, { width, height }: HeightField): Float32Array {
+  const context = new OffscreenCanvas(width, height).getContext("2d")!;
+  context.drawImage(mask, 0, 0, width, height);
+  const { data } = context.getImageData(0, 0, width, height);
+  return Float32Array.from({ length: width * height }, (_, k) => data[4 * k]! / 255);
 }
 
 function flipRows(rows: Uint8Array, width: number, height: number): Uint8ClampedArray<ArrayBuffer> {

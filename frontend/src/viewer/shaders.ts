@@ -3,14 +3,14 @@
 import { ANCHORS, WARM } from "./shading";
 
 const sampling = /* glsl */ `
-float heightAt(vec2 uv) {
-  vec2 size = vec2(textureSize(heights, 0));
+float heightAt(highp sampler2D values, vec2 uv) {
+  vec2 size = vec2(textureSize(values, 0));
   vec2 p = clamp(uv * size - 0.5, vec2(0.0), size - 1.0);
   vec2 base = floor(p);
   ivec2 c = ivec2(base);
   ivec2 d = min(c + 1, ivec2(size) - 1);
-  float top = mix(texelFetch(heights, c, 0).r, texelFetch(heights, ivec2(d.x, c.y), 0).r, p.x - base.x);
-  float bottom = mix(texelFetch(heights, ivec2(c.x, d.y), 0).r, texelFetch(heights, d, 0).r, p.x - base.x);
+  float top = mix(texelFetch(values, c, 0).r, texelFetch(values, ivec2(d.x, c.y), 0).r, p.x - base.x);
+  float bottom = mix(texelFetch(values, ivec2(c.x, d.y), 0).r, texelFetch(values, d, 0).r, p.x - base.x);
   return mix(top, bottom, p.y - base.y);
 }`;
 
@@ -56,7 +56,7 @@ precision highp sampler2D;
 in vec3 position;
 in vec2 uv;
 uniform mat4 modelViewMatrix, projectionMatrix;
-uniform sampler2D heights, mask;
+uniform sampler2D smoothed, mask; // smoothed: heights averaged over about a square of the mesh
 uniform bool cut; // show only faces that lie wholly inside the mask: the others would be stretched into spikes
 uniform float lift; // scene lengths for one unit of height; 0 lays the sheet flat
 uniform vec2 cells; // squares of the mesh along x and y
@@ -69,14 +69,14 @@ void main() {
   at = uv;
   measured = cut ? step(0.96, textureLod(mask, uv, 0.0).r) : 1.0;
   grid = uv * cells;
-  scenePosition = vec3(position.xy, lift == 0.0 ? 0.0 : heightAt(uv) * lift);
+  scenePosition = vec3(position.xy, lift == 0.0 ? 0.0 : heightAt(smoothed, uv) * lift);
   gl_Position = projectionMatrix * modelViewMatrix * vec4(scenePosition, 1.0);
 }`;
 
 export const fragment = /* glsl */ `
 precision highp float;
 precision highp sampler2D;
-uniform sampler2D heights, albedo, normals, photo, lampA, lampB, lampC;
+uniform sampler2D heights, smoothed, albedo, normals, photo, lampA, lampB, lampC;
 uniform vec4 part; // what of the sheet albedo and normals show: left, top, width, height
 uniform bool photographed; // whether the photograph is another picture than the albedo
 uniform int mode; // 0 sheet, 1 mesh, 2 heights, 3 contours, 4 the photograph, 5 normals
@@ -88,7 +88,7 @@ uniform int look; // 0 a warm lamp, 1 exact, 2 clay
 uniform float sheen;
 uniform vec3 eye;
 uniform vec3 mixture; // weights of three photographs; all 0 where there are none
-uniform float exaggeration;
+uniform float exaggeration; // of the slopes that are lit
 uniform vec2 range; // lowest and highest height
 uniform float interval; // between two contour lines
 uniform vec3 inkColour, paperColour;
@@ -129,19 +129,20 @@ vec3 sheetAt(vec2 uv) { // linear; the albedo texture is decoded by the sampler
   return warmLamp(a, normalAt(uv), light, normalize(eye - scenePosition), look == 2 ? 0.0 : sheen);
 }
 vec3 heightsAt(vec2 uv) {
-  float t = (heightAt(uv) - range.x) / max(range.y - range.x, 1e-9);
+  float t = (heightAt(heights, uv) - range.x) / max(range.y - range.x, 1e-9);
   return srgbToLinear(heightColour(t)) * mix(1.0, shading(normalAt(uv), light), 0.5);
 }
 vec3 contoursAt(vec2 uv) {
-  float h = heightAt(uv);
+  float h = heightAt(smoothed, uv);
   float wide = max(fwidth(h) / interval, 1e-6);
   float line = 1.0 - smoothstep(0.6, 1.6, contourDistance(h, interval) / wide);
   float fifth = 1.0 - smoothstep(0.6, 1.6, contourDistance(h, interval * 5.0) / (wide / 5.0) / 1.8);
   float t = (h - range.x) / max(range.y - range.x, 1e-9);
   vec3 base = mix(srgbToLinear(paperColour), srgbToLinear(heightColour(t)), 0.18);
-  // No line on a flat area, even if its height is exactly that of a contour.
-  float crowded = smoothstep(5e-4, 2e-3, wide) * (1.0 - smoothstep(0.25, 0.6, wide));
-  return mix(base, srgbToLinear(inkColour), max(line * 0.75, fifth) * crowded);
+  // Zero is the sheet itself: a line there would follow the grain of the paper, and run round all ink.
+  float off = abs(h) / interval;
+  float drawn = max(line * 0.75 * step(0.5, off), fifth * step(2.5, off));
+  return mix(base, srgbToLinear(inkColour), drawn * (1.0 - smoothstep(0.25, 0.6, wide)));
 }
 vec3 meshAt() {
   vec3 n = normalize(cross(dFdx(scenePosition), dFdy(scenePosition)));
