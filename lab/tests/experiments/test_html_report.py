@@ -36,7 +36,8 @@ def results(quick, e3c_data, graded, monkeypatch):
     return quick
 
 
-def test_the_page_needs_nothing_and_hides_nothing(results):
+def test_the_report(results):
+    """It needs nothing, hides nothing, sets the paper's numbers apart, and has something on its figures."""
     made = html_report.write_report(results.out)
     text = made.page.read_text("utf-8")
     assert not re.findall(r"""(?:src|href)=["'](?!data:|#)""", text)
@@ -49,16 +50,10 @@ def test_the_page_needs_nothing_and_hides_nothing(results):
     for sentence in human_marks.run(results).sentences:
         assert sentence.zh in text
 
-
-def test_the_paper_s_numbers_stand_apart(results):
-    text = html_report.write_report(results.out).page.read_text("utf-8")
     tables = "".join(re.findall(r"<table.*?</table>", text, flags=re.DOTALL))
     assert "1.78" in text and "1.78" not in tables
     assert "Not comparable" in text and "不可比" in text
 
-
-def test_figures_are_files_with_something_on_them(results):
-    made = html_report.write_report(results.out)
     assert {"figures/figure-7-human.png", "figures/figure-7-human.svg"} < set(made.figures)
     for name in made.figures:
         file = results.out / name
