@@ -11,7 +11,7 @@ __version__ = "0.3.0"
 
 _MODULES = {
     "read_capture": "rumu.capture.folder",
-    "read_page": "rumu.pages.reading",
+    "read_page": "rumu.gallery.page_reading",
     "reconstruct": "rumu.pipeline",
     "relief": "rumu.surface.relief",
     "relight": "rumu.surface.relight",
@@ -48,9 +48,9 @@ __all__ = [
 if TYPE_CHECKING:
     from rumu.capture.folder import read_capture as read_capture
     from rumu.errors import RumuError as RumuError
+    from rumu.gallery.page_reading import read_page as read_page
     from rumu.gallery.search import find as find
     from rumu.pages.page import Page as Page
-    from rumu.pages.reading import read_page as read_page
     from rumu.pipeline import assess as assess
     from rumu.pipeline import reconstruct as reconstruct
     from rumu.pipeline import register as register

@@ -68,7 +68,7 @@ def test_the_demo_ends_in_a_gallery_that_is_ready(tmp_path, own_home):
     command = [sys.executable, "-m", "rumu.cli", "demo", "--no-open", "--port", "0"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     # tests that run in the background (nohup) ignore Ctrl-C, and so would what they start
-    with subprocess.Popen(command, preexec_fn=heed_ctrl_c, **pipes) as demo:
+    with subprocess.Popen(command, preexec_fn=heed_ctrl_c, **pipes) as demo:  # noqa: PLW1509
         try:
             lines = []
             while not (lines and "/#/join/" in lines[-1]):

@@ -101,3 +101,25 @@ def test_a_folder_without_sheets_gives_no_mark(rumu, photo, tmp_path):
 def test_a_text_cannot_go_with_sheets(rumu, photo, tmp_path):
     ended = rumu("page", photo, photo, "--text", photo, "-o", tmp_path / "out")
     assert ended.code == 2
+
+
+def test_a_page_without_a_text_is_named_by_masters(rumu, photo, tmp_path):
+    """Only what the starter works in regular script show may have a name: nothing on this page."""
+    ended = rumu("page", photo, "--reference", "regular", "-o", tmp_path / "out", "--json")
+    names = [one["character"] for one in ended.facts["characters"]]
+    assert ended.code == 0 and set(names) == {None}
+    ended = rumu("page", photo, "-o", tmp_path / "out", "--json")
+    right = [
+        one["character"] == true
+        for one, true in zip(ended.facts["characters"], "".join(LINES), strict=True)
+        if one["character"]
+    ]
+    assert len(right) >= 12 and all(right)
+
+
+def test_a_text_and_references_do_not_go_together(rumu, photo, tmp_path):
+    (tmp_path / "text.txt").write_text("永", encoding="utf-8")
+    ended = rumu(
+        "page", photo, "--text", tmp_path / "text.txt", "--reference", "regular", "-o", tmp_path / "out"
+    )
+    assert ended.code == 2 and "--reference" in ended.err

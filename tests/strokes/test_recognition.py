@@ -14,8 +14,8 @@ import rumu
 from rumu import pipeline
 from rumu.gallery.starter import starter_works
 from rumu.registration.points import canvas_of, ink_mask
-from rumu.strokes import recognition
 from rumu.strokes.recognition import recognise
+from rumu.strokes.recognition_model import recognition_model
 
 
 def answer(surface):
@@ -80,7 +80,7 @@ def test_the_mark_says_what_the_master_is_taken_for():
 
 def test_characters_as_copybooks_print_them_are_found(script):
     """Also fails when descriptions were changed and `scripts/fit_recognition.py` was not run."""
-    model = recognition._model()
+    model = recognition_model()
     for one in "永天人水龍鬱凹飛":
         vector = model.project(script.described(one)[0])
         assert chr(model.code_points[(model.vectors @ vector).argmax()]) == one

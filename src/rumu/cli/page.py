@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -38,6 +39,14 @@ def page(
         Path | None,
         typer.Option(metavar="FILE", help="What is written on it: a text file, with or without line breaks."),
     ] = None,
+    reference: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="MASTERS",
+            help="Masters whose characters may be on it: pictures, a folder, a labels.csv, a script, or the "
+            "id of a work or collection; may be given repeatedly.",
+        ),
+    ] = None,
     jobs: Annotated[
         int | None, typer.Option(min=1, help="Of sheets: processes (default: all cores).")
     ] = None,
@@ -52,23 +61,27 @@ def page(
 ) -> Outcome:
     """A page -> its columns and characters, as a report, JSON, PAGE-XML, hOCR; our own sheets -> marks."""
     if are_sheets(photos):
-        if text is not None:
-            raise typer.BadParameter("--text cannot go with sheets, whose code says what is written")
+        if text is not None or reference:
+            raise typer.BadParameter(
+                "--text and --reference cannot go with sheets, whose code says what is written"
+            )
         return mark_sheet_photos(photos, out, jobs=jobs, dask=dask, language=language)
+    if text is not None and reference:
+        raise typer.BadParameter("expected --text or --reference, got both")
     (photo,) = photos
-    return _read_one(photo, out, text=text)
+    return _read_one(photo, out, text=text, reference=reference or ())
 
 
-def _read_one(photo: Path, out: Path, *, text: Path | None) -> Outcome:
+def _read_one(photo: Path, out: Path, *, text: Path | None, reference: Sequence[str]) -> Outcome:
     """The characters of one page."""
+    from rumu.gallery.page_reading import read_page
     from rumu.outputs import whole_folder
-    from rumu.pages.reading import read_page
 
     check_writable(whole_folder(out, marker=_MARKER))
     words = None if text is None else _read_text(text)
     started = time.perf_counter()
     with working("Reading the page"):
-        found = read_page(photo, text=words)
+        found = read_page(photo, text=words, reference=reference)
         seconds = time.perf_counter() - started
         _write(found, out, title=photo.stem)
     facts = {"photo": photo, "out": out, "seconds": round(seconds, 3), **found.as_json()}

@@ -142,11 +142,11 @@ def _read(path: Path, original: bytes, text: str) -> _ReadPage:
 
     from rumu.capture.formats import decode
     from rumu.capture.image import colours_of
-    from rumu.pages.reading import READ_SIZE, read_page
+    from rumu.pages.reading import READ_SIZE, find_characters
 
     stored = decode(path, reduction=READ_SIZE)
     samples = colours_of(stored, name=path)
-    page = read_page(samples, text=text)
+    page = find_characters(samples, text=text)
     if not page.characters:
         raise RefusedImage(
             "expected a page with writing, found no characters on it",

@@ -1,8 +1,14 @@
-"""A photographed or scanned page becomes a `Page`: the recipe."""
+"""A photographed or scanned page becomes a `Page`: the recipe.
+
+What characters look like is known above this package, so that a page without a text is named by a function
+that is handed in; `rumu.read_page` does so.
+"""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,38 +27,26 @@ from rumu.pages.naming import NamedShape, name_characters
 from rumu.pages.page import Page, PageCharacter
 from rumu.pages.page_ink import Picture
 from rumu.pages.upright import quarter_turns
-from rumu.values import FloatArray
+from rumu.values import FloatArray, IntArray
 
+NameLooks = Callable[[list[tuple[IntArray, IntArray]]], Sequence[tuple[str | None, float]]]
+"""Rows and columns of the ink of each character -> its name or None, and how sure that is, 0-1."""
 READ_SIZE = Reduction(pixels=12_600_000, above=25_000_000)
 """How a picture in a file is reduced: not at all up to twice a phone's 12 megapixels, else to 12.6."""
 WORKING_SIDE = 2400
 """Longest side, in pixels, at which a page is searched; its picture keeps all of its own."""
 
 
-def read_page(picture: str | os.PathLike[str] | npt.NDArray[Any], *, text: str | None = None) -> Page:
-    """Find the characters of a photographed or scanned page.
+def find_characters(
+    picture: str | os.PathLike[str] | npt.NDArray[Any],
+    *,
+    text: str | None = None,
+    name_looks: NameLooks | None = None,
+) -> Page:
+    """The characters of a page, named by a text, or by what they look like, or not at all.
 
-    Parameters
-    ----------
-    picture : path or ndarray
-        A file; or an array (H, W) or (H, W, 3) of bool, uint8, uint16, or float in [0, 1], values as stored.
-    text : str, optional
-        What is written on the page, in reading order, with or without line breaks; punctuation and spaces
-        are ignored. Each character then gets its name.
-
-    Returns
-    -------
-    Page
-        Its characters in reading order, with their places on the page as it lies flat; on a page with a
-        printed grid, the cells that are written in, and in `cells` all of them. Where nothing on the picture
-        is writing, `characters` is empty.
-
-    Raises
-    ------
-    ImageError
-        The file or array is no usable picture.
-    RefusedImage
-        The picture is blank.
+    picture, text: as of `rumu.read_page`, which also says what is raised. name_looks: asked where there is
+    no text.
     """
     shown = flatten_photo(_picture(picture)).picture
     found = _find(shown)
@@ -61,10 +55,16 @@ def read_page(picture: str | os.PathLike[str] | npt.NDArray[Any], *, text: str |
         shown = np.ascontiguousarray(np.rot90(shown, turns))
         found = _find(shown)
     if isinstance(found, PageGrid):
-        return Page(shown, written_cells(found, text), found.cells, found.direction)
-    scale = shown.shape[1] / found.width, shown.shape[0] / found.height
-    characters = _characters(found, _named(found, text), scale)
-    return Page(picture=shown, characters=characters, direction=found.direction)
+        characters, cells, looks = written_cells(found, text), found.cells, written_looks(found)
+    else:
+        scale = shown.shape[1] / found.width, shown.shape[0] / found.height
+        characters, cells, looks = _characters(found, _named(found, text), scale), (), found.looks()
+    if text is None and name_looks is not None:
+        characters = tuple(
+            replace(one, character=name, certainty=one.certainty * sure) if name else one
+            for one, (name, sure) in zip(characters, name_looks(looks), strict=True)
+        )
+    return Page(shown, characters, cells, found.direction)
 
 
 def _find(shown: Picture) -> PageGrid | FreePage:

@@ -98,6 +98,8 @@ def _vanishing_point(pieces: FloatArray, longer: int, settings: VanishingSetting
     best = candidates[int(np.argmax(votes))]
     for _ in range(3):  # the point that lies best on all lines that run to it
         near = _towards(best, middles, ways) < allowed
+        if not near.any():
+            return None
         weighted = lines[near] / np.hypot(lines[near, 0], lines[near, 1])[:, None] * lengths[near, None]
         best = np.linalg.svd(weighted, full_matrices=False)[2][-1]
     near = _towards(best, middles, ways) < allowed

@@ -8,18 +8,15 @@ clear of the other five: a name that is wrong costs more than one that is not gi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
-from importlib.resources import files
 
 import numpy as np
-import numpy.typing as npt
 
 from rumu.characters.stroke_data import CanonicalCharacter, find_character
-from rumu.registration.descriptor import describe_canvas, less_the_mean
+from rumu.registration.descriptor import describe_canvas
 from rumu.registration.points import Canvas
 from rumu.strokes.canonical import lay_character
 from rumu.strokes.centre_lines import FramedInk
-from rumu.values import FloatArray
+from rumu.strokes.recognition_model import recognition_model
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +56,7 @@ def recognise(canvas: Canvas, framed: FramedInk) -> RecognisedCharacter | None:
 
     canvas, framed: the ink on the common canvas and in the common frame.
     """
-    model = _model()
+    model = recognition_model()
     vector = model.project(describe_canvas(canvas.ink))
     likeness = model.vectors @ vector
     best = np.argpartition(-likeness, RECOGNITION.candidates)[: RECOGNITION.candidates]
@@ -76,46 +73,3 @@ def recognise(canvas: Canvas, framed: FramedInk) -> RecognisedCharacter | None:
     rated.sort(key=lambda pair: -pair[0])
     (first, laid), (second, _) = rated[:2]
     return RecognisedCharacter(laid.character, first - second, laid.is_confident)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RecognitionModel:
-    """Descriptions of all known characters on the axes along which they differ most.
-
-    basis: (L, k), orthonormal columns. vectors: (n, k) float32 of unit length. code_points: (n,).
-    """
-
-    basis: FloatArray
-    vectors: FloatArray
-    code_points: npt.NDArray[np.uint32]
-
-    def project(self, vector: FloatArray) -> FloatArray:
-        """(k,) of unit length: a description, (L,), on the model's axes."""
-        projected = less_the_mean(vector) @ self.basis
-        return np.asarray(projected / max(float(np.linalg.norm(projected)), 1e-9), np.float32)
-
-
-def fit_model(
-    vectors: FloatArray, code_points: npt.NDArray[np.uint32], *, axes: int
-) -> dict[str, np.ndarray]:
-    """What `recognition.npz` holds, from descriptions (n, L) of characters."""
-    centred = less_the_mean(vectors)
-    centred /= np.linalg.norm(centred, axis=1, keepdims=True)
-    values, axes_of = np.linalg.eigh(centred.T @ centred)
-    basis = axes_of[:, np.argsort(values)[::-1][:axes]]
-    basis *= np.sign(basis.sum(axis=0))
-    projected = centred @ basis
-    projected /= np.linalg.norm(projected, axis=1, keepdims=True)
-    return {
-        "basis": basis.astype(np.float16),
-        "vectors": np.round(projected * 127).astype(np.int8),
-        "code_points": code_points,
-    }
-
-
-@lru_cache(maxsize=1)
-def _model() -> RecognitionModel:
-    with (files("rumu.strokes") / "recognition.npz").open("rb") as stream, np.load(stream) as stored:
-        vectors = stored["vectors"].astype(np.float32)
-        vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
-        return RecognitionModel(stored["basis"].astype(np.float32), vectors, stored["code_points"])
