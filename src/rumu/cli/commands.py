@@ -10,6 +10,7 @@ import rumu
 from rumu.cli import (
     assess,
     calibrate,
+    card,
     demo,
     extensions,
     find,
@@ -35,6 +36,7 @@ app = typer.Typer(
 )
 for command in (
     demo.demo,
+    card.card,
     lamps.lamps,
     reconstruct.reconstruct,
     rti.rti,

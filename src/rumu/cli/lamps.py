@@ -2,51 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rumu.cli.lighting import SphereOption, spheres_of
 from rumu.cli.options import AsJson, check_writable
 from rumu.cli.terminal import Outcome, print_outcome, stages
 from rumu.errors import OutputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from rumu.capture.spheres import FoundLamps, Sphere
-    from rumu.image_stack import Progress
-    from rumu.values import Capture, FloatArray
-
-_CIRCLE = re.compile(r"\s*([\d.]+)\s*,\s*([\d.]+)\s*,\s*([\d.]+)\s*")
-
-SphereOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--sphere",
-        help="Mirror spheres in the photographs tell the lamps: auto finds them; x,y,r gives one, centre "
-        "from the top left corner and radius, in pixels. May be repeated.",
-    ),
-]
-
-LeaveOutOption = Annotated[
-    list[str] | None,
-    typer.Option("--leave-out", help="Name of a photograph that is not used; may be repeated."),
-]
-
-FlatFieldOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--flat-field",
-        help="A photograph of a blank, even sheet, or a folder of them, by which photographs are divided.",
-    ),
-]
-
-AlignOption = Annotated[
-    bool,
-    typer.Option("--align", help="Lay the photographs on each other first, where the camera moved a little."),
-]
 
 
 @print_outcome
@@ -95,59 +62,6 @@ def lamps(
     with whole_file(target) as part:
         part.write_text(lp_text(names, found.lights), encoding="utf-8")
     return _outcome(target, names, spheres, found)
-
-
-def read_lit_capture(
-    folder: Path,
-    *,
-    sphere: Sequence[str] | None,
-    flat_field: Path | None,
-    align: bool,
-    leave_out: Sequence[str],
-    progress: Progress,
-) -> tuple[Capture, FloatArray | None]:
-    """The capture of a folder, its lamps told by a file, or by mirror spheres where --sphere was given.
-
-    flat_field: of --flat-field, by which the photographs are divided. align: of --align; then also (N,), by
-    how many pixels each photograph was moved.
-    """
-    from rumu.capture.flat_frames import divide_by_flat_frames
-    from rumu.capture.folder import read_capture
-    from rumu.capture.sphere_capture import read_sphere_capture
-    from rumu.surface.alignment import align_photographs
-
-    if sphere:
-        spheres = spheres_of(sphere)
-        capture = read_sphere_capture(folder, spheres=spheres, leave_out=leave_out, progress=progress)
-    else:
-        capture = read_capture(folder, leave_out=leave_out, progress=progress)
-    moved = None
-    if align:
-        done = align_photographs(capture, progress=progress)
-        capture, moved = done.capture, done.moved
-    return (capture if flat_field is None else divide_by_flat_frames(capture, flat_field)), moved
-
-
-def spheres_of(texts: Sequence[str]) -> list[Sphere]:
-    """The spheres of --sphere options; none where they are to be found."""
-    return [one for one in map(_circle, texts) if one is not None]
-
-
-def _circle(text: str) -> Sphere | None:
-    """A sphere from x,y,r; None for 'auto'."""
-    from rumu.capture.spheres import Sphere
-
-    if text.strip().lower() == "auto":
-        return None
-    numbers = _CIRCLE.fullmatch(text)
-    try:
-        return Sphere(*(float(one) for one in numbers.groups())) if numbers else _wrong(text)
-    except ValueError:
-        return _wrong(text)
-
-
-def _wrong(text: str) -> Sphere:
-    raise typer.BadParameter(f"expected auto or x,y,r in pixels, got {text!r}", param_hint="'--sphere'")
 
 
 def _outcome(target: Path, names: list[str], spheres: list[Sphere], found: FoundLamps) -> Outcome:

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from rumu.cli.lamps import AlignOption, FlatFieldOption, LeaveOutOption, SphereOption, read_lit_capture
+from rumu.cli.lighting import (
+    AlignOption,
+    CardOption,
+    FlatFieldOption,
+    LeaveOutOption,
+    LitCapture,
+    SphereOption,
+    read_lit_capture,
+)
 from rumu.cli.options import AsJson, check_writable, finite
 from rumu.cli.surfaces import REPORT, Folder, write_result
 from rumu.cli.terminal import Outcome, print_outcome, stages
@@ -38,6 +46,7 @@ class _Settings:
     lamps_as_given: bool = False
     leave_out: tuple[str, ...] = ()
     sphere: tuple[str, ...] = ()
+    card: bool = False
     flat_field: str | None = None
     align: bool = False
     write: str = "all"
@@ -77,6 +86,7 @@ def reconstruct(
     ] = False,
     leave_out: LeaveOutOption = None,
     sphere: SphereOption = None,
+    card: CardOption = False,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
     write: Annotated[
@@ -111,6 +121,7 @@ def reconstruct(
         lamps_as_given=lamps_as_given,
         leave_out=tuple(leave_out or ()),
         sphere=tuple(sphere or ()),
+        card=card,
         flat_field=None if flat_field is None else str(flat_field.resolve()),
         align=align,
         write=write,
@@ -144,14 +155,16 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
     folder = Path(settings.capture)
     flat_field = None if settings.flat_field is None else Path(settings.flat_field)
     with stages() as progress:
-        capture, aligned = read_lit_capture(
+        lit = read_lit_capture(
             folder,
             sphere=settings.sphere,
+            card=settings.card,
             flat_field=flat_field,
             align=settings.align,
             leave_out=settings.leave_out,
             progress=progress,
         )
+        capture = lit.capture
         inputs = digest_files(_files_read(folder, capture, flat_field))
         if settings.mm_per_pixel is not None:
             capture = capture.changed(spacing=settings.mm_per_pixel)
@@ -164,10 +177,11 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
             rectify=settings.rectify,
             progress=progress,
         )
-        table = photograph_table(capture, surface, aligned=aligned)
+        table = photograph_table(capture, surface, aligned=lit.moved)
         notes = (*capture.notes, *exposure_notes(capture, surface), *fault_notes(table))
-        beside = {LAMPS: lp_text(capture.names, capture.lights)} if settings.sphere else {}
-        del capture  # its photographs
+        beside = {LAMPS: lp_text(capture.names, capture.lights)} if settings.sphere or settings.card else {}
+        told = _told_by_the_card(lit)
+        del capture, lit  # the photographs
         processing = record_processing(surface, settings=asdict(settings), inputs=inputs, made_by=made_by)
         done = write_result(
             surface,
@@ -179,8 +193,24 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
             processing=processing,
             progress=progress,
         )
-    facts = {**done.facts, "photographs": [asdict(row) for row in table]}
+    facts = {**done.facts, **told, "photographs": [asdict(row) for row in table]}
     return Outcome(facts, f"{done.text}\n{table_text(table)}"), surface
+
+
+def _told_by_the_card(lit: LitCapture) -> dict[str, Any]:
+    """What the card told, for --json; nothing without one."""
+    if lit.card is None:
+        return {}
+    card = lit.card
+    facts = {
+        "lamps": [asdict(lamp) for lamp in card.lamps],
+        "pixel_mm": card.pixel_mm,
+        "off_mm": card.off,
+        "ball_mm": card.ball,
+        "curve": card.curve,
+        "residual": card.residual,
+    }
+    return {"card": facts}
 
 
 def _files_read(folder: Path, capture: Capture, flat_field: Path | None) -> list[Path]:

@@ -7,7 +7,14 @@ from typing import Annotated, Literal
 
 import typer
 
-from rumu.cli.lamps import AlignOption, FlatFieldOption, LeaveOutOption, SphereOption, read_lit_capture
+from rumu.cli.lighting import (
+    AlignOption,
+    CardOption,
+    FlatFieldOption,
+    LeaveOutOption,
+    SphereOption,
+    read_lit_capture,
+)
 from rumu.cli.options import AsJson, check_writable, finite
 from rumu.cli.terminal import Outcome, print_outcome, stages
 
@@ -49,6 +56,7 @@ def rti(
     ] = None,
     leave_out: LeaveOutOption = None,
     sphere: SphereOption = None,
+    card: CardOption = False,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
     mm_per_pixel: Annotated[
@@ -70,14 +78,15 @@ def rti(
     chosen = basis or implied or "ptm"
     check_writable(whole_file(out) if implied else whole_folder(out, marker=INFO))
     with stages() as progress:
-        capture, _ = read_lit_capture(
+        capture = read_lit_capture(
             capture_dir,
             sphere=sphere,
+            card=card,
             flat_field=flat_field,
             align=align,
             leave_out=leave_out or (),
             progress=progress,
-        )
+        ).capture
         if mm_per_pixel is not None:
             capture = capture.changed(spacing=finite(mm_per_pixel))
         fit = fit_rti(capture, basis=chosen, order=order, channels=channels, progress=progress)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -85,9 +86,15 @@ def marker_modules(number: int) -> BoolArray:
 
 
 def find_markers(
-    gray: npt.NDArray[np.uint8], *, settings: MarkerSettings | None = None
+    gray: npt.NDArray[np.uint8],
+    *,
+    among: Collection[int] | None = None,
+    settings: MarkerSettings | None = None,
 ) -> list[tuple[int, FloatArray]]:
-    """The numbers of the markers in a picture (H, W), and their corners (4, 2), the upper left first."""
+    """The numbers of the markers in a picture (H, W), and their corners (4, 2), the upper left first.
+
+    among: the numbers that are looked for; those of a practice sheet unless they are given.
+    """
     import cv2
 
     settings = settings or MarkerSettings()
@@ -102,7 +109,7 @@ def find_markers(
     found, numbers, _ = cv2.aruco.ArucoDetector(_dictionary(), parameters).detectMarkers(small)
     if numbers is None:
         return []
-    known = marker_boxes("A4")
+    known = marker_boxes("A4") if among is None else among
     markers = []
     for corners, number in zip(found, numbers.ravel().tolist(), strict=True):
         if number in known:

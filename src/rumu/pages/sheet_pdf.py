@@ -11,6 +11,7 @@ import numpy as np
 
 from rumu.characters.stroke_data import CanonicalCharacter, find_character
 from rumu.errors import RumuError
+from rumu.pages.paper_canvas import GREY, INK, MM, PaperCanvas, within
 from rumu.pages.sheet_code import code_modules
 from rumu.pages.sheet_font import SheetFont
 from rumu.pages.sheet_layout import (
@@ -32,8 +33,6 @@ from rumu.pages.sheet_markers import marker_modules
 from rumu.pages.sheet_models import DOT_RADIUS, MasterShape
 from rumu.pages.sheet_print import DOT, FAINT, FRAME, LINE, OUTLINE
 
-_MM = 72 / 25.4  # points
-_INK, _GREY, _PALE = (0.13, 0.12, 0.11), (0.46, 0.44, 0.42), (0.80, 0.78, 0.76)
 _STROKE = (0.84, 0.16, 0.12)
 TITLE = 14  # characters of the text that stand at the top
 _WORDS = {
@@ -60,7 +59,7 @@ def sheet_pdf(pages: Sequence[SheetPage], masters: Mapping[str, MasterShape]) ->
     words = "".join(zh for zh, _ in _WORDS.values())
     font = SheetFont(words + "".join(page.text + page.pupil for page in pages))
     stream = io.BytesIO()
-    canvas = Canvas(stream, pagesize=tuple(side * _MM for side in pages[0].size), pageCompression=1)
+    canvas = Canvas(stream, pagesize=tuple(side * MM for side in pages[0].size), pageCompression=1)
     canvas.setTitle(f"rumu: {pages[0].text}")
     canvas.setAuthor("rumu")
     for page in pages:
@@ -77,10 +76,11 @@ class _SheetDrawing:
         self, canvas: Any, page: SheetPage, font: SheetFont, masters: Mapping[str, MasterShape]
     ) -> None:
         self._canvas, self._page, self._font, self._masters = canvas, page, font, masters
+        self._paper = PaperCanvas(canvas, page.size, font)
 
     def draw(self) -> None:
         page = self._page
-        self._canvas.setPageSize(tuple(side * _MM for side in page.size))
+        self._canvas.setPageSize(tuple(side * MM for side in page.size))
         self._draw_markers()
         self._draw_head()
         for character, strip in page.labels:
@@ -95,24 +95,10 @@ class _SheetDrawing:
                 self._draw_model(cell)
         self._draw_foot()
 
-    # --- markers and code ---------------------------------------------------------------------------
-
     def _draw_markers(self) -> None:
         for number, box in marker_boxes(self._page.paper).items():
-            self._draw_modules(marker_modules(number), box)
-        self._draw_modules(code_modules(self._page), self._page.code_box)
-
-    def _draw_modules(self, modules: Any, box: Box) -> None:
-        """Fill the dark modules, those beside each other in a row as one, so that no seam shows."""
-        self._canvas.setFillColorRGB(0, 0, 0)
-        path, side = self._canvas.beginPath(), box.width / len(modules)
-        for row, dark in enumerate(modules):
-            edges = np.flatnonzero(np.diff(np.concatenate([[0], dark.astype(int), [0]])))
-            for start, stop in edges.reshape(-1, 2).tolist():
-                self._add_rectangle(
-                    path, Box(box.left + start * side, box.top + row * side, (stop - start) * side, side)
-                )
-        self._canvas.drawPath(path, stroke=0, fill=1)
+            self._paper.draw_modules(marker_modules(number), box)
+        self._paper.draw_modules(code_modules(self._page), self._page.code_box)
 
     # --- words --------------------------------------------------------------------------------------
 
@@ -120,29 +106,24 @@ class _SheetDrawing:
         page, left = self._page, MARGIN + MARKER + CLEAR
         title = "".join(dict.fromkeys(page.text))
         title = title if len(title) <= TITLE else title[: TITLE - 1] + "…"
-        self._write(left, MARGIN + 5.2, title, 15, _INK)
+        self._paper.write(left, MARGIN + 5.2, title, 15, INK)
         for name, x, width in (("name", left, 62.0), ("class", left + 65, 32.0), ("date", left + 100, 34.0)):
-            end = self._write(x, MARGIN + HEAD - 3, _WORDS[name][0], 10.5, _INK)
-            end = self._write(end + 1, MARGIN + HEAD - 3, _WORDS[name][1], 6.5, _GREY)
-            self._line((end + 1.2, MARGIN + HEAD - 1.8), (x + width, MARGIN + HEAD - 1.8), _GREY, 0.15)
+            end = self._paper.write(x, MARGIN + HEAD - 3, _WORDS[name][0], 10.5, INK)
+            end = self._paper.write(end + 1, MARGIN + HEAD - 3, _WORDS[name][1], 6.5, GREY)
+            self._paper.line((end + 1.2, MARGIN + HEAD - 1.8), (x + width, MARGIN + HEAD - 1.8), GREY, 0.15)
             if name == "name" and page.pupil:
-                self._write(end + 3, MARGIN + HEAD - 3.2, page.pupil, 12, _INK)
+                self._paper.write(end + 3, MARGIN + HEAD - 3.2, page.pupil, 12, INK)
 
     def _draw_foot(self) -> None:
         page = self._page
         y = page.size[1] - MARGIN - 1.2
         x = MARGIN + MARKER + CLEAR
         for name in ("write", "photograph"):
-            x = self._write(x, y, _WORDS[name][0], 7.5, _GREY) + 1
-            x = self._write(x, y, _WORDS[name][1], 6, _GREY) + 4
+            x = self._paper.write(x, y, _WORDS[name][0], 7.5, GREY) + 1
+            x = self._paper.write(x, y, _WORDS[name][1], 6, GREY) + 4
         text = f"rumu {page.identity}   {page.number} / {page.count}"
         right = page.size[0] - MARGIN - MARKER - CLEAR
-        self._write(right - self._font.width(text, 7) / _MM, y, text, 7, _GREY)
-
-    def _write(self, x: float, y: float, text: str, size: float, colour: Any) -> float:
-        """Write one line from (x, y) on its baseline, `size` in points; the x of its end."""
-        self._canvas.setFillColorRGB(*colour)
-        return self._font.draw(self._canvas, x * _MM, self._up(y), text, size) / _MM
+        self._paper.write(right - self._font.width(text, 7) / MM, y, text, 7, GREY)
 
     # --- above the cells ----------------------------------------------------------------------------
 
@@ -151,14 +132,14 @@ class _SheetDrawing:
         known = _canonical(character) if self._page.strokes else None
         side = 0.0 if known is None else min(strip.height - 1.0, (strip.width - 1.5) / len(known.strokes))
         if known is None or side < 3.0:
-            self._write(strip.left + 0.6, strip.top + strip.height - 1.3, character, 9, _INK)
+            self._paper.write(strip.left + 0.6, strip.top + strip.height - 1.3, character, 9, INK)
             return
         for step in range(len(known.strokes)):
             box = Box(strip.left + step * side, strip.top + strip.height - side - 0.6, side, side)
             for number, stroke in enumerate(known.strokes[: step + 1]):
                 path = self._canvas.beginPath()
-                self._add_polygon(path, stroke.polygon(), box)
-                self._canvas.setFillColorRGB(*(_STROKE if number == step else _GREY))
+                self._paper.add_polygon(path, stroke.polygon(), box)
+                self._canvas.setFillColorRGB(*(_STROKE if number == step else GREY))
                 self._canvas.drawPath(path, stroke=0, fill=1)
 
     # --- cells --------------------------------------------------------------------------------------
@@ -172,16 +153,16 @@ class _SheetDrawing:
             radius = DOT_RADIUS * cell.box.width
             for x, y in shape.dots:
                 at = cell.box.left + x * cell.box.width, cell.box.top + y * cell.box.height
-                path.circle(at[0] * _MM, self._up(at[1]), radius * _MM)
+                path.circle(at[0] * MM, self._paper.up(at[1]), radius * MM)
             canvas.setFillColorRGB(*DOT)
             canvas.drawPath(path, stroke=0, fill=1)
             return
         for outline in shape.outlines:
-            self._add_polygon(path, outline, cell.box)
+            self._paper.add_polygon(path, outline, cell.box)
         hollow = cell.model == "outlined"
-        canvas.setFillColorRGB(*(_INK if cell.model == "full" else FAINT))
+        canvas.setFillColorRGB(*(INK if cell.model == "full" else FAINT))
         canvas.setStrokeColorRGB(*OUTLINE)
-        canvas.setLineWidth(OUTLINE_WIDTH * _MM)
+        canvas.setLineWidth(OUTLINE_WIDTH * MM)
         canvas.setLineJoin(1)
         canvas.drawPath(path, stroke=int(hollow), fill=int(not hollow), fillMode=0)
 
@@ -190,43 +171,14 @@ class _SheetDrawing:
         if grid == "none":
             for x, right in ((box.left, TICK), (box.left + box.width, -TICK)):
                 for y, down in ((box.top, TICK), (box.top + box.height, -TICK)):
-                    self._line((x, y), (x + right, y), FRAME, FRAME_WIDTH)
-                    self._line((x, y), (x, y + down), FRAME, FRAME_WIDTH)
+                    self._paper.line((x, y), (x + right, y), FRAME, FRAME_WIDTH)
+                    self._paper.line((x, y), (x, y + down), FRAME, FRAME_WIDTH)
             return
         for start, end in inner_lines(grid):
-            self._line(_within(box, start), _within(box, end), LINE, LINE_WIDTH, dashed=grid != "hui")
+            self._paper.line(within(box, start), within(box, end), LINE, LINE_WIDTH, dashed=grid != "hui")
         corners = box.corners
         for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-            self._line(start, end, FRAME, FRAME_WIDTH)
-
-    # --- the paper's coordinates ---------------------------------------------------------------------
-
-    def _up(self, y: float) -> float:
-        return float((self._page.size[1] - y) * _MM)
-
-    def _line(self, start: Any, end: Any, colour: Any, width: float, *, dashed: bool = False) -> None:
-        canvas = self._canvas
-        canvas.setStrokeColorRGB(*colour)
-        canvas.setLineWidth(width * _MM)
-        canvas.setLineCap(2 if not dashed else 0)
-        canvas.setDash([1.1 * _MM, 0.9 * _MM] if dashed else [])
-        canvas.line(start[0] * _MM, self._up(start[1]), end[0] * _MM, self._up(end[1]))
-        canvas.setDash([])
-
-    def _add_rectangle(self, path: Any, box: Box) -> None:
-        path.rect(box.left * _MM, self._up(box.top + box.height), box.width * _MM, box.height * _MM)
-
-    def _add_polygon(self, path: Any, shares: Any, box: Box) -> None:
-        """Add a closed outline, whose points are shares of a box."""
-        points = [_within(box, point) for point in shares]
-        path.moveTo(points[0][0] * _MM, self._up(points[0][1]))
-        for x, y in points[1:]:
-            path.lineTo(x * _MM, self._up(y))
-        path.close()
-
-
-def _within(box: Box, share: Any) -> tuple[float, float]:
-    return box.left + float(share[0]) * box.width, box.top + float(share[1]) * box.height
+            self._paper.line(start, end, FRAME, FRAME_WIDTH)
 
 
 @cache

@@ -6,7 +6,6 @@ cut the cells out, take away what was printed.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -14,11 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import RefusedImage
+from rumu.pages.marker_light import measure_markers
 from rumu.pages.sheet_code import find_code
 from rumu.pages.sheet_frames import FlatSheet, flatten, frame_grayness, refine_by_frames
 from rumu.pages.sheet_layout import PAPERS, Box, SheetCell, SheetPage
 from rumu.pages.sheet_markers import (
-    SIDE,
     PaperMap,
     find_markers,
     map_paper,
@@ -181,46 +180,17 @@ def _check_light(
     picture: Picture, markers: list[tuple[int, FloatArray]], settings: SheetReadingSettings
 ) -> float:
     """Standard deviation, in pixels, by which the markers' edges are smeared; raises where it is too dark."""
-    spreads, contrasts = [], []
-    for _, corners in markers:
-        patch = _marker_patch(picture, corners)
-        white, black = float(np.quantile(patch, 0.95)), float(np.quantile(patch, 0.05))
-        contrasts.append(white - black)
-        spreads.append(_smear(patch, max(white - black, 1.0)))
-    if float(np.median(contrasts)) < settings.contrast:
+    seen = measure_markers(picture, markers)
+    if seen.contrast < settings.contrast:
         raise RefusedImage(
             "too dark: expected black squares on white paper, the picture hardly tells them apart",
             reason="dark",
             zh="照片太暗，黑白分不清；請在亮一點的地方再拍。",
         )
-    side = np.median([np.hypot(*(c - np.roll(c, 1, axis=0)).T).mean() for _, c in markers])
-    return float(np.median(spreads) * side / SIDE)
+    return seen.blur
 
 
 _BESIDE = 2.0  # millimetres by which the code of a bent page may lie beside its place
-_PER_MODULE = 8  # pixels of a module in the patch of a marker
-
-
-def _marker_patch(picture: Picture, corners: FloatArray) -> npt.NDArray[np.float32]:
-    """A marker and a module of paper around it, upright, in gray levels."""
-    import cv2
-
-    side = (SIDE + 2) * _PER_MODULE
-    inner, outer = _PER_MODULE - 0.5, side - _PER_MODULE - 0.5
-    square = np.array([[inner, inner], [outer, inner], [outer, outer], [inner, outer]], np.float32)
-    matrix = cv2.getPerspectiveTransform(corners.astype(np.float32), square)
-    patch = cv2.warpPerspective(picture, matrix, (side, side), flags=cv2.INTER_LINEAR)
-    return np.asarray(cv2.cvtColor(patch, cv2.COLOR_RGB2GRAY), np.float32)
-
-
-def _smear(patch: npt.NDArray[np.float32], contrast: float) -> float:
-    """Standard deviation, in modules, of the blur: from how steep the outer edges of the marker are."""
-    k, n = _PER_MODULE, len(patch)
-    steepest = []
-    for view in (patch, patch[::-1], patch.T, patch.T[::-1]):
-        profile = view[: 2 * k, 2 * k : n - 2 * k].mean(axis=1)
-        steepest.append(float(np.abs(np.diff(profile)).max()))
-    return contrast / (math.sqrt(2 * math.pi) * max(float(np.median(steepest)), 1e-3)) / k
 
 
 def _refuse_blurred() -> RefusedImage:
