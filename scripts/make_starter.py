@@ -2,9 +2,13 @@
 """Render the starter gallery from fonts that may be redistributed: src/rumu/gallery/starter/.
 
     .venv/bin/python scripts/make_starter.py [--fonts FOLDER]
+    .venv/bin/python scripts/make_starter.py --brush --fonts FOLDER
 
 FOLDER (default: fonts/ in RUMU_DATA, or ../shared/data/fonts) holds LXGWSeal-Regular.ttf and
 TW-MOE-Li_eduli.woff2; the regular, running and cursive hands come from Debian's fonts-kouzan-mouhitsu.
+With --brush the works by brush hands are rendered, src/rumu/gallery/starter_brush/, and FOLDER holds the
+fonts NAME-chinese-simplified-400-normal.woff2 of the npm packages @fontsource/NAME for ma-shan-zheng,
+long-cang, zhi-mang-xing and liu-jian-mao-cao.
 If a font lacks a character the script fails and writes nothing; no substitute glyph becomes a work.
 """
 
@@ -31,6 +35,7 @@ from rumu_lab.simulation.copies import DEGREES, copy_at
 
 ROOT = Path(__file__).resolve().parents[1]
 STARTER = ROOT / "src" / "rumu" / "gallery" / "starter"
+BRUSH = ROOT / "src" / "rumu" / "gallery" / "starter_brush"
 DATA = Path(os.environ.get("RUMU_DATA", ROOT / ".." / "shared" / "data"))
 KOUZAN = Path("/usr/share/fonts/truetype/kouzan-mouhitsu")
 
@@ -43,6 +48,7 @@ CHARACTERS = {
     "日": ("ri", "sun"),
     "月": ("yue", "moon"),
 }
+BRUSH_CHARACTERS = {"永": ("yong", "forever"), "之": ("zhi", "of, this")}
 # Copies are simulated only of hands in the public domain: a glyph with faults is a derivative, which the
 # licence of the clerical hand (CC BY-ND) does not allow.
 SAMPLED = ("regular-shui", "regular-tian")
@@ -56,8 +62,9 @@ SAMPLE_NOTE = Bilingual(
 
 @dataclass(frozen=True)
 class Hand:
-    """A font for a script, with what its own files say about it."""
+    """A font for a script, with what its own files say about it. name: how ids of its works begin."""
 
+    name: str
     script: str
     script_zh: str
     font: str
@@ -74,6 +81,7 @@ _KOUZAN_CREDIT = "青柳衡山 (Kouzan Aoyagi); copyright waived by the author"
 
 def _kouzan(*, script: str, script_zh: str, font: str, name: str, version: str, page: str) -> Hand:
     return Hand(
+        name=script,
         script=script,
         script_zh=script_zh,
         font=str(KOUZAN / font),
@@ -90,6 +98,7 @@ def _kouzan(*, script: str, script_zh: str, font: str, name: str, version: str, 
 
 HANDS = (
     Hand(
+        name="seal",
         script="seal",
         script_zh="篆書",
         font="LXGWSeal-Regular.ttf",
@@ -101,6 +110,7 @@ HANDS = (
         "2024 The Batang and Gungsuh Project Authors",
     ),
     Hand(
+        name="clerical",
         script="clerical",
         script_zh="隸書",
         font="TW-MOE-Li_eduli.woff2",
@@ -140,6 +150,63 @@ HANDS = (
         page="https://opentype.jp/kouzansousho.htm",
     ),
 )
+
+
+def _brush(
+    *, name: str, script: str, script_zh: str, hand: Bilingual, version: str, credit: str, page: str
+) -> Hand:
+    font = f"{name}-chinese-simplified-400-normal.woff2"
+    return Hand(
+        name=name,
+        script=script,
+        script_zh=script_zh,
+        font=font,
+        hand=hand,
+        period=Bilingual(zh=f"當代（字型版本 {version}）", en=f"contemporary (font version {version})"),
+        source=f"{font} of the npm package @fontsource/{name}, {page}",
+        licence="OFL-1.1 (the font; a picture made with it is free)",
+        attribution=f"Copyright 2018 {credit}",
+    )
+
+
+BRUSH_HANDS = (
+    _brush(
+        name="ma-shan-zheng",
+        script="regular",
+        script_zh="楷書",
+        hand=Bilingual(zh="馬善政楷書（字型）", en="Ma Shan Zheng (the typeface)"),
+        version="2.003",
+        credit="The MaShanZheng Project Authors",
+        page="https://github.com/googlefonts/mashanzheng",
+    ),
+    _brush(
+        name="long-cang",
+        script="running",
+        script_zh="行書",
+        hand=Bilingual(zh="龍藏體（字型）", en="Long Cang (the typeface)"),
+        version="2.001",
+        credit="The LongCang Project Authors",
+        page="https://github.com/googlefonts/longcang",
+    ),
+    _brush(
+        name="zhi-mang-xing",
+        script="running",
+        script_zh="行書",
+        hand=Bilingual(zh="鍾齊志莽行書（字型）", en="Zhi Mang Xing (the typeface)"),
+        version="2.001",
+        credit="The ZhiMangXing Project Authors",
+        page="https://github.com/googlefonts/zhimangxing",
+    ),
+    _brush(
+        name="liu-jian-mao-cao",
+        script="cursive",
+        script_zh="草書",
+        hand=Bilingual(zh="鍾齊流江毛草（字型）", en="Liu Jian Mao Cao (the typeface)"),
+        version="1.003",
+        credit="The Liu Jian Mao Cao Project Authors",
+        page="https://github.com/googlefonts/liujianmaocao",
+    ),
+)
 MATERIAL = Bilingual(
     zh="數位字形繪成的圖像（無紙無墨，非原跡照片）",
     en="picture drawn from a digital letterform (no paper, no ink; not a photograph of an original)",
@@ -154,14 +221,16 @@ class Face(Drawn):
         super().__init__(path, hint=package)
 
 
-def render_works(folder: Path, *, fonts: Path) -> list[dict[str, Any]]:
+def render_works(
+    folder: Path, hands: tuple[Hand, ...], characters: dict[str, tuple[str, str]], *, fonts: Path
+) -> list[dict[str, Any]]:
     """Write the picture of every work under `folder` and return their entries for works.json."""
     entries = []
-    for hand in HANDS:
+    for hand in hands:
         face = Face(fonts / hand.font)  # an absolute font path stands for itself
-        for character, (name, meaning) in CHARACTERS.items():
+        for character, (name, meaning) in characters.items():
             entry = {
-                "id": f"{hand.script}-{name}",
+                "id": f"{hand.name}-{name}",
                 "title": {
                     "zh": f"{hand.script_zh}「{character}」",
                     "en": f"{character} {name} ({meaning}), {hand.script} script",
@@ -224,19 +293,26 @@ def main(arguments: list[str] | None = None) -> int:
     """Render everything, or say in one line what is missing and write nothing."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fonts", type=Path, default=DATA / "fonts")
-    parser.add_argument("--output", type=Path, default=STARTER)
+    parser.add_argument("--brush", action="store_true", help="the works by brush hands instead")
+    parser.add_argument("--output", type=Path, help="instead of the folder in the package")
     options = parser.parse_args(arguments)
     try:
-        with whole_folder(options.output, marker="works.json") as folder:
-            works = render_works(folder, fonts=options.fonts)
-            samples = simulate_samples(folder, works)
-            for name, entries in (("works.json", works), ("samples.json", samples)):
+        with whole_folder(
+            options.output or (BRUSH if options.brush else STARTER), marker="works.json"
+        ) as folder:
+            if options.brush:
+                works = render_works(folder, BRUSH_HANDS, BRUSH_CHARACTERS, fonts=options.fonts)
+                lists = {"works.json": works}
+            else:
+                works = render_works(folder, HANDS, CHARACTERS, fonts=options.fonts)
+                lists = {"works.json": works, "samples.json": simulate_samples(folder, works)}
+            for name, entries in lists.items():
                 text = json.dumps(entries, ensure_ascii=False, indent=1)
                 (folder / name).write_text(text + "\n", encoding="utf-8")
     except GalleryError as error:
         print(f"make_starter: {error}", file=sys.stderr)
         return 1
-    print(f"{len(works)} works and {len(samples)} samples in {options.output}")
+    print(", ".join(f"{len(entries)} entries in {name}" for name, entries in lists.items()))
     return 0
 
 

@@ -78,10 +78,10 @@ def test_the_demo_ends_in_a_gallery_that_is_ready(tmp_path, own_home):
             url = re.search(r"http://127\.0\.0\.1:\d+/", said)[0]
             with httpx.Client(base_url=url, trust_env=False, timeout=60) as client:
                 works = client.get("/api/works").json()
-                assert works["total"] == 31 and client.get(works["items"][0]["thumb"]).status_code == 200
+                assert works["total"] == 39 and client.get(works["items"][0]["thumb"]).status_code == 200
             thumbs = list((own_home / "files" / "derived").rglob("*thumb*"))
             demo.send_signal(signal.SIGINT)
             assert demo.wait(120) == 130  # on a busy machine its workers end slowly
         finally:
             demo.kill()
-    assert "nobody wrote them" in said and len(thumbs) == 62
+    assert "nobody wrote them" in said and len(thumbs) == 78

@@ -38,7 +38,7 @@ def test_the_lamp_follows_the_pointer(arrive: Arrive) -> None:
 
 def test_it_leads_into_gallery_and_studio_and_says_what_a_mark_is(visitor: Visitor) -> None:
     page = visitor.go("/")
-    expect(page.get_by_text("31 works in the gallery")).to_be_visible()
+    expect(page.get_by_text("39 works in the gallery")).to_be_visible()
     page.get_by_role("link", name="Write a character").click()
     expect(page).to_have_url(f"{visitor.url}/#/studio")
     page.locator(".brand").click()

@@ -129,7 +129,7 @@ def test_a_large_work_is_told_its_own_size(as_person: LogIn) -> None:
     expect(size.locator(".size")).to_have_text(["2000 × 1400 px", "3-D view at 1024 × 717"])
     page.on("dialog", lambda dialog: dialog.accept())
     page.get_by_role("button", name="Delete this work").click()
-    expect(page.get_by_text("31 works")).to_be_visible()
+    expect(page.get_by_text("39 works")).to_be_visible()
 
 
 def test_what_cannot_be_is_refused_kindly_and_changes_nothing(as_person: LogIn) -> None:

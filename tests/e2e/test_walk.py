@@ -32,7 +32,7 @@ def opened(visitor: Visitor, path: str) -> Page:
 
 def test_a_visitor_browses_by_script_and_searches(visitor: Visitor) -> None:
     page = visitor.go("/gallery")
-    expect(page.get_by_text("31 works")).to_be_visible()
+    expect(page.get_by_text("39 works")).to_be_visible()
     page.get_by_role("button", name="Seal").click()
     expect(page).to_have_url(re.compile("script=seal"))
     cards = page.locator("a[href^='#/works/']")

@@ -31,8 +31,12 @@ def ids(page) -> list[str]:
 
 def test_the_starter_works_are_there_as_they_came(gallery):
     page = works(gallery)
-    assert (page.total, len(page.items)) == (31, 31)
-    assert [(row.id, count) for row, count in collections(gallery)] == [("starter", 30), ("starter-stele", 1)]
+    assert (page.total, len(page.items)) == (39, 39)
+    assert {row.id: count for row, count in collections(gallery)} == {
+        "starter": 30,
+        "starter-brush": 8,
+        "starter-stele": 1,
+    }
     kept, shipped = work(gallery, "regular-shui"), find_work("regular-shui")
     assert gallery.store.read(kept.picture) == shipped.path.read_bytes()
     for name in ("title", "hand", "period", "material"):
@@ -59,9 +63,9 @@ def test_works_can_be_chosen(gallery):
         ("楷書 天", 1),
         ("楷书 天", 1),
         ("入門 seal", 6),
-        ("當代", 31),
-        ("当代", 31),
-        ("  ", 31),
+        ("當代", 39),
+        ("当代", 39),
+        ("  ", 39),
         ("100%", 0),
         ("_", 0),
         ("\\", 0),
@@ -73,7 +77,7 @@ def test_a_search_takes_words_in_any_script(gallery, query, total):
 
 
 def test_pages_hold_every_work_once_in_one_order(gallery):
-    pages = [ids(works(gallery, offset=at, limit=7)) for at in range(0, 35, 7)]
+    pages = [ids(works(gallery, offset=at, limit=7)) for at in range(0, 42, 7)]
     assert [name for page in pages for name in page] == ids(works(gallery))
     assert ids(works(gallery, limit=0)) == [] == ids(works(gallery, offset=99))
     with pytest.raises(GalleryError, match="0 or more"):
@@ -143,7 +147,7 @@ def test_a_forgotten_work_takes_its_files_and_words_along(gallery):
     derived_file(gallery, "seal-ri", "thumb")
     kept_before = len(list(gallery.store.keys("derived")))
     delete_work(gallery, "seal-ri")
-    assert works(gallery).total == 30 and not gallery.store.exists(gone.picture)
+    assert works(gallery).total == 38 and not gallery.store.exists(gone.picture)
     assert len(list(gallery.store.keys("derived"))) == kept_before - 1
     with gallery.database.reading() as session:
         assert session.get(Annotation, said.id) is None
@@ -174,9 +178,8 @@ def test_many_works_are_deleted_with_few_questions(gallery):
     asked = []
     event.listen(gallery.database.engine, "before_cursor_execute", lambda *told: asked.append(told[2]))
     assert delete_collection(gallery, "starter") == 30
-    assert len(asked) < 15 and list(gallery.store.keys("pictures")) == [
-        work(gallery, "stele-ru-mu-san-fen").picture
-    ]
+    assert len(asked) < 15
+    assert set(gallery.store.keys("pictures")) == {one.picture for one in works(gallery).items}
 
 
 def test_many_threads_may_open_one_gallery_at_once(database_url, tmp_path):
@@ -194,7 +197,7 @@ def test_many_threads_may_open_one_gallery_at_once(database_url, tmp_path):
     for thread in threads:
         thread.join()
     assert errors == []
-    assert {works(one).total for one in opened} == {31}
+    assert {works(one).total for one in opened} == {39}
     for one in opened:
         one.database.close()
 

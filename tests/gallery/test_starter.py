@@ -15,7 +15,15 @@ from PIL import Image
 
 from rumu.errors import GalleryError
 from rumu.gallery import starter
-from rumu.gallery.starter import SCRIPTS, Sample, StarterWork, find_work, starter_samples, starter_works
+from rumu.gallery.starter import (
+    SCRIPTS,
+    Sample,
+    StarterWork,
+    brush_works,
+    find_work,
+    starter_samples,
+    starter_works,
+)
 from rumu.values import Bilingual
 
 CHARACTERS = "天人水書日月"
@@ -39,7 +47,7 @@ def test_thirty_works_six_in_each_of_five_scripts() -> None:
     assert all(w.id.isascii() and w.id == w.id.lower() for w in all_works)
 
 
-@pytest.mark.parametrize("item", [*starter_works(), *starter_samples()], ids=lambda item: item.id)
+@pytest.mark.parametrize("item", [*starter_works(), *brush_works(), *starter_samples()], ids=lambda item: item.id)
 def test_every_entry_is_whole_and_its_picture_is_the_one_it_names(item: StarterWork | Sample) -> None:
     for field in dataclasses.fields(item):
         value = getattr(item, field.name)
@@ -56,7 +64,7 @@ def test_every_entry_is_whole_and_its_picture_is_the_one_it_names(item: StarterW
     assert not (mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any())
 
 
-@pytest.mark.parametrize("work", starter_works(), ids=lambda work: work.id)
+@pytest.mark.parametrize("work", [*starter_works(), *brush_works()], ids=lambda work: work.id)
 def test_the_ink_s_box_is_centred_and_of_the_agreed_size(work: StarterWork) -> None:
     rows, columns = (np.flatnonzero(ink(work).any(axis=axis)) for axis in (1, 0))
     low = np.array([rows[0], columns[0]])
@@ -64,6 +72,14 @@ def test_the_ink_s_box_is_centred_and_of_the_agreed_size(work: StarterWork) -> N
     np.testing.assert_allclose((low + high) / 2, 256.0, atol=1.5)
     share, area = (high - low).max() / 512, np.prod((high - low) / 512)
     assert share == pytest.approx(0.76, abs=0.01) or area == pytest.approx(0.42, abs=0.01)
+
+
+def test_two_characters_by_four_brush_hands() -> None:
+    assert Counter(w.character for w in brush_works()) == {"永": 4, "之": 4}
+    assert {w.script for w in brush_works()} == {"regular", "running", "cursive"}
+    assert all("OFL-1.1" in w.licence and "Project Authors" in w.attribution for w in brush_works())
+    assert max(likeness(ink(a), ink(b)) for a, b in combinations(brush_works(), 2)) < 0.75
+    assert find_work("ma-shan-zheng-yong").character == "永"
 
 
 def test_edges_are_soft_not_cut_out() -> None:
@@ -141,12 +157,11 @@ def test_samples_of_an_unknown_work_are_refused() -> None:
         starter_samples(work="nothing")
 
 
-def test_a_package_that_is_not_whole_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(starter, "_FOLDER", tmp_path)
+def test_a_package_that_is_not_whole_is_named(tmp_path: Path) -> None:
     with pytest.raises(GalleryError, match=r"works\.json.*expected the starter gallery"):
-        starter._entries("works.json")
+        starter._entries(tmp_path / "works.json")
     with pytest.raises(GalleryError, match="picture of x is missing"):
-        starter._file({"id": "x", "file": "works/x.png"})
+        starter._file(tmp_path, {"id": "x", "file": "works/x.png"})
 
 
 def test_the_package_stays_small() -> None:

@@ -20,7 +20,7 @@ from rumu.gallery.metadata import (
     work_digest,
     work_row,
 )
-from rumu.gallery.starter import StarterWork, starter_works
+from rumu.gallery.starter import StarterWork, brush_works, starter_works
 from rumu.gallery.store import Gallery
 from rumu.values import Bilingual
 
@@ -31,6 +31,17 @@ STARTER = CollectionMetadata(
         zh="三十件作品：六個字、五種書體，由可自由使用的字型繪成，並非原跡照片。",
         en="Thirty works: six characters in five scripts, drawn from freely usable fonts; not "
         "photographs of originals.",
+    ),
+    source="fonts, named with each work",
+    licence="named with each work",
+)
+BRUSH = CollectionMetadata(
+    id="starter-brush",
+    title=Bilingual(zh="四家寫「永」「之」", en="永 and 之 by four brush hands"),
+    note=Bilingual(
+        zh="同樣兩個字，楷書一家、行書兩家、草書一家，由可自由使用的毛筆字型繪成，並非原跡照片。",
+        en="The same two characters by one regular, two running hands and a cursive one, drawn from freely "
+        "usable brush fonts; not photographs of originals.",
     ),
     source="fonts, named with each work",
     licence="named with each work",
@@ -77,7 +88,10 @@ def add_starter_works(gallery: Gallery) -> bool:
     with gallery.database.reading() as session:
         if session.scalar(select(Work.id).limit(1)) is not None:
             return False
-    rows = [_work_row(gallery, work, position) for position, work in enumerate(starter_works())]
+    rows, brush = (
+        [_work_row(gallery, work, position, of=collection) for position, work in enumerate(of_it)]
+        for collection, of_it in ((STARTER, starter_works()), (BRUSH, brush_works()))
+    )
     stele = _stele_row(gallery)
     file = resources.files("rumu.gallery").joinpath("starter_tours.json")
     texts = json.loads(file.read_text(encoding="utf-8"))
@@ -88,13 +102,16 @@ def add_starter_works(gallery: Gallery) -> bool:
     ]
     with gallery.database.writing() as session:
         insert_works(session, STARTER, rows)
+        insert_works(session, BRUSH, brush)
         insert_works(session, STELE, [stele])
         insert_rows(session, Annotation, [row | {"work_id": row.pop("work")} for row in annotations])
         insert_rows(session, Tour, tours)
     return True
 
 
-def _work_row(gallery: Gallery, work: StarterWork, position: int) -> dict[str, Any]:
+def _work_row(
+    gallery: Gallery, work: StarterWork, position: int, *, of: CollectionMetadata
+) -> dict[str, Any]:
     data = work.path.read_bytes()
     key = picture_key(data, suffix=".png")
     gallery.store.write(key, data)
@@ -105,7 +122,7 @@ def _work_row(gallery: Gallery, work: StarterWork, position: int) -> dict[str, A
         origin=work.path.name,
     )
     files = StoredFiles(picture=key, digest=work_digest(data, work.id), width=SIDE, height=SIDE)
-    return work_row(metadata, files, work_id=work.id, collection=STARTER, position=position)
+    return work_row(metadata, files, work_id=work.id, collection=of, position=position)
 
 
 def _stele_row(gallery: Gallery) -> dict[str, Any]:

@@ -1,7 +1,8 @@
-"""The starter gallery: thirty works and sample copies that are part of the package.
+"""The starter gallery: works and sample copies that are part of the package.
 
-The files in `starter/` are written by scripts/make_starter.py: works.json and samples.json give the metadata,
-source and licence of each picture.
+The files in `starter/` (thirty works, six characters in five scripts, and samples) and in `starter_brush/`
+(two characters by four brush hands) are written by scripts/make_starter.py: works.json and samples.json give
+the metadata, source and licence of each picture.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from rumu.errors import GalleryError
 from rumu.values import SCRIPTS, Bilingual, Level, Script
 
 _FOLDER = Path(str(resources.files("rumu.gallery").joinpath("starter")))
+_BRUSH_FOLDER = Path(str(resources.files("rumu.gallery").joinpath("starter_brush")))
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +85,7 @@ class Sample:
 
 
 def starter_works(*, script: str | None = None, character: str | None = None) -> tuple[StarterWork, ...]:
-    """The works of the package, by script (seal first) and character; of one script or character if given.
+    """The thirty works, by script (seal first) and character; of one script or character if given.
 
     Raises GalleryError for an unknown script, or when files of the package are missing.
     """
@@ -94,13 +96,20 @@ def starter_works(*, script: str | None = None, character: str | None = None) ->
     )
 
 
+@functools.cache
+def brush_works() -> tuple[StarterWork, ...]:
+    """The works by brush hands, by character and hand. Raises GalleryError as `starter_works`."""
+    return _read_works(_BRUSH_FOLDER)
+
+
 def find_work(work_id: str) -> StarterWork:
-    """The work with this id. Raises GalleryError that names the closest ids when there is none."""
-    for work in _works():
+    """The work of the package with this id. Raises GalleryError that names the closest when there is none."""
+    every = (*_works(), *brush_works())
+    for work in every:
         if work.id == work_id:
             return work
-    of_character = [work.id for work in _works() if work.character in work_id]
-    hint = suggest(work_id, [work.id for work in _works()], of_character)
+    of_character = [work.id for work in every if work.character in work_id]
+    hint = suggest(work_id, [work.id for work in every], of_character)
     raise GalleryError(f"no work {work_id!r} in the starter gallery{hint}")
 
 
@@ -125,17 +134,22 @@ def suggest(asked: str, known: Sequence[str], of_character: Sequence[str]) -> st
 
 @functools.cache
 def _works() -> tuple[StarterWork, ...]:
-    return tuple(StarterWork(**_fields(entry), path=_file(entry)) for entry in _entries("works.json"))
+    return _read_works(_FOLDER)
+
+
+def _read_works(folder: Path) -> tuple[StarterWork, ...]:
+    entries = _entries(folder / "works.json")
+    return tuple(StarterWork(**_fields(entry), path=_file(folder, entry)) for entry in entries)
 
 
 @functools.cache
 def _samples() -> tuple[Sample, ...]:
     samples = []
-    for entry in _entries("samples.json"):
+    for entry in _entries(_FOLDER / "samples.json"):
         faults = tuple(
             SampleFault(**_fields(fault) | {"region": tuple(fault["region"])}) for fault in entry["faults"]
         )
-        samples.append(Sample(**_fields(entry) | {"faults": faults}, path=_file(entry)))
+        samples.append(Sample(**_fields(entry) | {"faults": faults}, path=_file(_FOLDER, entry)))
     return tuple(samples)
 
 
@@ -148,8 +162,7 @@ def _fields(entry: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _entries(name: str) -> list[dict[str, Any]]:
-    path = _FOLDER / name
+def _entries(path: Path) -> list[dict[str, Any]]:
     try:
         entries: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -159,8 +172,8 @@ def _entries(name: str) -> list[dict[str, Any]]:
     return entries
 
 
-def _file(entry: dict[str, Any]) -> Path:
-    path: Path = _FOLDER / str(entry["file"])
+def _file(folder: Path, entry: dict[str, Any]) -> Path:
+    path = folder / str(entry["file"])
     if not path.is_file():
         raise GalleryError(f"{path}: the picture of {entry['id']} is missing from the package")
     return path

@@ -23,8 +23,8 @@ def test_the_owner_chooses_the_work_on_the_home_page(new_world, code_of) -> None
         assert answer.status_code == 200 and answer.headers["content-type"] == "image/webp"
         assert "immutable" in answer.headers["cache-control"]
     assert owner("PUT", "/api/home", json={"work": None}).json()["chosen"] is False
-    owner("DELETE", "/api/collections/starter")
-    owner("DELETE", "/api/collections/starter-stele")
+    for collection in ("starter", "starter-brush", "starter-stele"):
+        owner("DELETE", f"/api/collections/{collection}")
     assert visitor("GET", "/api/home").json() == {"cover": None, "chosen": False, "works": 0}
 
 

@@ -48,7 +48,7 @@ def test_a_page_says_its_text_and_its_characters(world, page):
     assert [one["place"]["row"] for one in found[:ROWS]] == list(range(ROWS))
     assert all(0 <= value <= 1 for one in found for point in one["place"]["polygon"] for value in point)
     assert visitor("GET", "/api/works/regular-shui/characters").json() == []
-    assert visitor("GET", "/api/home").json()["works"] == visitor("GET", "/api/works").json()["total"] == 32
+    assert visitor("GET", "/api/home").json()["works"] == visitor("GET", "/api/works").json()["total"] == 40
     assert visitor("GET", "/api/works/none/characters").status_code == 404
 
 
