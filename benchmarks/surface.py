@@ -18,13 +18,16 @@ from PIL import Image
 from rumu.capture.dome import without_fall_off
 from rumu.capture.folder import read_capture
 from rumu.image_stack import ImageStack
+from rumu.surface.beyond_lambert import find_materials
 from rumu.surface.integrate import integrate
 from rumu.surface.near_lamps import solve_near
 from rumu.surface.photometric import photometric, surface_normals
 from rumu.surface.robust import SOLVERS
 from rumu.surface.solve import solve
+from rumu.surface.strengths import estimate_photometry
 from rumu.values import Capture
-from rumu_lab.simulation.lamps import NearLamp, normals_of, render
+from rumu_lab.simulation.lamps import NearLamp, from_slopes, normals_of, render
+from rumu_lab.simulation.reflectances import REFLECTANCES, photograph_material, spread_lamps
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shared" / "data")).resolve()
 PHOTOS = DATA / "photometric"
@@ -115,6 +118,47 @@ def accuracy() -> None:
         print(f"  {name:<30}" + "".join(f"{row[solver]:15.2f}" for solver in SOLVERS))
 
 
+def lamberts_law_alone(capture: Capture) -> np.ndarray:
+    """Normals by the robust solver without other materials."""
+    found = estimate_photometry(
+        capture.photographs, capture.lights, mask=capture.mask, strengths=capture.strengths
+    )
+    lights = capture.lights * found.strengths[:, None]
+    return solve(capture.photographs, lights, mask=capture.mask, black_level=found.black_level).normals
+
+
+def other_materials() -> None:
+    """Mean errors of "robust" with Lambert's law alone, and with the materials that it finds beside it."""
+    print("\nmaterials beside Lambert's: mean error in degrees without, with; how many")
+    for name, (capture, truth, where) in known().items():
+        normals, _, _, quality = surface_normals(capture)
+        before = degrees_off(lamberts_law_alone(capture), truth, where)
+        print(
+            f"  {name:<30}{before:9.2f}{degrees_off(normals, truth, where):9.2f}{quality['materials']:5.0f}"
+        )
+    side = 96
+    y, x = (((side - 1) / 2 - np.mgrid[:side, :side]) / (side / 2)) * [[[1.0]], [[-1.0]]]
+    z = np.sqrt(np.clip(1 - x * x - y * y, 0.1, None))
+    ball, on_ball = np.dstack([x, y, z]), np.hypot(x, y) < 0.93
+    ball /= np.linalg.norm(ball, axis=2, keepdims=True)
+    relief = from_slopes(0.5 * np.cos(6 * x) * np.cos(4.5 * y), 0.4 * np.sin(6 * x) * np.sin(4.5 * y))
+    surfaces = {"ball": (ball, on_ball), "relief": (relief, np.ones((side, side), bool))}
+    print(f"  {'simulated, lamps':<30}" + "".join(f"{s + f', {n}':>21}" for s in surfaces for n in (12, 48)))
+    for name in REFLECTANCES:
+        line = f"  {name:<30}"
+        for truth, where in surfaces.values():
+            for count in (12, 48):
+                lights = spread_lamps(count)
+                images = photograph_material(truth, lights, name)
+                materials = find_materials(images, lights, mask=where)
+                before, after = (
+                    degrees_off(solve(images, lights, mask=where, materials=m).normals, truth, where)
+                    for m in ((), materials)
+                )
+                line += f"{before:9.2f}{after:9.2f}{len(materials):3d}"
+        print(line)
+
+
 def solving() -> None:
     print("\nsolving                             seconds")
     bunny = read_capture(PHOTOS / "bunny" / "bunny_lambert")
@@ -191,5 +235,6 @@ if __name__ == "__main__":
     integration()
     near_lamps()
     accuracy()
+    other_materials()
     solving()
     thresholds()

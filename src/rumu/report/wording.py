@@ -145,6 +145,9 @@ QUALITY: dict[str, Bilingual] = {
     "measured_share": Bilingual("實測像素的比例", "Share of the pixels that were measured"),
     "brightness": Bilingual("反照率的除數", "What the albedo was divided by, to stay within 1"),
     "lamps": Bilingual("燈數", "Number of lamps"),
+    "materials": Bilingual(
+        "另計的材質數（光澤、金屬、粗面）", "Materials beside Lambert's: gloss, metal, rough"
+    ),
     "fourth_lamp": Bilingual("第四燈的核對（越小越好）", "Check by the fourth lamp; small is good"),
     "ink_share": Bilingual("墨跡佔畫面的比例", "Share of the picture that is ink"),
     "darkest": Bilingual("最濃處的墨（一為全黑）", "Darkness of the darkest ink; 1 is black"),

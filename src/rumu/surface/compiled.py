@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.image_stack import SATURATION
+from rumu.surface.reflectance import Lamps, Material, MaterialFit, MaterialSettings
 from rumu.surface.robust import TILE_RESIDUALS, RobustSettings, Solver, TileSolution
 from rumu.surface.stereo import SHADOW_FLOOR, SHADOW_SHARE
 from rumu.values import BoolArray, FloatArray
@@ -171,3 +172,29 @@ def l1(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> FloatA
     """(P, 3) albedo times normal by least absolute residuals; see `rumu.surface.robust.l1`. rows: (P, N)."""
     tile = _Tile(rows.T, lights, 0.0, settings)
     return tile.reweighted(tile.least_squares(), forgetting=False)[0].T.astype(np.float64)
+
+
+def fit_material(
+    values: FloatArray,
+    lamps: Lamps,
+    material: Material,
+    *,
+    starts: FloatArray,
+    settings: MaterialSettings,
+) -> MaterialFit:
+    """The normal of each pixel under a material; see `rumu.surface.reflectance.fit_material`."""
+    from rumu.surface import reflectance_kernels as kernels
+
+    kind = {"gloss": kernels.GLOSS, "metal": kernels.METAL, "rough": kernels.ROUGH}[material.kind]
+    s = settings
+    limits = (s.noise**2, s.proportional**2, s.width**2, s.dark, s.longest_step)
+    normals = np.empty((3, len(values)), np.float32)
+    brightness, contradicted = (np.empty(len(values), np.float32) for _ in range(2))
+    kernels.fit(
+        np.ascontiguousarray(values.T, dtype=np.float32),
+        np.ascontiguousarray(np.hstack([lamps.directions, lamps.halfway]), dtype=np.float32),
+        np.ascontiguousarray(starts.transpose(1, 2, 0), dtype=np.float32),
+        kind, np.float32(material.roughness), np.float32(material.share), np.array(limits, np.float32),
+        s.rounds, normals, brightness, contradicted,
+    )  # fmt: skip
+    return MaterialFit(*(one.astype(np.float64) for one in (normals.T, brightness, contradicted)))

@@ -15,6 +15,7 @@ import numpy as np
 from rumu.capture.lights import PaperLamps, paper_tilts
 from rumu.errors import SurfaceError
 from rumu.image_stack import Progress
+from rumu.surface.beyond_lambert import find_materials
 from rumu.surface.frame_check import check_exposure, check_still
 from rumu.surface.integrate import INTEGRATORS, integrate
 from rumu.surface.lamp_check import check_lamps
@@ -111,7 +112,8 @@ def surface_normals(
     strength was estimated, near 0 for a sheet that faced the camera; 'fourth_lamp', median |d - (a + c - b)|
     over brightness, only with four lamps of the paper's kind; 'strength_spread', strongest lamp over weakest
     as used; 'black_level', brightness taken for none; 'measured_share', share of the object measured;
-    'brightness', by which the albedo was divided to stay within 1; 'lamps', their number.
+    'brightness', by which the albedo was divided to stay within 1; 'lamps', their number; 'materials', number
+    of those found beside Lambert's, see `rumu.surface.beyond_lambert`.
     Raises SurfaceError for an unknown solver; CaptureError when photographs are black, overexposed or moved,
     or when other lamps clearly fit them better, see `rumu.surface.frame_check` and `rumu.surface.lamp_check`.
     """
@@ -147,6 +149,7 @@ def surface_normals(
         "measured_share": float(measured.sum() / capture.mask.sum()),
         "brightness": brightness,
         "lamps": float(len(capture.lights)),
+        "materials": float(len(solution.materials)),
     }
     if check is not None:
         quality["fourth_lamp"] = check
@@ -163,6 +166,10 @@ def _solved(capture: Capture, photometry: Photometry, solver: str, progress: Pro
         "progress": progress,
     }
     if capture.positions is None:
+        if solver == "robust":
+            options["materials"] = find_materials(
+                capture.photographs, lights, mask=capture.mask, black_level=photometry.black_level
+            )
         return solve(capture.photographs, lights, **options)
     return solve_near(capture.photographs, lights, capture.positions, **options)
 

@@ -244,11 +244,19 @@ def _confidence(off: FloatArray, lit: BoolArray, lights: FloatArray) -> FloatArr
     """(P,) in [0, 1]: agreement with the law times how well the lamps that agree span the directions."""
     agreement = 1.0 / (1.0 + (off / 0.05) ** 2)
     typical = 1.0 / (1.0 + (_masked_median(off, lit)[:, 0] / 0.05) ** 2)
+    return typical * span_of_lamps(np.where(lit, agreement, 0.0), lights)
+
+
+def span_of_lamps(weights: FloatArray, lights: FloatArray) -> FloatArray:
+    """(P,) in [0, 1]: how well the lamps that each pixel trusts span the directions, beside all lamps.
+
+    weights: (P, N) in [0, 1]; lights: (N, 3).
+    """
     x, y, z = lights.T
     products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
-    span = _determinant(_sum_over_lamps(np.where(lit, agreement, 0.0), products))
+    span = _determinant(_sum_over_lamps(weights, products))
     full = _determinant(products.sum(axis=0)[:, None])
-    return np.asarray(typical * np.cbrt(np.clip(span / full, 0.0, 1.0)))
+    return np.asarray(np.cbrt(np.clip(span / full, 0.0, 1.0)))
 
 
 def _determinant(symmetric: FloatArray) -> FloatArray:

@@ -6,14 +6,16 @@ are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rumu.errors import SurfaceError
 from rumu.image_stack import ImageStack, Progress, each_range
 from rumu.surface import compiled, robust
+from rumu.surface.beyond_lambert import solve_materials
+from rumu.surface.reflectance import Material
 from rumu.surface.robust import SOLVERS, RobustSettings, Solver, TileSolution
 from rumu.surface.stereo import check_stack
 from rumu.values import BoolArray, FloatArray, IntArray
@@ -30,7 +32,7 @@ class Solution:
     confidence: (H, W) float32 in [0, 1]: agreement with Lambert's law times the share of lamps that carry
         the normal, 0 where fewer than three lamps reach the pixel.
     residual: median over all lit values of |brightness - law| in shares of the pixel's brightness.
-    shadow_share: share of all values that are dark.
+    shadow_share: share of all values that are dark. materials: tried beside Lambert's law, where it fails.
     """
 
     normals: FloatArray
@@ -38,6 +40,7 @@ class Solution:
     confidence: FloatArray
     residual: float
     shadow_share: float
+    materials: tuple[Material, ...] = ()
 
 
 class SolutionArrays:
@@ -87,6 +90,7 @@ def solve(
     mask: BoolArray | None = None,
     black_level: float = 0.0,
     settings: RobustSettings | None = None,
+    materials: Sequence[Material] = (),
     tile: int = _TILE,
     progress: Progress | None = None,
 ) -> Solution:
@@ -94,9 +98,10 @@ def solve(
 
     images: (N, H, W) or (N, H, W, 3), linear. lights: (N, 3), toward the lamps, times their strength.
     mask: (H, W), pixels to solve; the rest face the camera with no confidence. black_level: taken from every
-    value that is not black. tile: number of values worked on at a time; the result does not depend on it.
-    Solved by numba's compiled kernels; where there is no numba by NumPy, after a SlowSolverWarning.
-    Raises SurfaceError for an unknown solver or a stack that does not belong together.
+    value that is not black. materials: beside Lambert's law, tried where it fails; see
+    `rumu.surface.beyond_lambert.find_materials`. tile: number of values worked on at a time; the result does
+    not depend on it. Solved by numba's compiled kernels; where there is no numba by NumPy, after a
+    SlowSolverWarning. Raises SurfaceError for an unknown solver or a stack that does not belong together.
     """
     if solver not in SOLVERS:
         raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
@@ -113,10 +118,13 @@ def solve(
         values = stack.range(part.start, part.stop)
         values = values if isinstance(inside, slice) else values[:, inside]
         done = solve_tile(values, lights, solver=solver, black_level=black_level, settings=settings)
+        if materials:
+            done = solve_materials(values, lights, done, materials, black_level=black_level)
         found.put(part if isinstance(inside, slice) else part.start + inside, done)
         return done.residuals, done.dark, done.lit
 
     size = max(1, tile // len(stack))
-    return found.whole(
+    solution = found.whole(
         each_range(one, stack.pixels, size=size, label="Solving for the normals", progress=progress)
     )
+    return replace(solution, materials=tuple(materials))

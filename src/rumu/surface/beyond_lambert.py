@@ -1,0 +1,211 @@
+"""Pixels that contradict Lambert's law, solved again under the few materials that a capture shows.
+
+What a material is, and how a normal is searched for, stands in `rumu.surface.reflectance`. Here its materials
+are voted for, and each pixel takes the one that explains it clearly better than Lambert's law did. Where
+nothing contradicts that law, as on paper and stone, nothing is changed. What contradicts it may also be wrong
+lamps, light that is reflected twice, or shadow: materials that explain those bend normals from pixel to
+pixel. The slopes of a surface have no curl, so materials are taken only when they leave no more of it than
+Lambert's law did.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from rumu.image_stack import ImageStack
+from rumu.surface import compiled, robust
+from rumu.surface.reflectance import (
+    LAMBERT,
+    MATERIALS,
+    Lamps,
+    Material,
+    MaterialFit,
+    MaterialSettings,
+    choose_materials,
+    fit_material,
+    rate,
+    reflected,
+    trusts,
+    usual_error,
+)
+from rumu.surface.robust import TileSolution, brightness_rows, span_of_lamps, subtract_black
+from rumu.surface.stereo import gradients_from_normals
+from rumu.surface.strengths import sample
+from rumu.values import BoolArray, FloatArray
+
+_Fit = Callable[..., MaterialFit]
+
+
+def find_materials(
+    images: FloatArray | ImageStack,
+    lights: FloatArray,
+    *,
+    mask: BoolArray,
+    black_level: float = 0.0,
+    settings: MaterialSettings | None = None,
+) -> tuple[Material, ...]:
+    """The materials that explain a capture clearly better than Lambert's law alone; none for most.
+
+    images: (N, H, W[, 3]), linear; lights: (N, 3), times strength; mask: (H, W), where there is a surface.
+    """
+    settings = settings or MaterialSettings()
+    stack = images if isinstance(images, ImageStack) else ImageStack.of_arrays(images)
+    if len(lights) < settings.least_lamps:
+        return ()
+    rows = sample(stack, mask=mask, most=settings.pixels)
+    if not len(rows):
+        return ()
+    chosen = _vote(subtract_black(rows, black_level), lights, settings)
+    if not chosen or _bends(stack, lights, chosen, mask=mask, black_level=black_level, settings=settings):
+        return ()
+    return chosen
+
+
+def _vote(rows: FloatArray, lights: FloatArray, settings: MaterialSettings) -> tuple[Material, ...]:
+    """The materials that explain some pixels, rows (P, N), which Lambert's law does not."""
+    lamps, fit = Lamps(lights), _fitter()
+    values, _ = lamps.relative(rows)
+    starts = lamps.starts(values, _unit(rows @ np.linalg.pinv(lights).T))
+    lambert = fit(values, lamps, LAMBERT, starts=starts, settings=settings).contradicted
+    if lambert.mean() <= settings.drop:
+        return ()
+    found = [fit(values, lamps, one, starts=starts, settings=settings).contradicted for one in MATERIALS[1:]]
+    chosen = choose_materials(np.stack([lambert, *found], axis=1), settings=settings)
+    return tuple(MATERIALS[one] for one in chosen)
+
+
+def _bends(
+    stack: ImageStack,
+    lights: FloatArray,
+    materials: Sequence[Material],
+    *,
+    mask: BoolArray,
+    black_level: float,
+    settings: MaterialSettings,
+) -> bool:
+    """Whether materials leave more curl in the slopes than Lambert's law, on patches all over the mask."""
+    side, (height, width) = settings.patch_side, mask.shape
+    inside = np.flatnonzero(mask)
+    middles = inside[np.linspace(0, len(inside) - 1, settings.patches).astype(np.int64)]
+    tops = np.clip(middles // width - side // 2, 0, max(0, height - side))
+    lefts = np.clip(middles % width - side // 2, 0, max(0, width - side))
+    across = np.arange(min(side, height))[:, None] * width + np.arange(min(side, width))
+    pixels = (tops * width + lefts)[:, None, None] + across  # (patches, rows, columns)
+    values = stack.at(pixels.reshape(-1))
+    solve_tile = compiled.solve_tile if compiled.has_numba() else robust.solve_tile
+    plain = solve_tile(
+        values, lights, solver="robust", black_level=black_level, settings=robust.RobustSettings()
+    )
+    other = solve_materials(values, lights, plain, materials, black_level=black_level, settings=settings)
+    usable = mask.reshape(-1)[pixels] & (plain.confidence > 0).reshape(pixels.shape)
+    moved = (plain.normals != other.normals).any(axis=1).reshape(pixels.shape)
+    before, after = (_curl(one.normals.reshape(*pixels.shape, 3)) for one in (plain, other))
+    looked_at = _squares(usable).all(axis=0) & _squares(moved).any(axis=0)
+    if not looked_at.any():
+        return False
+    allowed = max(settings.rougher * float(before[looked_at].mean()), settings.curl)
+    return float(after[looked_at].mean()) > allowed
+
+
+def _curl(normals: FloatArray) -> FloatArray:
+    """(K, h - 1, w - 1): how far the slopes around each square of four pixels are from closing, at most 1.
+
+    normals: (K, h, w, 3) of K patches. Times nz squared, by which an angle changes less than its slope:
+    else what leans most would decide.
+    """
+    p, q = gradients_from_normals(normals)
+    steep = _squares(np.maximum(normals[..., 2], 0.0) ** 2).mean(axis=0)
+    a, b, c, d = _squares(p)  # top left, top right, bottom left, bottom right
+    along = 0.5 * ((a + b) - (c + d))  # what p differs by between the rows, y pointing up
+    a, b, c, d = _squares(q)
+    return np.asarray(np.minimum(steep * np.abs(along - 0.5 * ((b + d) - (a + c))), 1.0))
+
+
+def _squares(patches: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
+    """(4, K, h - 1, w - 1): the corners of all squares of neighbours in patches (K, h, w)."""
+    top, bottom = patches[:, :-1], patches[:, 1:]
+    return np.stack([top[..., :-1], top[..., 1:], bottom[..., :-1], bottom[..., 1:]])
+
+
+def solve_materials(
+    values: FloatArray,
+    lights: FloatArray,
+    done: TileSolution,
+    materials: Sequence[Material],
+    *,
+    black_level: float = 0.0,
+    settings: MaterialSettings | None = None,
+) -> TileSolution:
+    """A solution by Lambert's law, with other normals where a material is contradicted clearly less.
+
+    values: (N, P) or (N, P, 3), linear, of which `done` is the solution; lights: (N, 3), times strength. The
+    albedo becomes that of the material: of a metal what its lobe reflects, of a glossy one what lies under
+    the gloss.
+    """
+    settings = settings or MaterialSettings()
+    rows, lamps = brightness_rows(values, black_level=black_level), Lamps(lights)
+    relative, scale = lamps.relative(rows)
+    lambert = rate(relative, lamps, LAMBERT, done.normals.astype(np.float64), settings)
+    doubtful = np.flatnonzero(
+        (usual_error(relative, lamps, lambert, settings) > settings.exact) & (done.confidence > 0)
+    )
+    if not doubtful.size:
+        return done
+    relative, scale, before = relative[doubtful], scale[doubtful], lambert.contradicted[doubtful]
+    starts = lamps.starts(relative, done.normals[doubtful].astype(np.float64))
+    fit = _fitter()
+    tried = (LAMBERT, *materials)
+    fits = [fit(relative, lamps, one, starts=starts, settings=settings) for one in tried]
+    which = np.stack([one.contradicted for one in fits]).argmin(axis=0)
+    normals, albedo, confidence = (one.copy() for one in (done.normals, done.albedo, done.confidence))
+    for number, (material, found) in enumerate(zip(tried, fits, strict=True)):
+        wins = (which == number) & (found.contradicted < (1.0 - settings.gain) * before)
+        wins &= found.contradicted < settings.contradicted
+        pixels = doubtful[wins]
+        if not pixels.size:
+            continue
+        won = MaterialFit(found.normals[wins], found.brightness[wins], found.contradicted[wins])
+        weights = trusts(relative[wins], lamps, material, won, settings)
+        normals[pixels] = won.normals
+        albedo[pixels] = _albedo(
+            values[:, pixels] - black_level, scale[wins], lamps, material, won, weights=weights
+        )
+        confidence[pixels] = (1.0 - won.contradicted) * span_of_lamps(weights, lights)
+    return replace(done, normals=normals, albedo=albedo, confidence=confidence)
+
+
+def _albedo(
+    values: FloatArray,
+    scale: FloatArray,
+    lamps: Lamps,
+    material: Material,
+    found: MaterialFit,
+    *,
+    weights: FloatArray,
+) -> FloatArray:
+    """(P,), or (P, 3) of values (N, P, 3): brightness of the material; under gloss without the gloss."""
+    if values.ndim == 2:
+        return np.asarray(found.brightness * scale, dtype=np.float32)
+    shape = reflected(found.normals, lamps, material)
+    seen = values / lamps.strengths[:, None, None]
+    if material.kind == "gloss":  # the lobe has the colour of the lamp, so all channels show as much of it
+        matte = reflected(found.normals, lamps, LAMBERT)
+        lobe = (found.brightness * scale)[:, None] * (shape - matte)
+        seen, shape = seen - lobe.T[..., None], matte
+    trusted = weights * shape
+    power = np.maximum((trusted * shape).sum(axis=1), 1e-9)
+    albedo = np.einsum("pn,npc->pc", trusted, seen) / power[:, None]
+    return np.asarray(np.maximum(albedo, 0.0), dtype=np.float32)
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))
+
+
+def _fitter() -> _Fit:
+    """The compiled search, or that in NumPy where there is no numba."""
+    return compiled.fit_material if compiled.has_numba() else fit_material
