@@ -47,7 +47,9 @@ def test_thirty_works_six_in_each_of_five_scripts() -> None:
     assert all(w.id.isascii() and w.id == w.id.lower() for w in all_works)
 
 
-@pytest.mark.parametrize("item", [*starter_works(), *brush_works(), *starter_samples()], ids=lambda item: item.id)
+@pytest.mark.parametrize(
+    "item", [*starter_works(), *brush_works(), *starter_samples()], ids=lambda item: item.id
+)
 def test_every_entry_is_whole_and_its_picture_is_the_one_it_names(item: StarterWork | Sample) -> None:
     for field in dataclasses.fields(item):
         value = getattr(item, field.name)

@@ -43,7 +43,9 @@ def test_an_owner_changes_and_deletes_a_collection(new_world, code_of):
     assert owner("GET", url).json() == facts
     assert code_of(owner("PATCH", "/api/collections/none", json={})) == "not_found"
     assert owner("DELETE", url).status_code == 204
-    assert [work["collection"] for work in owner("GET", "/api/works").json()["items"]] == ["starter-brush"] * 8 + ["starter-stele"]
+    assert [work["collection"] for work in owner("GET", "/api/works").json()["items"]] == [
+        "starter-brush"
+    ] * 8 + ["starter-stele"]
     assert code_of(owner("DELETE", url)) == "not_found"
 
 
