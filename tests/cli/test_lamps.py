@@ -8,6 +8,8 @@ import tifffile
 from PIL import Image
 
 from rumu.capture.lights import direction
+from rumu_lab.simulation.lamps import NearLamp, render
+from rumu_lab.simulation.phone import wavy_sheet
 
 LIGHTS = [direction(tilt=72 * i, slant=40) for i in range(5)]
 
@@ -105,3 +107,28 @@ def test_photographs_without_a_sphere_and_a_folder_without_photographs(rumu, cap
     rumu("lamps", capture).failed_with("expected a mirror sphere")
     (tmp_path / "none").mkdir()
     rumu("lamps", tmp_path / "none").failed_with("none", "expected photographs")
+
+
+def test_lamps_that_nothing_tells(rumu, tmp_path):
+    sheet = wavy_sheet(size=(60, 60), spacing=0.25, relief=0.3, seed=5)
+    folder = tmp_path / "sheet"
+    folder.mkdir()
+    for number, tilt in enumerate(np.radians(range(15, 375, 60))):
+        slant = np.radians(38 + 3 * number)
+        toward = np.array([np.cos(tilt) * np.sin(slant), np.sin(tilt) * np.sin(slant), np.cos(slant)])
+        lamp, options = NearLamp(tuple(260 * toward), 0.9), {"spacing": 0.25, "normals": sheet.normals}
+        light = render(sheet.height, sheet.albedo, lamp=lamp, **options)
+        Image.fromarray(np.round(light * 65535).astype(np.uint16)).save(folder / f"{number}.png")
+    out = tmp_path / "out"
+    ended = rumu("reconstruct", folder, "-o", out, "--lamps-unknown", "--write", "normals", "--json")
+    assert any("photographs alone" in note["en"] for note in ended.facts["notes"])
+    normals, _ = read_surface_normals(out)
+    off = np.degrees(np.arccos(np.clip((normals * sheet.normals).sum(axis=2), -1, 1)))
+    assert off[15:-15, 15:-15].mean() < 3
+    assert (out / "lamps.lp").is_file()
+    for options in (
+        ("--inside-out",),
+        ("--lamps-unknown", "--card"),
+        ("--lamps-unknown", "--sphere", "auto"),
+    ):
+        assert rumu("reconstruct", folder, "-o", out, *options).code == 2

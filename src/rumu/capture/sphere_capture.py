@@ -8,12 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rumu.capture.description import description_of, entry_among
-from rumu.capture.formats import ENCODINGS
-from rumu.capture.frames import ORIENTATIONS, read_frames
-from rumu.capture.masks import read_folder_mask
-from rumu.capture.photographs import FolderImages, capture_error, photographs_without
+from rumu.capture.photographs import capture_error
 from rumu.capture.spheres import FoundLamps, Sphere, find_spheres, lamps_of_spheres
+from rumu.capture.unlit import read_unlit_photographs
 from rumu.image_stack import Progress
 from rumu.values import Bilingual, BoolArray, Capture
 
@@ -55,56 +52,35 @@ def read_sphere_capture(
         When there is no sphere, one is too small or outside the photographs, or fewer than three photographs
         show their lamp on it.
     """
-    folder = Path(path)
-    if not folder.is_dir():
-        raise capture_error(
-            folder,
-            en="expected a folder of photographs with a mirror sphere",
-            zh="這裡應是拍有反光球的照片資料夾",
-        )
-    images = FolderImages(folder)
-    paths = photographs_without(folder, images.photographs, leave_out)
-    if len(paths) < _FEWEST:
-        raise capture_error(
-            folder,
-            en=f"expected at least {_FEWEST} photographs, found {len(paths)}",
-            zh=f"至少要有 {_FEWEST} 張照片，這裡只有 {len(paths)} 張",
-        )
-    description = description_of(folder)
-    frames = read_frames(
-        tuple(paths),
-        as_shown=False,
-        ambient=images.by_stem("ambient"),
-        encoding=entry_among(folder, "encoding", description.encoding, ENCODINGS),
-        orientation=entry_among(folder, "orientation", description.orientation, ORIENTATIONS),
-        progress=progress,
+    read = read_unlit_photographs(
+        path, show=Bilingual("有反光球的", "with a mirror sphere"), leave_out=leave_out, progress=progress
     )
+    frames, names = read.frames, read.names
     if progress is not None:
         progress("Looking for spheres", 0, 1)
     circles = list(spheres) or find_spheres(frames.stack)
     found = lamps_of_spheres(frames.stack, circles)
     kept = np.flatnonzero(np.isfinite(found.lights[:, 0]))
-    names = [one.name for one in paths]
     if len(kept) < _FEWEST:
         raise capture_error(
-            folder,
+            Path(path),
             en=f"expected at least {_FEWEST} photographs that show their lamp on a sphere, got {len(kept)}",
             zh=f"至少要有 {_FEWEST} 張照片在球上看得到燈，這裡只有 {len(kept)} 張",
         )
-    mask = read_folder_mask(images, description, frames) & ~discs(frames.stack.shape[1:3], circles)
+    mask = read.mask & ~discs(frames.stack.shape[1:3], circles)
     if not mask.any():
         raise capture_error(
-            folder, en="expected a sheet beside the spheres, got none", zh="球以外沒有可量的部分"
+            Path(path), en="expected a sheet beside the spheres, got none", zh="球以外沒有可量的部分"
         )
     return Capture(
         images=frames.stack.chosen(kept.tolist()),  # type: ignore[arg-type]
         lights=found.lights[kept],
         mask=mask,
-        spacing=description.spacing_mm,
+        spacing=read.description.spacing_mm,
         names=tuple(names[i] for i in kept),
         orientation=frames.orientation,
         notes=(_spheres_note(circles), *sphere_notes(names, found), *frames.notes),
-        lamps_as_given=description.lamps_as_given,
+        lamps_as_given=read.description.lamps_as_given,
     )
 
 

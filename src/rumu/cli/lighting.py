@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rumu.capture.spheres import Sphere
     from rumu.card.capture import CardCapture
     from rumu.image_stack import Progress
-    from rumu.values import Capture, FloatArray
+    from rumu.values import Bilingual, Capture, FloatArray
 
 _CIRCLE = re.compile(r"\s*([\d.]+)\s*,\s*([\d.]+)\s*,\s*([\d.]+)\s*")
 
@@ -54,6 +54,56 @@ CardOption = Annotated[
     ),
 ]
 
+LampsUnknownOption = Annotated[
+    bool,
+    typer.Option(
+        "--lamps-unknown",
+        help="Nothing tells the lamps: find them from the photographs of a flat sheet alone.",
+    ),
+]
+
+InsideOutOption = Annotated[
+    bool,
+    typer.Option("--inside-out", help="With --lamps-unknown: take the other reading, hollows for ridges."),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class LampSource:
+    """What tells the lamps of photographs: a file in their folder, unless one of these does.
+
+    sphere: texts of --sphere. card: of --card. unknown: of --lamps-unknown. inside_out: of --inside-out.
+    """
+
+    sphere: tuple[str, ...] = ()
+    card: bool = False
+    unknown: bool = False
+    inside_out: bool = False
+
+    def check(self, *, flat_field: Path | None) -> None:
+        """Raise wrong usage for options that exclude each other."""
+        if self.card and (self.sphere or flat_field):
+            raise typer.BadParameter(
+                "--card tells the lamps and their fall-off already", param_hint="'--card'"
+            )
+        if self.unknown and (self.sphere or self.card):
+            raise typer.BadParameter("a sphere or the card tells the lamps", param_hint="'--lamps-unknown'")
+        if self.inside_out and not self.unknown:
+            raise typer.BadParameter("only with --lamps-unknown", param_hint="'--inside-out'")
+
+    @property
+    def words(self) -> Bilingual:
+        """Where the directions of the lamps come from."""
+        from rumu.values import Bilingual
+
+        if self.card:
+            return Bilingual("拍攝卡", "the capture card")
+        if self.sphere:
+            return Bilingual("反光球", "mirror spheres in the photographs")
+        if self.unknown:
+            return Bilingual("照片本身", "the photographs alone")
+        return Bilingual("資料夾裡的檔案", "a file in the folder")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LitCapture:
@@ -70,15 +120,14 @@ class LitCapture:
 
 def read_lit_capture(
     folder: Path,
+    source: LampSource,
     *,
-    sphere: Sequence[str] | None,
-    card: bool,
     flat_field: Path | None,
     align: bool,
     leave_out: Sequence[str],
     progress: Progress,
 ) -> LitCapture:
-    """The capture of a folder, its lamps told by a file, by mirror spheres, or by the card.
+    """The capture of a folder.
 
     flat_field: of --flat-field, by which the photographs are divided. align: of --align.
     Raises wrong usage for options that exclude each other.
@@ -89,15 +138,16 @@ def read_lit_capture(
     from rumu.card.capture import read_card_capture
     from rumu.surface.alignment import align_photographs
 
+    source.check(flat_field=flat_field)
     made = None
-    if card and (sphere or flat_field):
-        raise typer.BadParameter("--card tells the lamps and their fall-off already", param_hint="'--card'")
-    if card:
+    if source.card:
         made = read_card_capture(folder, leave_out=leave_out, progress=progress)
         capture = made.capture
-    elif sphere:
-        spheres = spheres_of(sphere)
+    elif source.sphere:
+        spheres = spheres_of(source.sphere)
         capture = read_sphere_capture(folder, spheres=spheres, leave_out=leave_out, progress=progress)
+    elif source.unknown:
+        capture = _without_lamps(folder, source, leave_out, progress)
     else:
         capture = read_capture(folder, leave_out=leave_out, progress=progress)
     moved = None
@@ -107,6 +157,28 @@ def read_lit_capture(
     if flat_field is not None:
         capture = divide_by_flat_frames(capture, flat_field)
     return LitCapture(capture, moved, made)
+
+
+def _without_lamps(folder: Path, source: LampSource, leave_out: Sequence[str], progress: Progress) -> Capture:
+    """The capture of photographs whose lamps nothing tells."""
+    from rumu.capture.unlit import read_unlit_photographs
+    from rumu.surface.unknown_lamps import find_lamps
+    from rumu.values import Bilingual
+
+    read = read_unlit_photographs(
+        folder,
+        show=Bilingual("同一張紙、燈在各處的", "of one sheet, with the lamp in several places"),
+        leave_out=leave_out,
+        progress=progress,
+    )
+    found = find_lamps(
+        read.frames.stack, mask=read.mask, names=read.names, inside_out=source.inside_out, progress=progress
+    ).capture
+    return found.changed(
+        spacing=read.description.spacing_mm,
+        orientation=read.frames.orientation,
+        notes=(*found.notes, *read.frames.notes),
+    )
 
 
 def spheres_of(texts: Sequence[str]) -> list[Sphere]:

@@ -12,6 +12,9 @@ from rumu.cli.lighting import (
     AlignOption,
     CardOption,
     FlatFieldOption,
+    InsideOutOption,
+    LampSource,
+    LampsUnknownOption,
     LeaveOutOption,
     LitCapture,
     SphereOption,
@@ -47,6 +50,8 @@ class _Settings:
     leave_out: tuple[str, ...] = ()
     sphere: tuple[str, ...] = ()
     card: bool = False
+    lamps_unknown: bool = False
+    inside_out: bool = False
     flat_field: str | None = None
     align: bool = False
     write: str = "all"
@@ -87,6 +92,8 @@ def reconstruct(
     leave_out: LeaveOutOption = None,
     sphere: SphereOption = None,
     card: CardOption = False,
+    lamps_unknown: LampsUnknownOption = False,
+    inside_out: InsideOutOption = False,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
     write: Annotated[
@@ -122,6 +129,8 @@ def reconstruct(
         leave_out=tuple(leave_out or ()),
         sphere=tuple(sphere or ()),
         card=card,
+        lamps_unknown=lamps_unknown,
+        inside_out=inside_out,
         flat_field=None if flat_field is None else str(flat_field.resolve()),
         align=align,
         write=write,
@@ -151,14 +160,14 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
     from rumu.surface.processing import digest_files, record_processing
 
     files = _files_to_write(settings.write)
+    source = LampSource(settings.sphere, settings.card, settings.lamps_unknown, settings.inside_out)
     check_writable(whole_folder(out, marker=MARKER))
     folder = Path(settings.capture)
     flat_field = None if settings.flat_field is None else Path(settings.flat_field)
     with stages() as progress:
         lit = read_lit_capture(
             folder,
-            sphere=settings.sphere,
-            card=settings.card,
+            source,
             flat_field=flat_field,
             align=settings.align,
             leave_out=settings.leave_out,
@@ -179,7 +188,7 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
         )
         table = photograph_table(capture, surface, aligned=lit.moved)
         notes = (*capture.notes, *exposure_notes(capture, surface), *fault_notes(table))
-        beside = {LAMPS: lp_text(capture.names, capture.lights)} if settings.sphere or settings.card else {}
+        beside = {LAMPS: lp_text(capture.names, capture.lights)} if source != LampSource() else {}
         told = _told_by_the_card(lit)
         del capture, lit  # the photographs
         processing = record_processing(surface, settings=asdict(settings), inputs=inputs, made_by=made_by)

@@ -11,6 +11,9 @@ from rumu.cli.lighting import (
     AlignOption,
     CardOption,
     FlatFieldOption,
+    InsideOutOption,
+    LampSource,
+    LampsUnknownOption,
     LeaveOutOption,
     SphereOption,
     read_lit_capture,
@@ -57,6 +60,8 @@ def rti(
     leave_out: LeaveOutOption = None,
     sphere: SphereOption = None,
     card: CardOption = False,
+    lamps_unknown: LampsUnknownOption = False,
+    inside_out: InsideOutOption = False,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
     mm_per_pixel: Annotated[
@@ -80,8 +85,7 @@ def rti(
     with stages() as progress:
         capture = read_lit_capture(
             capture_dir,
-            sphere=sphere,
-            card=card,
+            LampSource(tuple(sphere or ()), card, lamps_unknown, inside_out),
             flat_field=flat_field,
             align=align,
             leave_out=leave_out or (),
