@@ -42,6 +42,8 @@ def reconstruct(
     solver: str = "robust",
     integrator: str = "auto",
     rectify: str = "none",
+    focal_length: float | None = None,
+    level: str = "none",
     progress: Progress | None = None,
 ) -> Surface:
     """Reconstruct the surface of a capture by photometric stereo.
@@ -57,6 +59,11 @@ def reconstruct(
     rectify
         How uneven lamplight is evened out first: 'none', 'masked' (recommended for a flat sheet), 'bands' or
         'svd' (the paper's).
+    focal_length
+        Of the camera, in pixels of the photographs; None for a camera that is far away.
+    level
+        What is taken off the height and the normals in the end: 'none', 'plane', or 'bow', a plane and a
+        polynomial of second degree.
     progress
         Called with what is done, how many parts of it are done and how many there are.
 
@@ -84,7 +91,14 @@ def reconstruct(
         capture = read_capture(capture, progress=progress)
     if rectify != "none":
         capture = rectify_capture(capture, method=rectify)  # type: ignore[arg-type]
-    return photometric(capture, solver=solver, integrator=integrator, progress=progress)
+    return photometric(
+        capture,
+        solver=solver,
+        integrator=integrator,
+        focal_length=focal_length,
+        level=level,
+        progress=progress,
+    )
 
 
 def surface_of(thing: SurfaceLike) -> Surface:

@@ -93,3 +93,33 @@ def test_a_folder_without_a_record_says_so(rumu, first, tmp_path, damage):
     with pytest.raises(SurfaceError, match="expected a record"):
         read_processing(marker)
     rumu("reconstruct", "--again", marker, "-o", tmp_path / "x").failed_with("surface.json", "processing")
+
+
+def test_how_the_height_was_made_is_recorded_and_repeated(rumu, capture, tmp_path):
+    options = ("--integrator", "bilateral", "--focal-length", "900", "--level", "bow", "--write", "floats")
+    made, plain = tmp_path / "made", tmp_path / "plain"
+    assert rumu("reconstruct", capture, "-o", made, *options).code == 0
+    assert rumu("reconstruct", capture, "-o", plain, "--write", "floats").code == 0
+    settings = read_processing(made).settings
+    told = settings["integrator"], settings["focal_length"], settings["level"]
+    assert told == ("bilateral", 900.0, "bow")
+    again = rumu("reconstruct", "--again", made, "-o", tmp_path / "again", "--json")
+    assert again.code == 0 and again.facts["again"]["same"]
+    assert (made / "height.tif").read_bytes() != (plain / "height.tif").read_bytes()
+    refused = rumu("reconstruct", "--again", made, "-o", tmp_path / "no", "--level", "plane")
+    assert refused.code == 2 and "'level': --again takes the settings of the record" in refused.err
+
+
+def test_a_focal_length_of_no_camera_is_refused(rumu, capture, tmp_path):
+    rumu("reconstruct", capture, "-o", tmp_path / "out", "--focal-length", "3").failed_with(
+        "focal length in pixels"
+    )
+
+
+def test_a_record_of_before_these_settings_is_made_again(rumu, first, tmp_path):
+    path = first / "surface.json"
+    content = json.loads(path.read_text())
+    for name in ("focal_length", "level"):
+        del content["processing"]["settings"][name]
+    path.write_text(json.dumps(content))
+    assert rumu("reconstruct", "--again", path, "-o", tmp_path / "second", "--json").facts["again"]["same"]

@@ -50,8 +50,9 @@ def test_dct_and_masked_are_exact_where_slopes_are_means_of_differences():
         assert np.abs(integrate(n, method=method) - (z - z.mean())).max() < 0.002
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [name for name in METHODS if name != "bilateral"])
 def test_a_pure_curl_gives_nothing(method):
+    """But for the one that takes what contradicts itself for steps."""
     # The slopes of a stream function turned by a right angle: divergence 0, and 0 across the edges.
     h, w = 48, 64
     r, c = np.mgrid[:h, :w] + 0.5
@@ -147,7 +148,7 @@ def test_bands_do_not_show(masked, monkeypatch):
     mask = disc(91)[17:74] if masked else None
     whole = integrate(shape.normals, mask=mask)
     monkeypatch.setattr("rumu.surface.integrate._BAND", 91 * 7)
-    monkeypatch.setattr("rumu.surface.integrate._ROWS_IN_CACHE", 91 * 5)
+    monkeypatch.setattr("rumu.surface.neighbours._ROWS_IN_CACHE", 91 * 5)
     assert np.abs(integrate(shape.normals, mask=mask) - whole).max() < 1e-4
 
 

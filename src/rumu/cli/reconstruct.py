@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from rumu.values import Capture
 
 Solver = Literal["robust", "least_squares", "trimmed", "l1"]
-Integrator = Literal["auto", "dct", "frankot_chellappa", "masked"]
+Integrator = Literal["auto", "dct", "frankot_chellappa", "masked", "bilateral"]
+Level = Literal["none", "plane", "bow"]
 Rectify = Literal["none", "bands", "svd", "masked"]
 
 LAMPS = "lamps.lp"
@@ -44,6 +45,8 @@ class _Settings:
     capture: str
     solver: str = "robust"
     integrator: str = "auto"
+    focal_length: float | None = None
+    level: str = "none"
     rectify: str = "none"
     mm_per_pixel: float | None = None
     lamps_as_given: bool = False
@@ -81,6 +84,13 @@ def reconstruct(
     out: Folder,
     solver: Annotated[Solver, typer.Option(help="How normals are solved for.")] = "robust",
     integrator: Annotated[Integrator, typer.Option(help="How normals become height.")] = "auto",
+    focal_length: Annotated[
+        float | None,
+        typer.Option(min=1.0, help="Of the camera, in pixels of the photographs; far away when not given."),
+    ] = None,
+    level: Annotated[
+        Level, typer.Option(help="Take off how the sheet leans (plane), and how it is bowed, too (bow).")
+    ] = "none",
     rectify: Annotated[Rectify, typer.Option(help="Even out the lighting first.")] = "none",
     mm_per_pixel: Annotated[
         float | None, typer.Option(min=1e-6, help="Scale of the photographs; the height is then in mm.")
@@ -123,6 +133,8 @@ def reconstruct(
         capture=str(capture_dir.resolve()),
         solver=solver,
         integrator=integrator,
+        focal_length=None if focal_length is None else finite(focal_length),
+        level=level,
         rectify=rectify,
         mm_per_pixel=None if mm_per_pixel is None else finite(mm_per_pixel),
         lamps_as_given=lamps_as_given,
@@ -183,6 +195,8 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
             capture,
             solver=settings.solver,
             integrator=settings.integrator,
+            focal_length=settings.focal_length,
+            level=settings.level,
             rectify=settings.rectify,
             progress=progress,
         )

@@ -1,7 +1,8 @@
-"""Normals become height: three solvers of one least-squares problem.
+"""Normals become height: three solvers of one least-squares problem, and one that keeps steps.
 
 All look for the height whose slopes are nearest to those of the normals; they differ in what a slope is and
-in what they assume at the edge. Rows grow downward, so dz/drow = -q. Heights are in pixels, mean 0.
+in what they assume at the edge. 'bilateral' stands in `rumu.surface.bilateral`, a camera at a finite distance
+in `rumu.surface.perspective`. Rows grow downward, so dz/drow = -q. Heights are in pixels, mean 0.
 """
 
 from __future__ import annotations
@@ -11,22 +12,19 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from rumu.errors import SurfaceError
+from rumu.surface.bilateral import integrate_bilateral
+from rumu.surface.neighbours import centre_parts, conjugate_gradients, poisson
+from rumu.surface.perspective import check_focal_length, height_of_distance, seen_normals
 from rumu.surface.stereo import gradients_from_normals
 from rumu.values import BoolArray, FloatArray
 
-Integrator = Literal["auto", "dct", "frankot_chellappa", "masked"]
+Integrator = Literal["auto", "dct", "frankot_chellappa", "masked", "bilateral"]
 
 INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
 STEEPEST = 10.0
 """Largest slope, 84 degrees; see `gradients_from_normals`."""
 _BAND = 1_000_000
 """Pixels whose slopes are computed at a time."""
-_ROWS_IN_CACHE = 100_000
-"""Pixels of the rows that a step of conjugate gradients goes over at a time."""
-_ITERATIONS = 300
-"""Most steps of conjugate gradients."""
-_TOLERANCE = 1e-4
-"""Residual of the normal equations, relative: height errors far below the noise of any capture."""
 
 
 def integrate(
@@ -35,6 +33,7 @@ def integrate(
     mask: BoolArray | None = None,
     method: Integrator = "auto",
     weights: FloatArray | None = None,
+    focal_length: float | None = None,
 ) -> FloatArray:
     """Height from normals.
 
@@ -46,13 +45,17 @@ def integrate(
     mask : (H, W) bool ndarray, optional
         Where there is a surface; outside it normals are ignored. Parts that do not touch each have mean 0,
         since nothing relates their heights.
-    method : {'auto', 'dct', 'frankot_chellappa', 'masked'}
+    method : {'auto', 'dct', 'frankot_chellappa', 'masked', 'bilateral'}
         'dct': Poisson's equation with free edges; the best on a full sheet. 'frankot_chellappa': projection
         on integrable slopes in the frequency domain, mirrored at the edges. 'masked': least squares on the
-        mask alone, for an object on a background. 'auto': 'dct' without a mask, else 'masked'. With a mask
+        mask alone, for an object on a background. 'bilateral': keeps steps, which the others bend into ramps,
+        in some ten times the time. 'auto': 'dct' without a mask, else 'masked'. With a mask
         'dct' and 'frankot_chellappa' take what is outside for flat.
     weights : (H, W) ndarray, optional
-        Trust in each normal, in [0, 1]; used by 'masked' alone.
+        Trust in each normal, in [0, 1]; used by 'masked' and 'bilateral' alone.
+    focal_length : float, optional
+        Of the camera, in pixels of the photograph, whose axis is in its middle; None for one that is far
+        away. Heights are then those of the points that the pixels see, counted along the axis.
 
     Returns
     -------
@@ -62,7 +65,7 @@ def integrate(
     Raises
     ------
     SurfaceError
-        For a wrong shape, an unknown method, an empty mask, NaN inside the mask.
+        For a wrong shape, an unknown method, an empty mask, NaN inside the mask, a bad focal length.
 
     Notes
     -----
@@ -70,12 +73,30 @@ def integrate(
     Fourier transform of a fourfold, mirrored sheet.
     """
     n, inside = _check_normals(normals, mask, method)
+    if focal_length is None:
+        return _height(n, inside, method, weights)
+    check_focal_length(focal_length, n.shape)
+    height = height_of_distance(_height(seen_normals(n, focal_length), inside, method, weights), focal_length)
+    return _centred(height, inside)
+
+
+def _height(
+    n: FloatArray, inside: BoolArray | None, method: Integrator, weights: FloatArray | None
+) -> FloatArray:
+    """The height whose slopes are those of checked normals (H, W, 3); inside: None for everywhere."""
     if method == "masked" or (method == "auto" and (weights is not None or inside is not None)):
         return _solve_masked(n, np.ones(n.shape[:2], bool) if inside is None else inside, weights)
+    if method == "bilateral":
+        return _solve_bilateral(n, np.ones(n.shape[:2], bool) if inside is None else inside, weights)
     if method == "frankot_chellappa":
         height = _frankot_chellappa(*_slopes(n, inside)).astype(np.float32, copy=False)
     else:
-        height = _poisson(_divergence_of(n, inside, weights=None))
+        height = poisson(_divergence_of(n, inside, weights=None))
+    return _centred(height, inside)
+
+
+def _centred(height: FloatArray, inside: BoolArray | None) -> FloatArray:
+    """The height with mean 0, and 0 where it is not inside; it may change."""
     if inside is None:
         height -= height.mean(dtype=np.float64)
         return height
@@ -117,25 +138,6 @@ def _divergence_of(
     return result
 
 
-def _poisson(divergence: FloatArray) -> FloatArray:
-    """Height of mean 0 whose five-point Laplacian, with free edges, is the divergence, which is used up.
-
-    It is diagonal in the cosine basis.
-    """
-    from scipy.fft import dctn, idctn
-
-    h, w = divergence.shape
-    rows = 2.0 * np.cos(np.pi * np.arange(h) / h) - 2.0
-    columns = (2.0 * np.cos(np.pi * np.arange(w) / w) - 2.0).astype(divergence.dtype)
-    spectrum = dctn(divergence, type=2, workers=-1, overwrite_x=True)
-    columns[0] = 1.0  # for the first row, whose first entry is undetermined
-    for row, frequency in enumerate(rows.astype(divergence.dtype)):
-        spectrum[row] /= frequency + columns
-        columns[0] = 0.0
-    spectrum[0, 0] = 0.0
-    return np.asarray(idctn(spectrum, type=2, workers=-1, overwrite_x=True))
-
-
 def _frankot_chellappa(by_column: FloatArray, by_row: FloatArray) -> FloatArray:
     """Projection on integrable slopes, after mirroring the sheet at its edges.
 
@@ -164,6 +166,18 @@ def _shift(sines: FloatArray, *, axis: int) -> FloatArray:
     return result
 
 
+def _solve_bilateral(normals: FloatArray, inside: BoolArray, weights: FloatArray | None) -> FloatArray:
+    """Bilateral integration of the rectangle around the mask, beginning with the least-squares height."""
+    rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
+    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    part = inside[box]
+    trust = part.astype(np.float32) if weights is None else np.maximum(weights[box], np.float32(1e-3))
+    start = _solve_masked(normals, inside, weights)[box]
+    height = np.zeros(inside.shape, np.float32)
+    height[box] = integrate_bilateral(*_slopes(normals[box], part), part, trust, start=start)
+    return height
+
+
 def _solve_masked(normals: FloatArray, inside: BoolArray, weights: FloatArray | None) -> FloatArray:
     """Weighted least squares over pairs of neighbours within the mask, by conjugate gradients.
 
@@ -185,60 +199,10 @@ def _solve_masked(normals: FloatArray, inside: BoolArray, weights: FloatArray | 
         weights=(right[: part.shape[0], : part.shape[1] - 1], down[: part.shape[0] - 1, : part.shape[1]]),
     )
     np.negative(target, out=target)
-    found = _conjugate_gradients(target, right, down)[: part.shape[0], : part.shape[1]]
+    found = conjugate_gradients(target, right, down)[: part.shape[0], : part.shape[1]]
     height = np.zeros(inside.shape, np.float32)
-    height[box] = _centre_parts(found, part)
+    height[box] = centre_parts(found, part)
     return height
-
-
-def _conjugate_gradients(left: FloatArray, right: FloatArray, down: FloatArray) -> FloatArray:
-    """Solve (D' W D) z = left, which is used up; D: differences between neighbours, W: their weights.
-
-    The preconditioner is the Poisson solver of the whole rectangle: then the number of steps depends on the
-    shape of the mask but hardly on the number of pixels.
-    """
-    z, ahead = np.zeros_like(left), np.empty_like(left)
-    guess = -_poisson(left.copy())
-    direction = guess.copy()
-    power = start = float(np.vdot(left, guess))
-    for _ in range(_ITERATIONS):
-        if power <= _TOLERANCE**2 * start:
-            break
-        _stiffness(direction, right, down, ahead)
-        step = np.float32(power / max(float(np.vdot(direction, ahead)), 1e-300))
-        z += step * direction
-        ahead *= step
-        left -= ahead
-        guess = -_poisson(left.copy())
-        before, power = power, float(np.vdot(left, guess))
-        direction *= np.float32(power / before)
-        direction += guess
-    return z
-
-
-def _stiffness(z: FloatArray, right: FloatArray, down: FloatArray, result: FloatArray) -> None:
-    """Write (D' W D) z, some rows at a time: it is bound by memory."""
-    result[...] = 0
-    step = max(1, _ROWS_IN_CACHE // z.shape[1])
-    for top in range(0, len(z), step):
-        rows = slice(top, min(top + step, len(z)))
-        across = right[rows] * (z[rows, 1:] - z[rows, :-1])
-        result[rows, :-1] -= across
-        result[rows, 1:] += across
-        end = min(rows.stop, len(z) - 1)
-        along = down[top:end] * (z[top + 1 : end + 1] - z[top:end])
-        result[top:end] -= along
-        result[top + 1 : end + 1] += along
-
-
-def _centre_parts(height: FloatArray, inside: BoolArray) -> FloatArray:
-    """Each part of the mask on its own mean, 0 outside."""
-    from scipy import ndimage
-
-    parts, count = ndimage.label(inside)
-    means = np.zeros(count + 1)
-    means[1:] = ndimage.mean(height, parts, np.arange(1, count + 1))
-    return np.where(inside, height - means[parts], 0.0)
 
 
 def _check_normals(

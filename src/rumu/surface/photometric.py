@@ -19,7 +19,9 @@ from rumu.surface.beyond_lambert import find_materials
 from rumu.surface.frame_check import check_exposure, check_still
 from rumu.surface.integrate import INTEGRATORS, integrate
 from rumu.surface.lamp_check import check_lamps
+from rumu.surface.level import check_level, take_level
 from rumu.surface.near_lamps import solve_near
+from rumu.surface.perspective import check_focal_length
 from rumu.surface.robust import SOLVERS
 from rumu.surface.solve import Solution, solve
 from rumu.surface.stereo import (
@@ -49,11 +51,15 @@ def photometric(
     *,
     solver: str = "robust",
     integrator: str = "auto",
+    focal_length: float | None = None,
+    level: str = "none",
     progress: Progress | None = None,
 ) -> Surface:
     """The surface of a capture, source 'photometric'.
 
     solver: one of `rumu.surface.robust.SOLVERS`. integrator: one of `rumu.surface.integrate.INTEGRATORS`.
+    focal_length: of the camera, in pixels; None for one that is far away. level: what is taken off in the
+    end, one of `rumu.surface.level.LEVELS`.
     Height is in millimetres when the capture's spacing is known, else in pixels: 0 at the paper when most of
     the sheet faces one way, else at the mean. Pixels that no three lamps reach are filled in from their
     neighbours before integration and have confidence 0; the surface's mask holds those that were measured.
@@ -63,6 +69,8 @@ def photometric(
     """
     if integrator not in INTEGRATORS:
         raise SurfaceError(f"expected an integrator among {', '.join(INTEGRATORS)}, got {integrator!r}")
+    check_level(level)
+    check_focal_length(focal_length, capture.mask.shape)
     normals, albedo, confidence, quality = surface_normals(capture, solver=solver, progress=progress)
     measured = capture.mask & (confidence > 0)
     if not measured.any():
@@ -78,7 +86,9 @@ def photometric(
         mask=None if whole else domain,
         method=integrator,
         weights=None if whole else np.maximum(confidence, _LEAST_TRUST),
+        focal_length=focal_length,
     )
+    take_level(height, normals, measured, level=level)
     spacing = 1.0 if capture.spacing is None else capture.spacing
     height -= np.float32(_ground(height, measured))
     height *= np.float32(spacing)
