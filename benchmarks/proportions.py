@@ -84,7 +84,9 @@ def first_part(copy: Copy) -> str:
     """The strokes that the first part of a copy's master holds; empty where it has none."""
     master = master_of(copy.template, copy.character)
     itself, canonical = master.stroke_model.itself, master.canonical
-    parts = measure_parts(itself, canonical.structure if canonical else None)
+    if canonical is None:
+        return ""
+    parts = measure_parts(itself, canonical.structure, radical_border=canonical.radical_border)
     if parts is None or itself.laid is None:
         return ""
     numbers = stroke_numbers(itself.master)

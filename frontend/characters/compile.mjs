@@ -19,7 +19,7 @@ const source = dirname(require.resolve("hanzi-writer-data/package.json"));
 const cnchar = require("cnchar");
 cnchar.use(require("cnchar-order"), require("cnchar-radical"));
 
-const MAGIC = "rumu characters 1";
+const MAGIC = "rumu characters 2";
 const PER_BLOCK = 64; // characters that are compressed together
 const LINE_GRID = 6; // units of the 1,024 of the square to which centre lines are rounded
 const OUTLINE_GRID = 7; // the same for outlines
@@ -137,6 +137,14 @@ function structureOf(character, simplified, lines) {
     return (like === 3 || like === 4) && isEnclosed(lines) ? like + 1 : 0;
 }
 
+/** After how many strokes the radical ends, if it is written first, or begins, if it is written last; else 0. */
+function radicalBorder({ radStrokes, strokes }) {
+    const own = [...(radStrokes ?? [])].sort((a, b) => a - b);
+    if (!own.length || own.length === strokes.length || own.at(-1) - own[0] !== own.length - 1) return 0;
+    if (own[0] === 0) return own.length;
+    return own.at(-1) === strokes.length - 1 ? own[0] : 0;
+}
+
 /** Numbers of 7 bits a byte, the lowest first, signs in the lowest bit. */
 class Numbers {
     bytes = [];
@@ -154,6 +162,7 @@ function blockOf(characters) {
     const [heads, lines, commands, outlines] = Array.from({ length: 4 }, () => new Numbers());
     for (const { structure, letters, data } of characters) {
         heads.add(structure);
+        heads.add(radicalBorder(data));
         heads.add(letters.length);
         let previous = [0, 0]; // where the outline before began
         data.strokes.forEach((path, k) => {

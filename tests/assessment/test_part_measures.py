@@ -137,13 +137,33 @@ def test_of_learners_copies_no_part_is_named_that_the_character_does_not_have(da
         assert len(set(ends)) == len(ends), ends
 
 
+def master_of(data, character):
+    """The master of the learners' copies of a character, measured in itself."""
+    with (data / "e3c" / "scores.csv").open(encoding="utf-8", newline="") as stream:
+        row = next(row for row in csv.DictReader(stream) if row["character"] == character)
+    return pipeline.prepare_master(data / "e3c" / row["template"], character=character).stroke_model.itself
+
+
+@pytest.mark.parametrize(("character", "border"), [("當", 8), ("銘", 8), ("傳", 2)])
+def test_parts_meet_where_the_radical_ends_or_begins(data, character, border):
+    itself = master_of(data, character)
+    numbers, known = stroke_numbers(itself.master), find_character(character)
+    parts = measure_parts(itself, known.structure, radical_border=known.radical_border)
+    assert known.radical_border == border
+    assert set(numbers[parts.first & (numbers > 0)]) == set(range(1, border + 1))
+
+
+def test_a_radical_that_is_no_part_does_not_part_a_character(data):
+    """As 耳 in 聖, 口 beside it: the strokes up to 德's 目 do not all lie to the left of the others."""
+    itself = master_of(data, "德")
+    wrong, none = (measure_parts(itself, "left-right", radical_border=border) for border in (10, None))
+    assert (wrong.first == none.first).all()
+
+
 @pytest.mark.parametrize(("character", "last"), [("德", 3), ("讀", 7), ("銘", 8)])
 def test_a_dot_that_reaches_over_the_border_stays_with_its_part(data, character, last):
     """The left dot of 德's 心 lies under 彳, 讀's left vertical under 言: they are of the right part."""
-    with (data / "e3c" / "scores.csv").open(encoding="utf-8", newline="") as stream:
-        row = next(row for row in csv.DictReader(stream) if row["character"] == character)
-    master = pipeline.prepare_master(data / "e3c" / row["template"], character=character)
-    itself = master.stroke_model.itself
+    itself = master_of(data, character)
     parts = measure_parts(itself, "left-right")
     numbers = stroke_numbers(itself.master)
     assert set(numbers[parts.first & (numbers > 0)]) == set(range(1, last + 1))

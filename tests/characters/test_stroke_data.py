@@ -72,6 +72,14 @@ def test_the_arrangement_of_parts_is_known(character, structure):
     assert find_character(character).structure == structure
 
 
+@pytest.mark.parametrize(
+    ("character", "border"),
+    [("銘", 8), ("寧", 3), ("暮", 10), ("想", 9), ("行", None), ("聞", 8), ("哀", None)],
+)
+def test_it_is_known_where_the_radical_ends_or_begins(character, border):
+    assert find_character(character).radical_border == border
+
+
 def test_at_least_nine_thousand_are_known_in_both_forms():
     known = known_characters()
     assert len(known) >= 9000

@@ -80,14 +80,19 @@ class InnerMeasures:
     explained: FloatArray
 
 
-def measure_parts(match: StrokeMatch, structure: Structure | None) -> PartMeasures | None:
-    """Measure the two parts of a character; None where its structure has none, or one cannot be seen."""
+def measure_parts(
+    match: StrokeMatch, structure: Structure | None, *, radical_border: int | None = None
+) -> PartMeasures | None:
+    """Measure the two parts of a character; None where its structure has none, or one cannot be seen.
+
+    radical_border: see `CanonicalCharacter`.
+    """
     axis = AXES.get(structure) if structure is not None else None
     if axis is None:
         return None
     k = 0 if axis == "across" else 1
     places, copy, seen = match.places, match.pose.undo(match.in_cell), match.covered
-    first = _first_part(match, k)
+    first = _first_part(match, k, radical_border)
     if first is None:
         return None
     width, moved = [], []
@@ -122,12 +127,40 @@ def _widening(places: FloatArray, copy: FloatArray, owner: IntArray) -> float:
     return float(np.exp(min(logs, key=abs)))
 
 
-def _first_part(match: StrokeMatch, k: int) -> BoolArray | None:
+def _first_part(match: StrokeMatch, k: int, radical_border: int | None) -> BoolArray | None:
     """(n,) which of the master's points are of its left (k is 0) or upper (k is 1) part.
 
-    The parts meet where the master has the least ink; a stroke is of the part in which its middle lies, and
-    of that in which it is written.
+    The parts meet where the radical ends or begins, if all strokes before lie before all others. Else they
+    meet where the master has the least ink; a stroke is of the part in which its middle lies, and of that in
+    which it is written.
     """
+    points = match.master.points
+    own = [points.owner == i for i in range(len(match.master.lines))]
+    middles = np.array([points.xy[line, k].mean() for line in own])
+    numbers = np.array([line.number for line in match.master.lines])
+    before = None if radical_border is None else _before_border(middles, numbers, radical_border)
+    if before is None:
+        before = middles < _emptiest_line(match, k)
+        before = _written_first(before, numbers, np.array([points.radius[line].sum() for line in own]))
+    strokes, first = int(before.sum()), before[points.owner]
+    whole = PARTS.strokes <= strokes <= len(before) - PARTS.strokes
+    return first if whole and PARTS.share <= first.mean() <= 1 - PARTS.share else None
+
+
+def _before_border(middles: FloatArray, numbers: IntArray, border: int) -> BoolArray | None:
+    """(m,) which lines are written before the border; None where they do not all lie before the others.
+
+    middles: (m,) of the lines, along the axis. numbers: of their strokes, 0 where they are not known.
+    """
+    before, after = (numbers > 0) & (numbers <= border), numbers > border
+    if not (before.any() and after.any()) or middles[before].max() >= middles[after].min():
+        return None
+    between = (middles[before].max() + middles[after].min()) / 2
+    return np.where(numbers > 0, before, middles < between)
+
+
+def _emptiest_line(match: StrokeMatch, k: int) -> float:
+    """Where across the axis the master has the least ink, near the middle."""
     ink = match.framed_master.ink.sum(axis=k).astype(float)
     inked = np.flatnonzero(ink)
     low, extent = inked[0], inked[-1] - inked[0]
@@ -135,15 +168,7 @@ def _first_part(match: StrokeMatch, k: int) -> BoolArray | None:
     candidates = np.arange(a, b + 1)
     least = candidates[ink[a : b + 1] <= ink[a : b + 1].min() + 0.5]
     middle = (a + b) / 2
-    border = (float(least[np.abs(least - middle).argmin()]) - (SIDE - 1) / 2) / SCALE
-    points = match.master.points
-    own = [points.owner == i for i in range(len(match.master.lines))]
-    before = np.array([points.xy[line, k].mean() < border for line in own])
-    numbers = np.array([line.number for line in match.master.lines])
-    before = _written_first(before, numbers, np.array([points.radius[line].sum() for line in own]))
-    strokes, first = int(before.sum()), before[points.owner]
-    whole = PARTS.strokes <= strokes <= len(before) - PARTS.strokes
-    return first if whole and PARTS.share <= first.mean() <= 1 - PARTS.share else None
+    return (float(least[np.abs(least - middle).argmin()]) - (SIDE - 1) / 2) / SCALE
 
 
 def _written_first(before: BoolArray, numbers: IntArray, ink: FloatArray) -> BoolArray:

@@ -57,7 +57,8 @@ def write_remarks(
     structure = None if character is None else character.structure
     match, registration = match_strokes(copy), copy.registration
     ink = measure_ink(match, copy.surface, copy.master, registration)
-    measured = measure_parts(match, structure)
+    border = None if character is None else character.radical_border
+    measured = measure_parts(match, structure, radical_border=border)
     inner = measure_inner(match, structure)
     cell = registration.reference.radius
     part_faults, explained = find_part_faults(

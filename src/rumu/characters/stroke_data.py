@@ -7,9 +7,10 @@ strokes.bin is compiled by frontend/characters/compile.mjs when the package is b
     rising order, the length of each block; the blocks, each compressed by Brotli.
 
 A block holds five runs of numbers of 7 bits a byte, the lowest bits first, the sign in the lowest bit: the
-lengths in bytes of the other four; heads (for each character its structure and its number of strokes, for
-each stroke its name, the points of its centre line and the commands of its outline); centre lines; commands;
-outlines. Points are steps from the one before; a control point is counted from the middle of its curve.
+lengths in bytes of the other four; heads (for each character its structure, where its radical ends or begins
+and its number of strokes, for each stroke its name, the points of its centre line and the commands of its
+outline); centre lines; commands; outlines. Points are steps from the one before; a control point is counted
+from the middle of its curve.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ Structure = Literal[
     "left-middle-right",
 ]
 
-_MAGIC = b"rumu characters 1"
+_MAGIC = b"rumu characters 2"
 _SQUARE = 1024.0  # units of the source along each side of its square
 _LINE_GRID, _OUTLINE_GRID = 6.0, 7.0  # units to which points are rounded, as in compile.mjs
 _COMMANDS = {"M": 1, "L": 1, "Q": 2, "C": 3, "Z": 0}  # and how many points each takes
@@ -182,11 +183,16 @@ class CanonicalStroke:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CanonicalCharacter:
-    """A character as copybooks print it. structure: None where it is not known."""
+    """A character as copybooks print it.
+
+    structure: None where it is not known. radical_border: after how many strokes its radical ends, when that
+    is written first, or begins, when it is written last; None where it is neither, or the whole character.
+    """
 
     character: str
     strokes: tuple[CanonicalStroke, ...]
     structure: Structure | None
+    radical_border: int | None = None
 
 
 def find_character(character: str) -> CanonicalCharacter | None:
@@ -251,13 +257,13 @@ class _Block:
         """The one of this number within the block."""
         heads, line, command = iter(self.heads.tolist()), 0, 0
         for _ in range(wanted):
-            _, count = next(heads), next(heads)
+            _, _, count = next(heads), next(heads), next(heads)
             for _, points, commands in [(next(heads), next(heads), next(heads)) for _ in range(count)]:
                 line, command = line + 2 * points, command + commands
         points_of = np.array(list(_COMMANDS.values()))
         steps = iter(self.outlines[2 * int(points_of[self.commands[:command]].sum()) :].tolist())
         names, begin, strokes = list(_COMMANDS), (0, 0), []
-        structure, count = next(heads), next(heads)
+        structure, border, count = next(heads), next(heads), next(heads)
         for letter, points, commands in [(next(heads), next(heads), next(heads)) for _ in range(count)]:
             centre = np.cumsum(self.lines[line : line + 2 * points].reshape(-1, 2), axis=0)
             own = [names[c] for c in self.commands[command : command + commands]]
@@ -265,7 +271,8 @@ class _Block:
             name = stroke_name(chr(ord("a") + letter), centre.astype(float))
             strokes.append(CanonicalStroke(name, centre * (_LINE_GRID / _SQUARE), outline))
             line, command = line + 2 * points, command + commands
-        return CanonicalCharacter(character, tuple(strokes), (None, *get_args(Structure))[structure])
+        told = (None, *get_args(Structure))[structure]
+        return CanonicalCharacter(character, tuple(strokes), told, border or None)
 
 
 def _draw(
