@@ -230,7 +230,10 @@ def _read_index() -> _Index:
     try:
         with path.open("rb") as stream:
             if stream.read(len(_MAGIC)) != _MAGIC:
-                raise RumuError("rumu/characters/strokes.bin: expected strokes, got another file")
+                raise RumuError(
+                    "rumu/characters/strokes.bin: expected strokes as this version packs them, got another "
+                    "file; run scripts/install"
+                )
             count, per_block = np.frombuffer(stream.read(8), "<u4").tolist()
             blocks = -(-count // per_block)
             numbers = np.frombuffer(stream.read(4 * (count + blocks)), "<u4").astype(np.intp)
