@@ -29,12 +29,18 @@ def test_a_card_is_printed_and_its_photographs_reconstructed(rumu, tmp_path):
         data = take_card_photograph(scene, PhoneCamera(size=(960, 1280), blur=0.5), HandLamp(lamp))
         (folder / f"{number}.jpg").write_bytes(data)
     out = tmp_path / "out"
-    ended = rumu("reconstruct", folder, "-o", out, "--card", "--write", "normals", "--json")
+    options = ("--card", "--write", "normals", "--capture-report", "en", "--by", "A. Writer")
+    ended = rumu("reconstruct", folder, "-o", out, *options, "--json")
     card = ended.facts["card"]
     assert ended.facts["unit"] == "mm" and len(card["lamps"]) == 3 and 8 < card["ball_mm"] < 10
     assert ended.facts["spacing"] == pytest.approx(card["pixel_mm"])
     stored = json.loads((out / "surface.json").read_text("utf-8"))
-    assert stored["processing"]["settings"]["card"] is True
+    record = stored["processing"]
+    assert record["settings"]["card"] is True and record["lamps"]["from"] == "the capture card"
+    assert set(record["lamps"]["directions"]) == {"0.jpg", "1.jpg", "2.jpg"}
+    assert record["photographs"]["0.jpg"]["camera"] == "Simulated Phone 1"
+    text = "".join(page.extract_text() for page in PdfReader(out / "capture-report.pdf").pages)
+    assert "Simulated Phone 1" in text and "the capture card" in text and "A. Writer" in text
     assert len((out / "lamps.lp").read_text().splitlines()) == 4
     again = rumu("reconstruct", "--again", out / "surface.json", "-o", tmp_path / "again", "--json")
     assert again.facts["again"]["same"]

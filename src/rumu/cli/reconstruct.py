@@ -26,6 +26,9 @@ from rumu.cli.terminal import Outcome, print_outcome, stages
 from rumu.errors import SurfaceError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rumu.capture.exif import PhotographFacts
     from rumu.surface.folder import Processing
     from rumu.values import Capture
 
@@ -33,6 +36,9 @@ Solver = Literal["robust", "least_squares", "trimmed", "l1"]
 Integrator = Literal["auto", "dct", "frankot_chellappa", "masked", "bilateral"]
 Level = Literal["none", "plane", "bow"]
 Rectify = Literal["none", "bands", "svd", "masked"]
+
+CAPTURE_REPORT = "capture-report.pdf"
+"""The report of a capture that is signed."""
 
 LAMPS = "lamps.lp"
 """Where the lamps stood, of a capture whose spheres told it."""
@@ -58,6 +64,7 @@ class _Settings:
     flat_field: str | None = None
     align: bool = False
     write: str = "all"
+    capture_report: str | None = None
 
     @classmethod
     def of_record(cls, record: Processing) -> _Settings:
@@ -112,6 +119,10 @@ def reconstruct(
             help="What is written, separated by commas: all, floats, pictures, mesh, report, height..."
         ),
     ] = "all",
+    capture_report: Annotated[
+        Literal["zh", "en"] | None,
+        typer.Option(help="Also write capture-report.pdf, a report to be signed, in this language."),
+    ] = None,
     made_by: Annotated[
         str | None, typer.Option("--by", help="Who makes it, for the record in surface.json.")
     ] = None,
@@ -146,6 +157,7 @@ def reconstruct(
         flat_field=None if flat_field is None else str(flat_field.resolve()),
         align=align,
         write=write,
+        capture_report=capture_report,
     )
     outcome, _ = _made(settings, out, made_by)
     return outcome
@@ -164,12 +176,15 @@ def _refuse_settings(context: typer.Context) -> None:
 def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome, Any]:
     """Make a surface by its settings and write it; also the surface."""
     from rumu import pipeline
+    from rumu.capture.exif import read_facts
     from rumu.capture.light_files import lp_text
     from rumu.outputs import whole_folder
+    from rumu.report.capture_report import CaptureReport, capture_pdf
     from rumu.surface.folder import MARKER
     from rumu.surface.frame_check import exposure_notes
     from rumu.surface.photograph_table import fault_notes, photograph_table, table_text
     from rumu.surface.processing import digest_files, record_processing
+    from rumu.surface.residual_map import residual_map
 
     files = _files_to_write(settings.write)
     source = LampSource(settings.sphere, settings.card, settings.lamps_unknown, settings.inside_out)
@@ -202,10 +217,35 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
         )
         table = photograph_table(capture, surface, aligned=lit.moved)
         notes = (*capture.notes, *exposure_notes(capture, surface), *fault_notes(table))
-        beside = {LAMPS: lp_text(capture.names, capture.lights)} if source != LampSource() else {}
+        beside: dict[str, str | bytes] = {}
+        if source != LampSource():
+            beside[LAMPS] = lp_text(capture.names, capture.lights)
+        facts_of = [
+            read_facts((folder if folder.is_dir() else folder.parent) / name) for name in capture.names
+        ]
+        processing = record_processing(
+            surface,
+            settings=asdict(settings),
+            inputs=inputs,
+            made_by=made_by,
+            lamps=_lamps_of(capture, source),
+            photographs=_told_by_the_photographs(capture.names, facts_of),
+        )
+        if settings.capture_report is not None:
+            report = CaptureReport(
+                folder.name,
+                surface,
+                capture.lights,
+                source.words,
+                table,
+                facts_of,
+                residual_map(capture, surface),
+                notes,
+                processing,
+            )
+            beside[CAPTURE_REPORT] = capture_pdf(report, language=settings.capture_report)  # type: ignore[arg-type]
         told = _told_by_the_card(lit)
         del capture, lit  # the photographs
-        processing = record_processing(surface, settings=asdict(settings), inputs=inputs, made_by=made_by)
         done = write_result(
             surface,
             out,
@@ -218,6 +258,26 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
         )
     facts = {**done.facts, **told, "photographs": [asdict(row) for row in table]}
     return Outcome(facts, f"{done.text}\n{table_text(table)}"), surface
+
+
+def _lamps_of(capture: Capture, source: LampSource) -> dict[str, Any]:
+    """Where the lamps stood and what told it, for the record."""
+    directions = {
+        name: [round(float(value), 6) for value in light]
+        for name, light in zip(capture.names, capture.lights, strict=True)
+    }
+    return {"from": source.words.en, "directions": directions}
+
+
+def _told_by_the_photographs(
+    names: Sequence[str], facts: Sequence[PhotographFacts]
+) -> dict[str, dict[str, Any]]:
+    """What each photograph says of itself, for the record; nothing of those that say nothing."""
+    told = {
+        name: {key: value for key, value in asdict(one).items() if value is not None}
+        for name, one in zip(names, facts, strict=True)
+    }
+    return {name: one for name, one in told.items() if one}
 
 
 def _told_by_the_card(lit: LitCapture) -> dict[str, Any]:

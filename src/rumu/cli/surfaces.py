@@ -214,13 +214,13 @@ def write_result(
     title: str,
     notes: Sequence[Bilingual] = (),
     files: Collection[str],
-    beside: Mapping[str, str] | None = None,
+    beside: Mapping[str, str | bytes] | None = None,
     processing: Processing | None = None,
     progress: Progress | None = None,
 ) -> Outcome:
     """Write a surface as a folder with its report, and say what was written.
 
-    files: which, and REPORT. beside: more texts by name. processing: how it was made, for surface.json.
+    files: which, and REPORT. beside: more files by name. processing: how it was made, for surface.json.
     """
     from rumu.report.pages import surface_page
     from rumu.report.wording import SOURCES

@@ -18,7 +18,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -53,7 +53,8 @@ class Processing:
 
     settings: of the command, by the names of its options. inputs: the SHA-256 of each file that was read,
     by its path. result: that of each array. version: of rumu. made: when, in UTC. made_by: who, None where
-    nobody said.
+    nobody said. lamps: "from", what told them, and "directions", of each photograph by its name.
+    photographs: what each says of itself (EXIF, IPTC), by its name; empty in records of earlier versions.
     """
 
     settings: Mapping[str, Any]
@@ -62,6 +63,8 @@ class Processing:
     version: str
     made: str
     made_by: str | None = None
+    lamps: Mapping[str, Any] = field(default_factory=dict)
+    photographs: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 def write_surface(

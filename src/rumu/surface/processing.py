@@ -40,11 +40,26 @@ class ResultComparison:
 
 
 def record_processing(
-    surface: Surface, *, settings: Mapping[str, Any], inputs: Mapping[str, str], made_by: str | None = None
+    surface: Surface,
+    *,
+    settings: Mapping[str, Any],
+    inputs: Mapping[str, str],
+    made_by: str | None = None,
+    lamps: Mapping[str, Any] | None = None,
+    photographs: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Processing:
-    """The record of a surface that was just made. inputs: see `digest_files`."""
+    """The record of a surface that was just made. inputs: see `digest_files`; the rest: see `Processing`."""
     made = datetime.now(UTC).isoformat(timespec="seconds")
-    return Processing(dict(settings), dict(inputs), digest_surface(surface), version("rumu"), made, made_by)
+    return Processing(
+        dict(settings),
+        dict(inputs),
+        digest_surface(surface),
+        version("rumu"),
+        made,
+        made_by,
+        dict(lamps or {}),
+        dict(photographs or {}),
+    )
 
 
 def digest_files(paths: Iterable[Path]) -> dict[str, str]:
@@ -81,7 +96,8 @@ def read_processing(path: str | Path) -> Processing:
         settings = {str(name): value for name, value in dict(told["settings"]).items()}
         inputs, result = texts
         version_then, made = str(told["version"]), str(told["made"])
-        return Processing(settings, inputs, result, version_then, made, told.get("made_by"))
+        more = [dict(told.get(name) or {}) for name in ("lamps", "photographs")]
+        return Processing(settings, inputs, result, version_then, made, told.get("made_by"), *more)
     except (KeyError, TypeError, ValueError) as error:
         raise SurfaceError(
             'expected a record of its "processing", which reconstruct writes, found none or a part of one',

@@ -1,0 +1,91 @@
+"""Pages of a PDF that are filled from the top: lines, tables, pictures; a new page where one is full."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from typing import Any
+
+from rumu.pages.paper_canvas import GREY, INK, MM, PaperCanvas
+from rumu.pages.sheet_font import SheetFont
+from rumu.pdf_text import wrap_text
+from rumu.report.pictures import Picture, png_bytes
+
+_SIZE = (210.0, 297.0)  # A4
+_MARGIN, _FOOT = 18.0, 14.0  # millimetres
+_LINE = 0.48  # millimetres of a line's height for each point of its letters
+
+WIDTH = _SIZE[0] - 2 * _MARGIN
+"""Millimetres between the margins."""
+
+
+class FilledPages:
+    """A4 pages in millimetres. title: of the file, and at the foot of each page. letters: all that is set."""
+
+    def __init__(self, title: str, letters: str) -> None:
+        from reportlab.pdfgen.canvas import Canvas
+
+        self._stream = io.BytesIO()
+        self.canvas = Canvas(self._stream, pagesize=tuple(side * MM for side in _SIZE), pageCompression=1)
+        self.canvas.setTitle(title)
+        self.canvas.setAuthor("rumu")
+        self.paper = PaperCanvas(self.canvas, _SIZE, SheetFont(letters + title))
+        self._title, self._page = title, 1
+        self.left, self.y = _MARGIN, _MARGIN
+
+    def make_room(self, height: float) -> None:
+        """Begin a new page unless there are so many millimetres left on this one."""
+        if self.y + height > _SIZE[1] - _MARGIN - _FOOT / 2:
+            self._end_page()
+            self.y = _MARGIN
+
+    def write(
+        self, text: str, size: float, colour: Any = INK, *, left: float = 0.0, width: float = WIDTH
+    ) -> None:
+        """Write text, wrapped to a width; it goes on below."""
+        for line in wrap_text(text, size, width=width * MM):
+            self.make_room(_LINE * size)
+            self.y += _LINE * size
+            self.paper.write(self.left + left, self.y - 0.12 * size, line, size, colour)
+
+    def heading(self, text: str) -> None:
+        """A heading of a section, with room for some lines below it."""
+        self.make_room(22.0)
+        self.y += 5.0
+        self.write(text, 11.5)
+        self.paper.line((self.left, self.y + 0.8), (self.left + WIDTH, self.y + 0.8), GREY, 0.15)
+        self.y += 2.2
+
+    def row(self, cells: Sequence[tuple[float, str]], size: float, colour: Any = INK) -> None:
+        """One line of a table. cells: millimetres from the left margin, and what stands there."""
+        self.make_room(_LINE * size)
+        self.y += _LINE * size
+        for left, text in cells:
+            self.paper.write(self.left + left, self.y - 0.12 * size, text, size, colour)
+
+    def picture(self, picture: Picture, *, left: float, top: float, width: float, height: float) -> None:
+        """A picture in the middle of a box, as large as it fits, with a thin frame."""
+        from reportlab.lib.utils import ImageReader
+
+        rows, columns = picture.shape[:2]
+        scale = min(width / columns, height / rows)
+        w, h = columns * scale, rows * scale
+        x, y = self.left + left + (width - w) / 2, top + (height - h) / 2
+        reader = ImageReader(io.BytesIO(png_bytes(picture)))
+        self.canvas.drawImage(reader, x * MM, self.paper.up(y + h), w * MM, h * MM)
+        self.canvas.setStrokeColorRGB(*GREY)
+        self.canvas.setLineWidth(0.1 * MM)
+        self.canvas.rect(x * MM, self.paper.up(y + h), w * MM, h * MM, stroke=1, fill=0)
+
+    def finish(self) -> bytes:
+        """The file."""
+        self._end_page()
+        self.canvas.save()
+        return self._stream.getvalue()
+
+    def _end_page(self) -> None:
+        y = _SIZE[1] - _FOOT
+        self.paper.write(_MARGIN, y, self._title, 7, GREY)
+        self.paper.write(_SIZE[0] - _MARGIN - 6, y, str(self._page), 7, GREY)
+        self.canvas.showPage()
+        self._page += 1

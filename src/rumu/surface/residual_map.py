@@ -1,0 +1,41 @@
+"""Where the photographs of a capture contradict the surface that was made of them, as a map."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rumu.image_stack import SATURATION
+from rumu.surface.near_lamps import shading
+from rumu.surface.stereo import SHADOW_FLOOR
+from rumu.values import Capture, FloatArray, Surface
+
+_LIT = 0.05  # of the brightest that the law makes, below which a lamp counts as grazing
+
+
+def residual_map(capture: Capture, surface: Surface, *, side: int = 480) -> FloatArray:
+    """The share of the brightness that contradicts Lambert's law, the median over lamps that light a place.
+
+    side: most places along the longer side, of which every so many pixels one is looked at. Returns (h, w)
+    float32, 0 or more; NaN where nothing was measured or fewer than two lamps light it.
+    """
+    height, width = surface.height.shape
+    step = max(1, -(-max(height, width) // side))
+    rows, columns = np.arange(step // 2, height, step), np.arange(step // 2, width, step)
+    pixels = (rows[:, None] * width + columns).reshape(-1)
+    values = capture.photographs.at(pixels)
+    values = values if values.ndim == 2 else values.mean(axis=2)
+    albedo = surface.albedo if surface.albedo.ndim == 2 else surface.albedo.mean(axis=2)
+    law = shading(capture, surface.normals.reshape(-1, 3)[pixels], pixels)
+    law = np.maximum(law, 0) * albedo.reshape(-1)[pixels]
+    measured = surface.mask.reshape(-1)[pixels]
+    off = np.full(law.shape, np.nan)
+    for one, seen, shown in zip(off, values, law, strict=True):
+        lit = measured & (shown > _LIT * max(float(shown.max()), 1e-9))
+        lit &= (seen > SHADOW_FLOOR) & (seen < SATURATION)
+        if lit.any():
+            strength = np.median(seen[lit] / shown[lit])
+            one[lit] = np.abs(seen[lit] / (strength * shown[lit]) - 1)
+    enough = np.isfinite(off).sum(axis=0) >= 2
+    found = np.full(len(pixels), np.nan, np.float32)
+    found[enough] = np.nanmedian(off[:, enough], axis=0)
+    return found.reshape(len(rows), len(columns))
