@@ -102,7 +102,7 @@ def farthest(cells: np.ndarray, truth: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize(
-    ("kind", "colour"), [("rice", RED), ("field", GREEN), ("nine", GRAY), ("plain", BLACK)]
+    ("kind", "colour"), [("rice", RED), ("field", GREEN), ("nine", GRAY), ("plain", BLACK), ("double", RED)]
 )
 def test_cells_of_every_kind_of_grid_are_found(kind, colour):
     written = RNG.random((5, 4)) < 0.7

@@ -128,6 +128,34 @@ def test_a_page_that_leans_is_set_straight_by_its_text(columns_page, degrees):
     assert np.abs(np.diff(middles[:, [0, -1], 0], axis=1)).max() < 6  # each column stands upright
 
 
+@pytest.mark.parametrize("colour", [(200, 60, 50), (70, 90, 180), (60, 60, 60), (180, 175, 170)])
+@pytest.mark.parametrize("thick", [1, 3])
+def test_columns_between_ruled_lines_are_columns(columns_page, colour, thick):
+    """朱絲欄, 烏絲欄 and their like are no grid of cells."""
+    drawn = columns_page(POEM, frame=False, side=38, pitch=60)
+    picture, (height, width) = drawn.picture, drawn.gray.shape
+    for c in range(7):
+        x = width - 70 - 60 * c
+        cv2.line(picture, (x, 52), (x, height - 52), colour, thick)
+    cv2.rectangle(picture, (width - 430, 52), (width - 70, height - 52), colour, 3)
+    page = rumu.read_page(picture, text=TEXT)
+    assert page.cells == () and page.direction == "vertical"
+    assert page.text == "\n".join(POEM)
+    assert_in_place(page, drawn)
+
+
+@pytest.mark.parametrize("colour", [(120, 150, 210), (60, 60, 60)])
+def test_rows_on_ruled_lines_are_rows(rows_page, colour):
+    drawn = rows_page(POEM)
+    picture, width = drawn.picture, drawn.gray.shape[1]
+    for r in range(7):
+        cv2.line(picture, (20, 40 + 64 * r), (width - 20, 40 + 64 * r), colour, 2)
+    page = rumu.read_page(picture, text=TEXT)
+    assert page.cells == () and page.direction == "horizontal"
+    assert page.text == "\n".join(POEM)
+    assert_in_place(page, drawn)
+
+
 def test_registers_run_from_top_to_bottom(columns_page):
     drawn = columns_page(POEM[:4], POEM[2:])
     page = rumu.read_page(drawn.picture)

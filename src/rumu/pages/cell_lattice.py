@@ -114,10 +114,10 @@ def grow_lattices(
     return sorted(lattices, key=lambda one: -sum(one.fits.values()))
 
 
-def fit_between(edges: EdgeMaps, cells: FloatArray) -> float:
-    """The usual fit of cells (N, 4) that are moved by a quarter, so that they lie between the lines."""
-    quarters = ((0.25, 0), (-0.25, 0), (0, 0.25), (0, -0.25))
-    moved = [cells + np.array([x, y, 0, 0]) * cells[:, [2, 3, 2, 3]] for x, y in quarters]
+def fit_between(edges: EdgeMaps, cells: FloatArray, *, share: float = 0.25) -> float:
+    """The usual fit of cells (N, 4) moved by this share of their size, so that they lie between the lines."""
+    ways = ((share, 0), (-share, 0), (0, share), (0, -share))
+    moved = [cells + np.array([x, y, 0, 0]) * cells[:, [2, 3, 2, 3]] for x, y in ways]
     return float(np.median([fit_at(edges, one) for one in moved]))
 
 

@@ -40,7 +40,8 @@ class FreePage:
     """The columns of a page in reading order; none where most of the ink stands in no columns.
 
     Rows and columns of everything in `columns` are swapped where `direction` is "horizontal". size: about
-    what a character measures, in pixels. width, height: of the picture.
+    what a character measures, in pixels. width, height: of the picture. lines: (height, width) bool, ruled
+    lines and frames, swapped as the columns are.
     """
 
     columns: tuple[WrittenColumn, ...]
@@ -48,6 +49,7 @@ class FreePage:
     size: float
     width: int
     height: int
+    lines: BoolArray
 
     def looks(self) -> list[tuple[IntArray, IntArray]]:
         """Rows and columns of the ink of each character, as it stands on the picture."""
@@ -77,7 +79,8 @@ def find_free_page(picture: Picture) -> FreePage:
     all_ink = int(page.ink.sum())
     if ink < _WRITTEN * int(parts.ink.sum()) or ink < _OF_ALL_INK * all_ink:
         written = []
-    return FreePage(tuple(written), direction, parts.size, *picture.shape[1::-1])
+    height, width = picture.shape[:2]
+    return FreePage(tuple(written), direction, parts.size, width, height, parts.lines)
 
 
 def _turned(mask: BoolArray) -> BoolArray:

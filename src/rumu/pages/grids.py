@@ -10,7 +10,7 @@ from rumu.errors import ImageError
 from rumu.pages.cell_edges import place_edges
 from rumu.pages.cell_ink import find_cell_ink
 from rumu.pages.cell_lattice import Lattice, best_sizes, fit_between, grow_lattices
-from rumu.pages.cell_scores import EdgeMaps, map_edges
+from rumu.pages.cell_scores import EdgeMaps, edges_at, map_edges
 from rumu.pages.lattice_fill import fill_lattice
 from rumu.pages.lattice_model import LatticeModel
 from rumu.pages.line_evidence import (
@@ -33,8 +33,13 @@ class PageGridSettings:
         drawn at least this well. contrast: least fit of the best cells over that of places between the
         lines; strength: least fit. share: of the cells of a lattice that are drawn. cut: a cell may reach
         beyond the picture by this share of its side.
+    clear: the same over that of places just beside the sides, of a lattice that is large enough, where cells
+        have an inner square; beside_side: how far beside, as a share of a cell.
     guide: by how much cells of two or three pitches are drawn more strongly where lines within them are
         guides.
+    well: from where on a side is drawn well. weakest: over the strongest side of a cell, below which the
+        weakest is not drawn. open: share of cells with a side that is drawn well and one that is not, above
+        which lines are ruled for columns or rows.
     """
 
     sides: tuple[int, ...] = (1600, 640)
@@ -42,6 +47,8 @@ class PageGridSettings:
     cells: int = 12
     drawn: float = 0.5
     contrast: float = 1.9
+    clear: float = 2.1
+    beside_side: float = 0.12
     strength: float = 0.008
     share: float = 0.08
     even: float = 0.03
@@ -52,6 +59,9 @@ class PageGridSettings:
     of_first: float = 0.12
     cut: float = 0.25
     guide: float = 1.07
+    well: float = 0.03
+    weakest: float = 0.15
+    open: float = 0.4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,9 +148,9 @@ def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Place
         if len(lattice.cells) < settings.first or not _stands_out(edges, lattice, settings):
             continue
         filled = fill_lattice(edges, evidence, lattice)
-        if not _is_grid(filled[0], settings=settings) or any(
-            _overlap(filled[0], other) for other, _ in found
-        ):
+        if not (
+            _is_grid(filled[0], settings=settings) and _has_four_sides(edges, filled[0], settings)
+        ) or any(_overlap(filled[0], other) for other, _ in found):
             continue
         if found and len(filled[0].cells) < max(settings.further, settings.of_first * len(found[0][0].cells)):
             continue
@@ -187,15 +197,28 @@ def _guides_within(
 
 def _stands_out(edges: EdgeMaps, lattice: Lattice, settings: PageGridSettings) -> bool:
     """Whether there is much less between the lines than on them, as in noise and stripes there is not."""
-    between = fit_between(edges, np.array(list(lattice.cells.values())))
-    best = np.sort(list(lattice.fits.values()))[-max(4, len(lattice.fits) // 4) :]
-    return float(best.mean()) >= settings.contrast * between
+    cells = np.array(list(lattice.cells.values()))
+    best = float(np.sort(list(lattice.fits.values()))[-max(4, len(lattice.fits) // 4) :].mean())
+    if best >= settings.contrast * fit_between(edges, cells):
+        return True
+    # a quarter into a 回宮格 lies its inner square
+    return len(cells) >= settings.cells and best >= settings.clear * fit_between(
+        edges, cells, share=settings.beside_side
+    )
 
 
 def _is_grid(lattice: Lattice, *, settings: PageGridSettings) -> bool:
     drawn = sum(fit >= settings.drawn for fit in lattice.fits.values())
     enough = len(lattice.cells) >= settings.cells and drawn >= settings.first
     return enough and drawn >= settings.share * len(lattice.fits)
+
+
+def _has_four_sides(edges: EdgeMaps, lattice: Lattice, settings: PageGridSettings) -> bool:
+    """Whether cells have all four sides; lines that are ruled for columns or rows have two."""
+    sides = edges_at(edges, np.array(list(lattice.cells.values())))
+    strongest = sides.max(axis=1)
+    is_open = (strongest > settings.well) & (sides.min(axis=1) < settings.weakest * strongest)
+    return bool(is_open.mean() <= settings.open)
 
 
 def _overlap(lattice: Lattice, other: Lattice) -> bool:

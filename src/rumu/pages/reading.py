@@ -18,6 +18,7 @@ from rumu.capture.decoded_size import Reduction
 from rumu.capture.image import as_image, read_colours, shrink
 from rumu.capture.stored import eight_bits
 from rumu.errors import ImageError, RefusedImage
+from rumu.pages.bend import find_straightening
 from rumu.pages.cell_naming import holds_writing, written_cells, written_looks
 from rumu.pages.character_shapes import CharacterShape
 from rumu.pages.flatten import flatten_photo
@@ -25,7 +26,9 @@ from rumu.pages.free_page import FreePage, find_free_page
 from rumu.pages.grids import PageGrid, find_grid
 from rumu.pages.naming import NamedShape, name_characters
 from rumu.pages.page import Page, PageCharacter
+from rumu.pages.page_curves import curves_of_grid, curves_of_page
 from rumu.pages.page_ink import Picture
+from rumu.pages.page_light import even_light
 from rumu.pages.upright import quarter_turns
 from rumu.values import FloatArray, IntArray
 
@@ -64,7 +67,33 @@ def find_characters(
             replace(one, character=name, certainty=one.certainty * sure) if name else one
             for one, (name, sure) in zip(characters, name_looks(looks), strict=True)
         )
-    return Page(shown, characters, cells, found.direction)
+    page = _straightened(Page(shown, characters, cells, found.direction), found)
+    return replace(page, picture=even_light(page.picture))
+
+
+def _straightened(page: Page, found: PageGrid | FreePage) -> Page:
+    """The page with its columns, lines and rows of cells set straight, where they bend."""
+    scale = np.ones(2)
+    if isinstance(found, PageGrid):
+        curves = curves_of_grid(found)
+    else:
+        curves, scale = (
+            curves_of_page(found),
+            np.array(page.picture.shape[1::-1]) / (found.width, found.height),
+        )
+    straight = find_straightening(curves)
+    if straight is None:
+        return page
+
+    def moved(one: PageCharacter) -> PageCharacter:
+        return replace(one, polygon=straight.points(one.polygon / scale) * scale)
+
+    return replace(
+        page,
+        picture=straight.picture(page.picture, scale=scale),
+        characters=tuple(map(moved, page.characters)),
+        cells=tuple(map(moved, page.cells)),
+    )
 
 
 def _find(shown: Picture) -> PageGrid | FreePage:
