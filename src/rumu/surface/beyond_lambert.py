@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -32,9 +33,8 @@ from rumu.surface.reflectance import (
     trusts,
     usual_error,
 )
-from rumu.surface.robust import TileSolution, brightness_rows, span_of_lamps, subtract_black
+from rumu.surface.robust import TileSolution, brightness_rows, span_of_lamps
 from rumu.surface.stereo import gradients_from_normals
-from rumu.surface.strengths import sample
 from rumu.values import BoolArray, FloatArray
 
 _Fit = Callable[..., MaterialFit]
@@ -56,24 +56,32 @@ def find_materials(
     stack = images if isinstance(images, ImageStack) else ImageStack.of_arrays(images)
     if len(lights) < settings.least_lamps:
         return ()
-    rows = sample(stack, mask=mask, most=settings.pixels)
+    inside = np.flatnonzero(mask)
+    # by chance: equal steps would fall on a few columns only
+    voters = inside[np.unique(np.random.default_rng(0).integers(0, len(inside), settings.pixels))]
+    rows = brightness_rows(stack.at(voters), black_level=black_level)
+    rows = rows[rows.max(axis=1) > settings.seen * settings.step]
     if not len(rows):
         return ()
-    chosen = _vote(subtract_black(rows, black_level), lights, settings)
-    if not chosen or _bends(stack, lights, chosen, mask=mask, black_level=black_level, settings=settings):
-        return ()
+    usual = np.median(rows, axis=1)  # over the lamps, so that no highlight counts
+    is_ink = usual < settings.ink * np.median(usual)  # too few to be heard among paper
+    groups = [rows[which] for which in (~is_ink, is_ink) if np.count_nonzero(which) >= settings.fewest]
+    chosen = tuple(dict.fromkeys(one for group in groups for one in _vote(group, lights, settings)))
+    options: dict[str, Any] = {"mask": mask, "black_level": black_level, "settings": settings}
+    while chosen and _bends(stack, lights, chosen, **options):
+        chosen = chosen[:-1]
     return chosen
 
 
 def _vote(rows: FloatArray, lights: FloatArray, settings: MaterialSettings) -> tuple[Material, ...]:
     """The materials that explain some pixels, rows (P, N), which Lambert's law does not."""
     lamps, fit = Lamps(lights), _fitter()
-    values, _ = lamps.relative(rows)
-    starts = lamps.starts(values, _unit(rows @ np.linalg.pinv(lights).T))
-    lambert = fit(values, lamps, LAMBERT, starts=starts, settings=settings).contradicted
+    seen = lamps.relative(rows, settings)
+    starts = lamps.starts(seen, _unit(rows @ np.linalg.pinv(lights).T))
+    lambert = fit(seen, lamps, LAMBERT, starts=starts, settings=settings).contradicted
     if lambert.mean() <= settings.drop:
         return ()
-    found = [fit(values, lamps, one, starts=starts, settings=settings).contradicted for one in MATERIALS[1:]]
+    found = [fit(seen, lamps, one, starts=starts, settings=settings).contradicted for one in MATERIALS[1:]]
     chosen = choose_materials(np.stack([lambert, *found], axis=1), settings=settings)
     return tuple(MATERIALS[one] for one in chosen)
 
@@ -143,23 +151,22 @@ def solve_materials(
     """A solution by Lambert's law, with other normals where a material is contradicted clearly less.
 
     values: (N, P) or (N, P, 3), linear, of which `done` is the solution; lights: (N, 3), times strength. The
-    albedo becomes that of the material: of a metal what its lobe reflects, of a glossy one what lies under
-    the gloss.
+    albedo of a glossy pixel becomes that of its ground; a metal has none, so what Lambert's law said stays.
     """
     settings = settings or MaterialSettings()
     rows, lamps = brightness_rows(values, black_level=black_level), Lamps(lights)
-    relative, scale = lamps.relative(rows)
-    lambert = rate(relative, lamps, LAMBERT, done.normals.astype(np.float64), settings)
+    seen = lamps.relative(rows, settings)
+    lambert = rate(seen, lamps, LAMBERT, done.normals.astype(np.float64), settings)
     doubtful = np.flatnonzero(
-        (usual_error(relative, lamps, lambert, settings) > settings.exact) & (done.confidence > 0)
+        (usual_error(seen, lamps, lambert, settings) > settings.exact) & (done.confidence > 0)
     )
     if not doubtful.size:
         return done
-    relative, scale, before = relative[doubtful], scale[doubtful], lambert.contradicted[doubtful]
-    starts = lamps.starts(relative, done.normals[doubtful].astype(np.float64))
+    seen, before = seen.chosen(doubtful), lambert.contradicted[doubtful]
+    starts = lamps.starts(seen, done.normals[doubtful].astype(np.float64))
     fit = _fitter()
     tried = (LAMBERT, *materials)
-    fits = [fit(relative, lamps, one, starts=starts, settings=settings) for one in tried]
+    fits = [fit(seen, lamps, one, starts=starts, settings=settings) for one in tried]
     which = np.stack([one.contradicted for one in fits]).argmin(axis=0)
     normals, albedo, confidence = (one.copy() for one in (done.normals, done.albedo, done.confidence))
     for number, (material, found) in enumerate(zip(tried, fits, strict=True)):
@@ -169,11 +176,12 @@ def solve_materials(
         if not pixels.size:
             continue
         won = MaterialFit(found.normals[wins], found.brightness[wins], found.contradicted[wins])
-        weights = trusts(relative[wins], lamps, material, won, settings)
+        weights = trusts(seen.chosen(wins), lamps, material, won, settings)
         normals[pixels] = won.normals
-        albedo[pixels] = _albedo(
-            values[:, pixels] - black_level, scale[wins], lamps, material, won, weights=weights
-        )
+        if material.kind != "metal":
+            albedo[pixels] = _albedo(
+                values[:, pixels] - black_level, seen.scale[wins], lamps, material, won, weights=weights
+            )
         confidence[pixels] = (1.0 - won.contradicted) * span_of_lamps(weights, lights)
     return replace(done, normals=normals, albedo=albedo, confidence=confidence)
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.image_stack import SATURATION
-from rumu.surface.reflectance import Lamps, Material, MaterialFit, MaterialSettings
+from rumu.surface.reflectance import Lamps, Material, MaterialFit, MaterialSettings, PixelValues
 from rumu.surface.robust import TILE_RESIDUALS, RobustSettings, Solver, TileSolution
 from rumu.surface.stereo import SHADOW_FLOOR, SHADOW_SHARE
 from rumu.values import BoolArray, FloatArray
@@ -175,7 +175,7 @@ def l1(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> FloatA
 
 
 def fit_material(
-    values: FloatArray,
+    seen: PixelValues,
     lamps: Lamps,
     material: Material,
     *,
@@ -187,11 +187,11 @@ def fit_material(
 
     kind = {"gloss": kernels.GLOSS, "metal": kernels.METAL, "rough": kernels.ROUGH}[material.kind]
     s = settings
-    limits = (s.noise**2, s.proportional**2, s.width**2, s.dark, s.longest_step)
-    normals = np.empty((3, len(values)), np.float32)
-    brightness, contradicted = (np.empty(len(values), np.float32) for _ in range(2))
+    limits = (s.proportional**2, s.width**2, s.dark, s.longest_step)
+    normals = np.empty((3, len(seen)), np.float32)
+    brightness, contradicted = (np.empty(len(seen), np.float32) for _ in range(2))
     kernels.fit(
-        np.ascontiguousarray(values.T, dtype=np.float32),
+        np.ascontiguousarray(seen.shares.T, dtype=np.float32), seen.noise2[:, 0].astype(np.float32),
         np.ascontiguousarray(np.hstack([lamps.directions, lamps.halfway]), dtype=np.float32),
         np.ascontiguousarray(starts.transpose(1, 2, 0), dtype=np.float32),
         kind, np.float32(material.roughness), np.float32(material.share), np.array(limits, np.float32),

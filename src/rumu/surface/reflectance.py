@@ -22,7 +22,7 @@ from typing import Literal
 import numpy as np
 
 from rumu.image_stack import SATURATION
-from rumu.values import BoolArray, FloatArray
+from rumu.values import BoolArray, FloatArray, IntArray
 
 Kind = Literal["gloss", "metal", "rough"]
 
@@ -59,15 +59,18 @@ between two is off by less than `MaterialSettings.proportional` in most of its v
 class MaterialSettings:
     """How a normal is searched for, and when a material is believed; brightness in shares of the pixel's.
 
-    noise: of a value. proportional: by how much a formula may be off, as a share of the value. width: a value
-        counts as contradicting at this many times both. dark: below it a value says nothing of the brightness
-        at the start.
+    noise: of a value, at least. step: of brightness, one of 8 bits, which is more for a dark pixel.
+        proportional: by how much a formula may be off, as a share of the value. width: a value counts as
+        contradicting at this many times both. dark: below it a value says nothing of the brightness at the
+        start.
     rounds: steps of a pixel's search. longest_step: largest turn of the normal in one of them, in radians.
-    pixels: that vote. most: materials beside Lambert's law. gain, drop: shares, of the contradictions and of
-        all values, that a material must take away over all voters.
-    exact: median error up to which Lambert's law stands without a look at materials: half of the lamps then
-        agree to this, which a law that is not the pixel's does not do, and the others are forgotten as gloss
-        or shadow.
+    pixels: that vote, all over the mask; seen: how bright they must get, in steps. ink: share of the usual
+        brightness below which pixels vote by themselves; fewest: that may. most: materials beside
+        Lambert's law. gain: share of the contradictions that each must take away over all voters; drop: share
+        of all values by which the first must, since little contradicts where the law holds.
+    exact: median error, over the noise, up to which Lambert's law stands without a look at materials: half of
+        the lamps then agree to this, which a law that is not the pixel's does not do, and the others are
+        forgotten as gloss or shadow.
     contradicted: share of a pixel's lamps beyond which no material is believed there, as between mirrors.
     least_lamps: below which no material is looked for.
     patches, patch_side: how many squares of how many pixels are solved on trial. rougher: times the curl of
@@ -76,16 +79,20 @@ class MaterialSettings:
     """
 
     noise: float = 0.01
+    step: float = 0.004
     proportional: float = 0.1
     width: float = 2.0
     dark: float = 0.03
     rounds: int = 12
     longest_step: float = 0.25
     pixels: int = 400
+    seen: float = 5.0
+    ink: float = 0.4
+    fewest: int = 20
     most: int = 3
     gain: float = 0.1
     drop: float = 0.01
-    exact: float = 0.01
+    exact: float = 1.0
     contradicted: float = 0.4
     least_lamps: int = 8
     patches: int = 24
@@ -106,6 +113,26 @@ class MaterialFit:
     contradicted: FloatArray
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PixelValues:
+    """Brightness of P pixels under N lamps, as if of strength 1, each in shares of its own.
+
+    shares: (P, N), -1 where overexposed. scale: (P,) what a share is. noise2: (P, 1) variance of a share:
+    dark pixels are noisier.
+    """
+
+    shares: FloatArray
+    scale: FloatArray
+    noise2: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.scale)
+
+    def chosen(self, which: IntArray | BoolArray) -> PixelValues:
+        """Some of the pixels."""
+        return PixelValues(self.shares[which], self.scale[which], self.noise2[which])
+
+
 class Lamps:
     """Lamps as materials see them.
 
@@ -118,22 +145,20 @@ class Lamps:
         halfway = self.directions + np.array([0.0, 0.0, 1.0])
         self.halfway = halfway / np.maximum(np.linalg.norm(halfway, axis=1, keepdims=True), 1e-9)
 
-    def relative(self, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(P, N) brightness in shares of each pixel's, and what a share is, (P,).
-
-        rows: (P, N) as photographed. Lamps count as of strength 1; what is overexposed becomes -1.
-        """
+    def relative(self, rows: FloatArray, settings: MaterialSettings) -> PixelValues:
+        """Brightness in shares of each pixel's, which is its nine-tenths quantile. rows: (P, N)."""
         even = rows / self.strengths
         rank = int(np.ceil(0.9 * (rows.shape[1] - 1)))
         scale = np.partition(even, rank, axis=1)[:, rank] + 1e-12
-        return np.where(rows < SATURATION, even / scale[:, None], -1.0), scale
+        shares = np.where(rows < SATURATION, even / scale[:, None], -1.0)
+        return PixelValues(shares, scale, settings.noise**2 + (settings.step / scale[:, None]) ** 2)
 
-    def starts(self, values: FloatArray, *normals: FloatArray) -> FloatArray:
+    def starts(self, seen: PixelValues, *normals: FloatArray) -> FloatArray:
         """(P, S, 3) where a search may start: amid halfway directions of bright lamps, at and about normals.
 
         normals: (P, 3) each; six directions 15 degrees about the last are added.
         """
-        mirrored = np.maximum(values, 0.0) ** 2 @ self.halfway
+        mirrored = np.maximum(seen.shares, 0.0) ** 2 @ self.halfway
         u, v = _beside(_turned(normals[-1], np.zeros((1, 3))))
         turns = [(np.cos(k * np.pi / 3), np.sin(k * np.pi / 3)) for k in range(6)]
         around = [normals[-1] + np.tan(np.radians(15.0)) * (x * u + y * v) for x, y in turns]
@@ -159,7 +184,7 @@ def reflected(normals: FloatArray, lamps: Lamps, material: Material) -> FloatArr
 
 
 def fit_material(
-    values: FloatArray,
+    seen: PixelValues,
     lamps: Lamps,
     material: Material,
     *,
@@ -168,15 +193,15 @@ def fit_material(
 ) -> MaterialFit:
     """The normal of each pixel under which a material explains most of its values.
 
-    values: (P, N), see `Lamps.relative`. starts: (P, S, 3); the best of them is improved on by damped
+    starts: (P, S, 3); the best of them is improved on by damped
     Gauss-Newton steps over normal and brightness, with weights that forget what contradicts (Geman-McClure).
     """
-    best = rate(values, lamps, material, starts[:, 0], settings)
+    best = rate(seen, lamps, material, starts[:, 0], settings)
     for k in range(1, starts.shape[1]):
-        best = _better(best, rate(values, lamps, material, starts[:, k], settings))
-    damping = np.full(len(values), 1e-3)
+        best = _better(best, rate(seen, lamps, material, starts[:, k], settings))
+    damping = np.full(len(seen), 1e-3)
     for _ in range(settings.rounds):
-        trial = _stepped(values, lamps, material, best, damping=damping, settings=settings)
+        trial = _stepped(seen, lamps, material, best, damping=damping, settings=settings)
         damping = np.where(trial.contradicted < best.contradicted, 0.3 * damping, 10.0 * damping)
         best = _better(best, trial)
     return best
@@ -192,7 +217,8 @@ def choose_materials(contradicted: FloatArray, *, settings: MaterialSettings) ->
     while len(chosen) < settings.most:
         total = np.minimum(best[:, None], contradicted).mean(axis=0)
         one, before = int(total.argmin()), float(best.mean())
-        if total[one] > (1.0 - settings.gain) * before or total[one] > before - settings.drop:
+        least = settings.gain * before if chosen else max(settings.gain * before, settings.drop)
+        if before - total[one] < least:
             break
         chosen.append(one)
         best = np.minimum(best, contradicted[:, one])
@@ -200,39 +226,40 @@ def choose_materials(contradicted: FloatArray, *, settings: MaterialSettings) ->
 
 
 def trusts(
-    values: FloatArray, lamps: Lamps, material: Material, fit: MaterialFit, settings: MaterialSettings
+    seen: PixelValues, lamps: Lamps, material: Material, fit: MaterialFit, settings: MaterialSettings
 ) -> FloatArray:
     """(P, N) in [0, 1]: the trust in each value, near 0 for what contradicts the material."""
     shown = fit.brightness[:, None] * reflected(fit.normals, lamps, material)
-    return _agreement(values, shown, settings)[0] ** 2
+    return _agreement(seen, shown, settings)[0] ** 2
 
 
-def usual_error(values: FloatArray, lamps: Lamps, fit: MaterialFit, settings: MaterialSettings) -> FloatArray:
-    """(P,): the median of |value - Lambert's law|, over the lamps that tell anything."""
+def usual_error(seen: PixelValues, lamps: Lamps, fit: MaterialFit, settings: MaterialSettings) -> FloatArray:
+    """(P,): the median of |value - Lambert's law| over the noise, of the lamps that tell anything."""
     shown = fit.brightness[:, None] * reflected(fit.normals, lamps, LAMBERT)
-    telling = _telling(values, shown, settings)
-    off = np.sort(np.where(telling, np.abs(values - shown), np.inf), axis=1)
+    telling = _telling(seen, shown, settings)
+    off = np.sort(np.where(telling, np.abs(seen.shares - shown), np.inf), axis=1)
     middle = np.maximum(np.count_nonzero(telling, axis=1) - 1, 0) // 2
-    return np.where(telling.any(axis=1), np.take_along_axis(off, middle[:, None], axis=1)[:, 0], 0.0)
+    usual = np.where(telling.any(axis=1), np.take_along_axis(off, middle[:, None], axis=1)[:, 0], 0.0)
+    return np.asarray(usual / np.sqrt(seen.noise2[:, 0]))
 
 
-def _telling(values: FloatArray, shown: FloatArray, settings: MaterialSettings) -> BoolArray:
+def _telling(seen: PixelValues, shown: FloatArray, settings: MaterialSettings) -> BoolArray:
     """(P, N): which lamps say anything: one that shows nothing, as it should, agrees with any narrow lobe."""
-    return np.asarray((values > settings.dark) | ((shown > settings.dark) & (values >= 0.0)))
+    return np.asarray((seen.shares > settings.dark) | ((shown > settings.dark) & (seen.shares >= 0.0)))
 
 
 def _agreement(
-    values: FloatArray, shown: FloatArray, settings: MaterialSettings
+    seen: PixelValues, shown: FloatArray, settings: MaterialSettings
 ) -> tuple[FloatArray, FloatArray]:
     """(P, N) how far each value agrees, in [0, 1], 0 where overexposed; and the variance it may have."""
-    variance = settings.noise**2 + (settings.proportional * shown) ** 2
+    variance = seen.noise2 + (settings.proportional * shown) ** 2
     limit = settings.width**2 * variance
-    agrees = limit / (limit + (values - shown) ** 2)
-    return np.where(values >= 0.0, agrees, 0.0), variance
+    agrees = limit / (limit + (seen.shares - shown) ** 2)
+    return np.where(seen.shares >= 0.0, agrees, 0.0), variance
 
 
 def rate(
-    values: FloatArray,
+    seen: PixelValues,
     lamps: Lamps,
     material: Material,
     normals: FloatArray,
@@ -243,25 +270,25 @@ def rate(
     """The brightness of each pixel under given normals, from a guess if there is one; what contradicts."""
     shape = reflected(normals, lamps, material)
     if brightness is None:
-        certain = settings.noise**2 + (settings.proportional * values) ** 2
-        weights = np.where(values > settings.dark, 1.0 / certain, 0.0)
-        brightness = _scaled(weights, shape, values)
-    agrees, variance = _agreement(values, brightness[:, None] * shape, settings)
-    brightness = _scaled(agrees**2 / variance, shape, values)
+        certain = seen.noise2 + (settings.proportional * seen.shares) ** 2
+        weights = np.where(seen.shares > settings.dark, 1.0 / certain, 0.0)
+        brightness = _scaled(weights, shape, seen.shares)
+    agrees, variance = _agreement(seen, brightness[:, None] * shape, settings)
+    brightness = _scaled(agrees**2 / variance, shape, seen.shares)
     shown = brightness[:, None] * shape
-    agrees, _ = _agreement(values, shown, settings)
-    telling = _telling(values, shown, settings)
+    agrees, _ = _agreement(seen, shown, settings)
+    telling = _telling(seen, shown, settings)
     count = np.maximum(np.count_nonzero(telling, axis=1), 1)
     return MaterialFit(normals, brightness, 1.0 - (telling * agrees).sum(axis=1) / count)
 
 
-def _scaled(weights: FloatArray, shape: FloatArray, values: FloatArray) -> FloatArray:
+def _scaled(weights: FloatArray, shape: FloatArray, shares: FloatArray) -> FloatArray:
     """(P,) the weighted least-squares brightness."""
-    return np.asarray((weights * shape * values).sum(axis=1) / ((weights * shape**2).sum(axis=1) + 1e-20))
+    return np.asarray((weights * shape * shares).sum(axis=1) / ((weights * shape**2).sum(axis=1) + 1e-20))
 
 
 def _stepped(
-    values: FloatArray,
+    seen: PixelValues,
     lamps: Lamps,
     material: Material,
     now: MaterialFit,
@@ -274,7 +301,7 @@ def _stepped(
     u, v = _beside(now.normals)
     shape = reflected(now.normals, lamps, material)
     shown = now.brightness[:, None] * shape
-    agrees, variance = _agreement(values, shown, settings)
+    agrees, variance = _agreement(seen, shown, settings)
     weights = agrees**2 / variance
     columns: list[FloatArray] = [
         now.brightness[:, None]
@@ -283,7 +310,7 @@ def _stepped(
         for one in (u, v)
     ]
     columns.append(shape)
-    off = np.where(values >= 0.0, values - shown, 0.0)
+    off = np.where(seen.shares >= 0.0, seen.shares - shown, 0.0)
     A = np.moveaxis(np.array([[(weights * a * b).sum(axis=1) for a in columns] for b in columns]), 2, 0)
     b = np.stack([(weights * a * off).sum(axis=1) for a in columns], axis=1)
     diagonal = np.einsum("pii->pi", A)
@@ -293,7 +320,7 @@ def _stepped(
     shorter = np.minimum(1.0, settings.longest_step / np.maximum(size, 1e-12))[:, None]
     normals = _turned(now.normals, shorter * (step[:, :1] * u + step[:, 1:2] * v))
     brightness = np.maximum(now.brightness + shorter[:, 0] * step[:, 2], 0.0)
-    return rate(values, lamps, material, normals, settings, brightness=brightness)
+    return rate(seen, lamps, material, normals, settings, brightness=brightness)
 
 
 def _beside(normals: FloatArray) -> tuple[FloatArray, FloatArray]:

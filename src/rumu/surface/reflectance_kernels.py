@@ -59,15 +59,17 @@ def _reflect(kind: int, roughness: Any, share: Any, normals: Any, lamps: Any, sh
 
 
 @_kernel
-def _rescale(values: Any, shape: Any, limits: Any, brightness: Any, above: Any, below: Any) -> None:
+def _rescale(
+    values: Any, noise2: Any, shape: Any, limits: Any, brightness: Any, above: Any, below: Any
+) -> None:
     """One reweighting of the brightness of every lane. above, below: (LANES,), written over."""
-    noise2, proportional2, width2 = limits[0], limits[1], limits[2]
+    proportional2, width2 = limits[0], limits[1]
     for j in range(LANES):
         above[j], below[j] = _ZERO, np.float32(1e-20)
     for i in range(values.shape[0]):
         for j in range(LANES):
             shown = brightness[j] * shape[i, j]
-            variance = noise2 + proportional2 * shown * shown
+            variance = noise2[j] + proportional2 * shown * shown
             off = values[i, j] - shown
             agrees = width2 * variance / (width2 * variance + off * off)
             weight = agrees * agrees / variance if values[i, j] >= _ZERO else _ZERO
@@ -78,14 +80,16 @@ def _rescale(values: Any, shape: Any, limits: Any, brightness: Any, above: Any, 
 
 
 @_kernel
-def _first_brightness(values: Any, shape: Any, limits: Any, brightness: Any, above: Any, below: Any) -> None:
+def _first_brightness(
+    values: Any, noise2: Any, shape: Any, limits: Any, brightness: Any, above: Any, below: Any
+) -> None:
     """The brightness of every lane from what is not dark, by least squares."""
     for j in range(LANES):
         above[j], below[j] = _ZERO, np.float32(1e-20)
     for i in range(values.shape[0]):
         for j in range(LANES):
             value = values[i, j]
-            weight = _ONE / (limits[0] + limits[1] * value * value) if value > limits[3] else _ZERO
+            weight = _ONE / (noise2[j] + limits[0] * value * value) if value > limits[2] else _ZERO
             above[j] += weight * shape[i, j] * value
             below[j] += weight * shape[i, j] * shape[i, j]
     for j in range(LANES):
@@ -93,16 +97,16 @@ def _first_brightness(values: Any, shape: Any, limits: Any, brightness: Any, abo
 
 
 @_kernel
-def _contradict(values: Any, shape: Any, limits: Any, brightness: Any, found: Any) -> None:
+def _contradict(values: Any, noise2: Any, shape: Any, limits: Any, brightness: Any, found: Any) -> None:
     """Write the share of the lamps that tell anything that contradict, in every lane."""
-    noise2, proportional2, width2, dark = limits[0], limits[1], limits[2], limits[3]
+    proportional2, width2, dark = limits[0], limits[1], limits[2]
     count = np.zeros(LANES, np.float32)
     for j in range(LANES):
         found[j] = _ZERO
     for i in range(values.shape[0]):
         for j in range(LANES):
             shown = brightness[j] * shape[i, j]
-            limit = width2 * (noise2 + proportional2 * shown * shown)
+            limit = width2 * (noise2[j] + proportional2 * shown * shown)
             off = values[i, j] - shown
             telling = values[i, j] > dark or (shown > dark and values[i, j] >= _ZERO)
             found[j] += limit / (limit + off * off) if telling else _ZERO
@@ -128,21 +132,21 @@ def _turn(normals: Any, along_u: Any, along_v: Any, turned: Any) -> None:
 
 @_kernel
 def _step(
-    values: Any, shape: Any, by_u: Any, by_v: Any, brightness: Any, damping: Any, limits: Any,
+    values: Any, noise2: Any, shape: Any, by_u: Any, by_v: Any, brightness: Any, damping: Any, limits: Any,
     step_u: Any, step_v: Any, moved: Any, sums: Any,
 ) -> None:  # fmt: skip
     """Write a damped Gauss-Newton step of every lane: two turns, and the brightness after it.
 
     by_u, by_v: shapes under normals turned by `_APART`. sums: (9 * LANES,), written over.
     """
-    noise2, proportional2, width2 = limits[0], limits[1], limits[2]
+    proportional2, width2 = limits[0], limits[1]
     for a in range(9 * LANES):
         sums[a] = _ZERO
     for i in range(values.shape[0]):
         for j in range(LANES):
             g = shape[i, j]
             shown = brightness[j] * g
-            variance = noise2 + proportional2 * shown * shown
+            variance = noise2[j] + proportional2 * shown * shown
             off = values[i, j] - shown
             agrees = width2 * variance / (width2 * variance + off * off)
             weight = agrees * agrees / variance if values[i, j] >= _ZERO else _ZERO
@@ -175,7 +179,7 @@ def _step(
         )
         u, v = (cxx * p + cxy * q + cxz * r) * share, (cxy * p + cyy * q + cyz * r) * share
         lighter = (cxz * p + cyz * q + czz * r) * share
-        shorter = min(1.0, np.float64(limits[4]) / max(np.sqrt(u * u + v * v), 1e-12))
+        shorter = min(1.0, np.float64(limits[3]) / max(np.sqrt(u * u + v * v), 1e-12))
         step_u[j], step_v[j] = np.float32(shorter * u), np.float32(shorter * v)
         moved[j] = np.float32(max(np.float64(brightness[j]) + shorter * lighter, 0.0))
 
@@ -195,12 +199,14 @@ def _keep(found: Any, moved: Any, turned: Any, damping: Any, best: Any, bright: 
 
 @_kernel
 def fit(
-    values: Any, lamps: Any, starts: Any, kind: int, roughness: Any, share: Any, limits: Any, rounds: int,
+    values: Any, noise: Any, lamps: Any, starts: Any, kind: int, roughness: Any, share: Any, limits: Any,
+        rounds: int,
     normals: Any, brightness: Any, contradicted: Any,
 ) -> None:  # fmt: skip
     """Write the normal of each pixel under which a material explains most; see `reflectance.fit_material`.
 
-    values: (N, P), -1 where overexposed. starts: (S, 3, P). normals: (3, P); brightness, contradicted: (P,).
+    values: (N, P), -1 where overexposed. noise: (P,) squared. starts: (S, 3, P). normals: (3, P); brightness,
+        contradicted: (P,).
     """
     n, pixels = values.shape
     lanes, shape = np.empty((n, LANES), np.float32), np.empty((n, LANES), np.float32)
@@ -210,6 +216,7 @@ def fit(
     best, found = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
     above, below = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
     apart, nothing = np.full(LANES, _APART, np.float32), np.zeros(LANES, np.float32)
+    noise2 = np.empty(LANES, np.float32)
     damping, sums = np.empty(LANES, np.float32), np.empty(9 * LANES, np.float32)
     for first in range(0, pixels, LANES):
         count = min(LANES, pixels - first)
@@ -218,14 +225,15 @@ def fit(
                 lanes[i, j] = values[i, first + min(j, count - 1)]
         for j in range(LANES):
             best[j], damping[j] = _TWO, np.float32(1e-3)
+            noise2[j] = noise[first + min(j, count - 1)]
         for k in range(starts.shape[0]):
             for axis in range(3):
                 for j in range(LANES):
                     turned[axis * LANES + j] = starts[k, axis, first + min(j, count - 1)]
             _reflect(kind, roughness, share, turned, lamps, shape)
-            _first_brightness(lanes, shape, limits, moved, above, below)
-            _rescale(lanes, shape, limits, moved, above, below)
-            _contradict(lanes, shape, limits, moved, found)
+            _first_brightness(lanes, noise2, shape, limits, moved, above, below)
+            _rescale(lanes, noise2, shape, limits, moved, above, below)
+            _contradict(lanes, noise2, shape, limits, moved, found)
             _keep(found, moved, turned, damping, best, bright, now)
         for j in range(LANES):
             damping[j] = np.float32(1e-3)
@@ -235,11 +243,11 @@ def fit(
             _reflect(kind, roughness, share, turned, lamps, by_u)
             _turn(now, nothing, apart, turned)
             _reflect(kind, roughness, share, turned, lamps, by_v)
-            _step(lanes, shape, by_u, by_v, bright, damping, limits, above, below, moved, sums)
+            _step(lanes, noise2, shape, by_u, by_v, bright, damping, limits, above, below, moved, sums)
             _turn(now, above, below, turned)
             _reflect(kind, roughness, share, turned, lamps, shape)
-            _rescale(lanes, shape, limits, moved, above, below)
-            _contradict(lanes, shape, limits, moved, found)
+            _rescale(lanes, noise2, shape, limits, moved, above, below)
+            _contradict(lanes, noise2, shape, limits, moved, found)
             _keep(found, moved, turned, damping, best, bright, now)
         for j in range(count):
             p = first + j
