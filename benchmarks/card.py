@@ -4,7 +4,7 @@ A simulated phone photographs the printed card with a sheet of known relief in i
 in several places; JPEGs go through `read_card_capture` and `reconstruct`. Printed are the largest error of
 the lamps' directions and how unsure the reader said they are, the mean error of the normals, and that of the
 scale, by how far apart the left and the right part of the sheet lie. The simulation shares no code with what
-reads the photographs. Options: --megapixels (default 5), --seed.
+reads the photographs. Options: --megapixels (default 5), --seed, --only.
 """
 
 from __future__ import annotations
@@ -38,7 +38,11 @@ from rumu_lab.simulation.phone import (
 
 @dataclass(frozen=True)
 class Case:
-    """One way to photograph. distance: of the lamp, mm. curve: exponent that the phone adds to light."""
+    """One way to photograph.
+
+    distance: of the lamp, mm. curve: exponent that the phone adds to light. lobe: of the lamp, which shines
+    with this power of the cosine from its axis.
+    """
 
     name: str
     lamps: int = 6
@@ -47,6 +51,7 @@ class Case:
     room: float = 0.0
     curve: float = 1.0
     exif: bool = True
+    lobe: float = 0.0
 
 
 CASES = (
@@ -56,9 +61,13 @@ CASES = (
     Case("ball, 6 lamps, room gives 5 %", room=0.05),
     Case("ball, 6 lamps, phone adds contrast", curve=1.12),
     Case("ball, 6 lamps, no EXIF", exif=False),
+    Case("ball, 6 lamps, LED (cosine)", lobe=1.0),
+    Case("ball, 6 lamps, beam (cosine cubed)", lobe=3.0),
     Case("no ball, 6 lamps at 0.42 m", ball=False),
     Case("no ball, 6 lamps at 0.33 m", ball=False, distance=330.0),
     Case("no ball, 3 lamps at 0.33 m", ball=False, lamps=3, distance=330.0),
+    Case("no ball, 6 lamps, LED (cosine)", ball=False, lobe=1.0),
+    Case("no ball, 6 lamps, beam (cosine cubed)", ball=False, lobe=3.0),
     Case("no ball, 6 lamps at 1 m", ball=False, distance=1000.0),
 )
 
@@ -88,7 +97,7 @@ def photograph(
             roll=rng.normal(0, 2),
             white=0.5 * rng.uniform(0.8, 1.1),
         )
-        data = take_card_photograph(scene, held, HandLamp(tuple(lamps[-1])), seed=k)
+        data = take_card_photograph(scene, held, HandLamp(tuple(lamps[-1]), lobe=case.lobe), seed=k)
         (folder / f"{k}.jpg").write_bytes(data)
     return np.array(lamps) - _middle()
 
@@ -136,6 +145,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--megapixels", type=float, default=5.0)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="", help="cases whose name holds this")
     asked = parser.parse_args()
     width = round(np.sqrt(asked.megapixels * 1e6 * 0.75))
     size = (width, round(width / 0.75))
@@ -145,7 +155,7 @@ def main() -> None:
     print(
         f"{size[0]} x {size[1]} pixels    lamps: worst  said to be  normals: mean   scale    reading, s CPU"
     )
-    for case in CASES:
+    for case in (one for one in CASES if asked.only in one.name):
         with tempfile.TemporaryDirectory() as folder:
             true = photograph(case, Path(folder), printed, sheet, size=size, seed=asked.seed)
             start = time.process_time()

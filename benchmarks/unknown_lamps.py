@@ -3,13 +3,18 @@
 A simulated sheet with known relief, ink, fibres and noise under lamps that nobody tells. Printed are the
 largest error of the directions, the mean error of the normals, the standard error of the steepness as it was
 said, and what told ridges from hollows; where only the rule did, the better of both readings is printed, and
-marked when the rule was wrong.
+marked when the rule was wrong. Then the captures in RUMU_DATA (default: ../shared/data beside the checkout):
+round objects, no sheets, which are to be refused.
 """
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import numpy as np
 
+from rumu.capture.folder import read_capture
 from rumu.errors import CaptureError
 from rumu.image_stack import ImageStack
 from rumu.pipeline import reconstruct
@@ -17,6 +22,7 @@ from rumu.surface.unknown_lamps import find_lamps
 from rumu_lab.simulation.lamps import DistantLamp, NearLamp, Sensor, render
 from rumu_lab.simulation.phone import wavy_sheet
 
+DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shared" / "data")).resolve()
 CASES = (
     # name; lamps, standard deviation of the relief in mm, noise, distance of the lamps in mm (0: far away)
     ("8 lamps far away", 8, 0.35, 0.004, 0.0),
@@ -66,6 +72,23 @@ def main() -> None:
             f"{name:30s} {slopes:5.1f}°  {worst:6.1f}°       {off:6.2f}°        {said}      {told}",
             flush=True,
         )
+    real_captures()
+
+
+def real_captures() -> None:
+    """Print what becomes of each capture of the test data."""
+    print("\ncaptures of objects")
+    for folder in sorted(one for one in (DATA / "photometric").rglob("*") if one.is_dir()):
+        try:
+            capture = read_capture(folder)
+        except CaptureError:
+            continue  # no capture
+        try:
+            found = find_lamps(capture.photographs, mask=capture.mask)
+            off = angles(capture.lights, found.capture.lights).mean()
+            print(f"  {folder.name:24s} found, {off:.1f}° off on average")
+        except CaptureError as error:
+            print(f"  {folder.name:24s} refused: {str(error)[:80]}...")
 
 
 if __name__ == "__main__":

@@ -249,8 +249,10 @@ def _lamp_file(folder: Path, description: Description) -> Path:
         return folder / DESCRIPTION
     raise capture_error(
         folder,
-        en=f"expected an .lp file, light_directions.txt, or {DESCRIPTION} with a slant, found none",
-        zh=f"這裡應有 .lp 檔、light_directions.txt，或寫有 slant 的 {DESCRIPTION}，卻都沒有",
+        en=f"expected an .lp file, light_directions.txt, or {DESCRIPTION} with a slant, found none; without "
+        "them, reconstruct takes --card, --sphere auto, or --lamps-unknown",
+        zh=f"這裡應有 .lp 檔、light_directions.txt，或寫有 slant 的 {DESCRIPTION}，卻都沒有；"
+        "沒有這些檔案時，reconstruct 可用 --card、--sphere auto 或 --lamps-unknown",
     )
 
 
