@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -109,6 +110,44 @@ def test_a_capture_is_kept_with_photographs_and_surface(gallery, mound):
     assert viewer_facts(gallery, added.id)["three_lamps"] is None
     with pytest.raises(GalleryError, match="three lamps"):
         derived_file(gallery, added.id, "lamp-a")
+
+
+def test_lamps_near_the_sheet_keep_their_places(gallery, tmp_path):
+    from rumu.capture.folder import read_capture
+    from rumu.gallery.assets import assets_of
+    from rumu.pipeline import reconstruct
+
+    folder, side, mm = tmp_path / "near", 40, 0.5
+    folder.mkdir()
+    y, x = np.mgrid[1 : -1 : side * 1j, -1 : 1 : side * 1j] * (side - 1) / 2 * mm
+    places = [
+        (25.0, 0, 30),
+        (0, 25.0, 30),
+        (-25.0, 0, 30),
+        (0, -25.0, 30),
+        (18.0, 18.0, 40),
+        (-18.0, 18.0, 40),
+    ]
+    adjust = [1.0, 0.8, 1.25, 1.0, 0.9, 1.1]
+    for number, (place, by) in enumerate(zip(places, adjust, strict=True)):
+        away = np.dstack([place[0] - x, place[1] - y, np.full_like(x, place[2])])
+        shade = 500.0 / by * away[..., 2] / np.linalg.norm(away, axis=2) ** 3 + 0.1 * (np.hypot(x, y) < 4)
+        Image.fromarray(np.round(np.clip(shade, 0, 1) * 65535).astype(np.uint16)).save(
+            folder / f"光{number}.png"
+        )
+    told = [dict(zip("xyz", place, strict=True)) for place in places]
+    dome = {"lightConfiguration": "lights3d", "imageWidth": side * mm, "positions3d": told}
+    dome["ledAdjust"] = [dict.fromkeys("rgb", by) for by in adjust]
+    (folder / "lamps.dome").write_text(json.dumps(dome))
+    before, wanted = read_capture(folder), reconstruct(folder)
+    added = add_capture(gallery, folder, metadata=CAT)
+    after = assets_of(gallery.store, work(gallery, added.id)).capture()
+    np.testing.assert_allclose(after.positions, before.positions, rtol=1e-9)
+    np.testing.assert_allclose(after.strengths, before.strengths, rtol=1e-9)
+    assert after.spacing == before.spacing == mm
+    np.testing.assert_allclose(after.images, before.images, atol=1e-6)
+    np.testing.assert_allclose(reconstruct(after).height, wanted.height, atol=1e-4)
+    np.testing.assert_allclose(surface(gallery, added.id).height, wanted.height, atol=1e-4)
 
 
 def test_three_lamps_of_the_papers_kind_keep_their_photographs_for_mixing(bare, mound):

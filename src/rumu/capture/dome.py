@@ -9,6 +9,7 @@ RelightLab writes it; the origin is the middle of the photograph, x right, y up,
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -70,6 +71,22 @@ def read_dome(path: Path) -> Dome:
         )
     shares = None if positions is None or width is None else positions / width
     return Dome(vectors / length[:, None], shares, _strengths(path, content, len(vectors)), width)
+
+
+def dome_text(positions: FloatArray, strengths: FloatArray | None, *, spacing: float, columns: int) -> str:
+    """The text of a .dome that tells near lamps, as `read_dome` reads it.
+
+    positions: (N, 3) in pixels from the middle of the photograph, which is `columns` wide. strengths: (N,) of
+    the lamps, where they are known. spacing: millimetres of a pixel.
+    """
+    content: dict[str, Any] = {
+        "lightConfiguration": "lights3d",
+        "imageWidth": columns * spacing,
+        "positions3d": [dict(zip("xyz", map(float, one), strict=True)) for one in positions * spacing],
+    }
+    if strengths is not None:
+        content["ledAdjust"] = [dict.fromkeys("rgb", float(1.0 / one)) for one in strengths]
+    return json.dumps(content, indent=1)
 
 
 def _strengths(path: Path, content: dict[str, Any], count: int) -> FloatArray | None:

@@ -286,13 +286,15 @@ def _glyph_metadata(metadata: WorkMetadata, face: Face, character: str) -> WorkM
 def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
     """Copy the photographs under plain names, with all that is needed to read them again; the digest of all.
 
-    A capture may name files anywhere and in any script. The copy in the store has photographs, lights.lp,
-    mask.png, ambient and capture.json in one folder; names.json holds the original names.
+    A capture may name files anywhere and in any script. The copy in the store has photographs, lights.lp (of
+    lamps near the sheet lights.dome, which tells their places), mask.png, ambient and capture.json in one
+    folder; names.json holds the original names.
     """
     import numpy as np
     from PIL import Image
 
     from rumu.capture.description import description_of
+    from rumu.capture.dome import dome_text
 
     target.mkdir(parents=True)
     names, lines = {}, [str(len(capture.names))]
@@ -304,7 +306,12 @@ def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
         shutil.copyfile(folder / name, target / plain)
         names[plain] = Path(name).name
         lines.append(f"{plain} " + " ".join(f"{value:.9g}" for value in values))
-    (target / "lights.lp").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if capture.positions is None:
+        (target / "lights.lp").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    else:  # the photographs are numbered in the order of the lamps, which is how a .dome names them
+        spacing, columns = capture.spacing or 1.0, capture.mask.shape[1]
+        text = dome_text(capture.positions, capture.strengths, spacing=spacing, columns=columns)
+        (target / "lights.dome").write_text(text, encoding="utf-8")
     (target / "names.json").write_text(json.dumps(names, ensure_ascii=False), encoding="utf-8")
     if not capture.mask.all():
         Image.fromarray(capture.mask.astype(np.uint8) * 255).save(target / "mask.png")
