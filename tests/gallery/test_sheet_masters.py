@@ -42,6 +42,7 @@ def test_the_first_source_with_a_character_counts_and_the_masters_are_kept(tmp_p
     for character, master in masters.by_character.items():
         assert np.array_equal(kept[character].picture, master.picture)
         assert kept[character].script == master.script
+    assert set(open_masters(masters.name, "永").by_character) == {"永"}  # no other picture is decoded
     regular = choose_masters("天", ("regular",)).by_character["天"]
     assert np.array_equal(masters.by_character["天"].picture, regular.picture)
 

@@ -141,7 +141,7 @@ def open_masters(name: str, text: str) -> SheetMasters:
             "where the sheet was printed",
             zh="這台電腦上沒有這張練習紙的範字；請在印練習紙的電腦上讀，或把那裡存的範字檔複製過來。",
         )
-    return SheetMasters(name, _read_bundle(path))
+    return SheetMasters(name, _read_bundle(path, text))
 
 
 def masters_file(name: str) -> Path:
@@ -324,7 +324,8 @@ def _keep(masters: dict[str, SheetMaster]) -> SheetMasters:
     return SheetMasters(name, masters)
 
 
-def _read_bundle(path: Path) -> dict[str, SheetMaster]:
+def _read_bundle(path: Path, text: str) -> dict[str, SheetMaster]:
+    """Those kept masters that are among the characters of a text; pictures of others are not decoded."""
     from PIL import Image
 
     from rumu.inputs import read_file
@@ -335,6 +336,8 @@ def _read_bundle(path: Path) -> dict[str, SheetMaster]:
             masters = {}
             for entry in json.loads(archive.read("masters.json")):
                 letter = str(entry["character"])
+                if letter not in text:
+                    continue
                 with Image.open(io.BytesIO(archive.read(f"{ord(letter):x}.png")), formats=["PNG"]) as picture:
                     if picture.size != (SIDE, SIDE):
                         raise ValueError(f"a picture of {picture.size}")
