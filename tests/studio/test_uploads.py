@@ -72,6 +72,7 @@ def test_names_in_gbk_are_read_and_what_was_assumed_is_said(gallery, cases):
         (["notes.docx"], "no_works"),
         ([".DS_Store"], "no_works"),
         (["one/lights.lp", "two/lights.lp"], "several"),
+        (["one/lights.lp", "two/LAMPS.dome"], "several"),
         (["one/labels.csv", "two/labels.csv"], "several"),
     ],
 )

@@ -114,7 +114,7 @@ export const t = translator({
   addCapture: { zh: "多燈照片", en: "Several lamps" },
   addImport: { zh: "匯入壓縮檔", en: "Import an archive" },
   picture: { zh: "圖片（JPEG、PNG、TIFF、WebP、HEIC、AVIF）", en: "Picture (JPEG, PNG, TIFF, WebP, HEIC, AVIF)" },
-  captureZip: { zh: "照片資料夾的 zip（含 .lp 或 light_directions.txt）", en: "Zip of the folder of photographs (with .lp or light_directions.txt)" },
+  captureZip: { zh: "照片資料夾的 zip（含 .lp、.dome 或 light_directions.txt）", en: "Zip of the folder of photographs (with .lp, .dome or light_directions.txt)" },
   importZip: { zh: "zip：圖片與 labels.csv、整頁圖片與同名釋文（.txt），或先前匯出的展廳", en: "Zip: pictures with labels.csv, pages with a text (.txt) beside each, or a gallery exported before" },
   handZh: { zh: "書家（中文）", en: "Hand (Chinese)" },
   handEn: { zh: "書家（英文）", en: "Hand (English)" },

@@ -30,7 +30,7 @@ from rumu.workspaces import temporary_folder
 
 TEXTS = ("title", "hand", "period", "material")
 WORDS = ("character", "script", "dynasty", "source", "licence", "attribution")
-_LAMPS = re.compile(r".+\.lp|light_directions.*\.txt|capture\.json")
+_LAMPS = re.compile(r".+\.(lp|dome)|light_directions.*\.txt|capture\.json")
 """The files that make a folder a capture, in lower case; see rumu.capture.folder."""
 _MAX_LISTED = 20  # skipped pictures that are listed one by one
 

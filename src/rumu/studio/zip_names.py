@@ -119,7 +119,7 @@ def _stem(name: str) -> str:
 
 def _tables(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo]) -> str:
     """The text of the zip's tables and lamp files, as far as they are in UTF-8 or UTF-16."""
-    endings = (".csv", ".lp", ".txt", ".jsonl")
+    endings = (".csv", ".lp", ".dome", ".txt", ".jsonl")
     tables = [entry for entry in entries if entry.orig_filename.lower().endswith(endings)]
     texts = []
     for entry in tables[:_MAX_TABLES]:
