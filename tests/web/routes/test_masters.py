@@ -28,7 +28,7 @@ def test_it_is_among_the_works_but_not_among_the_masters(world):
     }
     assert visitor("GET", "/api/works?masters=true&collection=starter&script=regular").json()["total"] == 5
     scripts = {f["value"]: f["count"] for f in visitor("GET", "/api/facets?masters=true").json()["script"]}
-    assert scripts["regular"] == 5 and sum(scripts.values()) == masters["total"]
+    assert scripts["regular"] == 7 and sum(scripts.values()) == masters["total"]
 
 
 def test_it_is_refused_as_a_task_and_as_a_master(world, copy_of, code_of):
