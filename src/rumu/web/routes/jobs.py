@@ -20,7 +20,7 @@ from rumu.web.service import Service
 from rumu.web.studio_schemas import JobRead
 
 router = APIRouter(tags=["jobs"])
-_POLL = 0.25  # seconds between two queries of the job
+_FIRST_POLL, _POLL = 0.03, 0.25  # seconds between two queries of the job, at first and when it takes longer
 _HEARTBEAT = 15.0  # seconds of silence after which a comment is sent, so that no proxy closes the stream
 
 
@@ -49,7 +49,7 @@ def stream_job(request: Request, service: ServiceDep, user: CurrentUser, job_id:
 
 async def _events(request: Request, service: Service, user: Identity, job_id: str) -> AsyncIterator[str]:
     last: dict[str, Any] = {}
-    sent = time.monotonic()
+    sent, pause = time.monotonic(), _FIRST_POLL
     while not await request.is_disconnected() and not service.stopping:
         row = await run_sync(get_job, service, user, job_id)
         job = JobRead.model_validate(row).model_dump(mode="json")
@@ -61,4 +61,5 @@ async def _events(request: Request, service: Service, user: Identity, job_id: st
         if time.monotonic() - sent > _HEARTBEAT:
             sent = time.monotonic()
             yield ": still running\n\n"
-        await asyncio.sleep(_POLL)
+        await asyncio.sleep(pause)
+        pause = min(1.5 * pause, _POLL)
