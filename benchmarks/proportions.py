@@ -10,28 +10,21 @@ holds other strokes than it should.
 from __future__ import annotations
 
 import argparse
-import os
 from concurrent.futures import ProcessPoolExecutor
-from functools import lru_cache
 from multiprocessing import get_context
-from pathlib import Path
 
 import cv2
 import numpy as np
+from missing_strokes import DATA, master_of, strokes_of
 
 import rumu
 from rumu.assessment.part_measures import measure_parts
 from rumu.assessment.remarks import write_remarks
 from rumu.errors import RumuError
 from rumu.executors import cores
-from rumu.pipeline import PreparedMaster, prepare_master
-from rumu.registration.icp import register_points
-from rumu.registration.points import sample_points
-from rumu.strokes.correspondence import CopyStrokes
 from rumu.strokes.placement import stroke_numbers
 from rumu_lab.experiments.marked_copies import Copy, read_copies
 
-DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[2] / "shared" / "data"))
 KINDS = ("squeeze", "part_place", "inner")
 PARTS: dict[str, tuple[str, tuple[int, ...]]] = {
     "銘": ("side by side", (8,)), "德": ("side by side", (3,)), "得": ("side by side", (3,)),
@@ -53,22 +46,14 @@ SAID = {
 """Words of a remark on proportion -> characters of which it may be said."""
 
 
-@lru_cache(maxsize=4)
-def master_of(template: Path, character: str) -> PreparedMaster:
-    """The master, prepared once in a process."""
-    return prepare_master(template, character=character)
-
-
 def contradictions(copy: Copy) -> tuple[int, tuple[str, ...]]:
     """How many remarks on proportion there are of a copy, and those that contradict its character."""
     cv2.setNumThreads(1)
     master = master_of(copy.template, copy.character)
     try:
-        surface = rumu.relief(copy.image)
-        registration = register_points(sample_points(surface), master.points)
+        strokes = strokes_of(rumu.relief(copy.image), master)
     except RumuError:
         return 0, ()
-    strokes = CopyStrokes(surface, registration, master.stroke_model)
     review = write_remarks(strokes, character=master.canonical)
     said = [r.en for r in (*review.remarks, *review.untold) if r.kind in KINDS]
     stand, _ = PARTS[copy.character]

@@ -10,6 +10,7 @@ character. Weights that are worth it are written into `MissingWeights` by hand.
 from __future__ import annotations
 
 import argparse
+import random
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import astuple, fields
@@ -25,7 +26,7 @@ import rumu
 from rumu.errors import RumuError
 from rumu.executors import cores
 from rumu.strokes.correspondence import CopyStrokes, match_strokes
-from rumu.strokes.presence import PRESENCE, MissingSearch, MissingWeights
+from rumu.strokes.presence import MissingSearch, MissingWeights
 from rumu.values import BoolArray, FloatArray
 from rumu_lab.experiments.marked_copies import Copy, read_copies
 
@@ -45,24 +46,12 @@ def weighed(strokes: CopyStrokes) -> list[tuple[int, tuple[float, ...]]]:
         rest, move = search.lay_without((stroke.number,))
         gain = (search.whole.left_over - rest.left_over) / stroke.share
         evidence = search.weigh(stroke, rest, move, missing=(), gain=gain)
-        otherwise = search.found_otherwise[stroke.number]
-        lost = 0.0 if evidence.is_plain(found=otherwise) else evidence.lost
-        numbers = (
-            stroke.bare,
-            stroke.bare_expected,
-            min(gain, PRESENCE.most_gain),
-            lost,
-            evidence.elsewhere,
-            otherwise,
-        )
-        found.append((stroke.number, numbers))
+        found.append((stroke.number, evidence.counted(found=search.found_otherwise[stroke.number])))
     return found
 
 
 def rows_of(copy: Copy) -> list[Row]:
     """What is weighed of a copy as it is, and of it with a stroke erased."""
-    import random
-
     cv2.setNumThreads(1)
     master, name = master_of(copy.template, copy.character), copy.image.stem
     rows: list[Row] = []

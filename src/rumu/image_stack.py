@@ -60,6 +60,10 @@ class ScratchFile:
                 self._file.readinto(view)  # type: ignore[attr-defined]
         return wanted
 
+    def whole(self) -> Samples:
+        """(H, W) or (H, W, 3), all samples."""
+        return self.range(0, self.shape[0] * self.shape[1]).reshape(self.shape)
+
     def at(self, pixels: Pixels) -> Samples:
         """(P[, 3]), the samples of some pixels, by their numbers."""
         with mmap.mmap(self._file.fileno(), 0, access=mmap.ACCESS_READ) as mapped:
@@ -92,6 +96,11 @@ class Photograph:
             return self._linear(self.samples.at(pixels))
         return self._linear(self.samples.reshape(-1, *self.samples.shape[2:])[pixels])
 
+    def light(self) -> Floats:
+        """(H, W) or (H, W, 3) float32, linear light of the whole photograph."""
+        height, width = self.samples.shape[:2]
+        return self.range(0, height * width).reshape(self.samples.shape)
+
     def parts(self) -> Iterator[Floats]:
         """The whole photograph, a range of pixels at a time."""
         pixels = self.samples.shape[0] * self.samples.shape[1]
@@ -103,10 +112,8 @@ class Photograph:
 
         height, width = self.samples.shape[:2]
         if width <= _FINER * size[0] or height <= _FINER * size[1]:
-            return self.range(0, width * height).reshape(self.samples.shape)
-        whole = self.samples
-        if isinstance(whole, ScratchFile):
-            whole = whole.range(0, width * height).reshape(whole.shape)
+            return self.light()
+        whole = self.samples.whole() if isinstance(self.samples, ScratchFile) else self.samples
         finer = (_FINER * size[0], _FINER * size[1])
         return self._linear(np.asarray(cv2.resize(whole, finer, interpolation=cv2.INTER_AREA)))
 

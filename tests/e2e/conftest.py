@@ -173,3 +173,9 @@ def as_person(arrive: Arrive, people: dict[str, tuple[str, str]]) -> Callable[[s
         return visitor
 
     return log_in
+
+
+@pytest.fixture(scope="module")
+def sent() -> dict[str, str]:
+    """What is known of the work that a module sends, once its first test has sent it."""
+    return {}

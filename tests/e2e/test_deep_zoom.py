@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable
 
 import numpy as np
-import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
 from tests.e2e.conftest import Visitor
@@ -34,12 +33,6 @@ def large_page() -> Image.Image:
     for column in range(left, left + LINES, 4):
         page[top : top + LINES, column : column + 2] = (40, 30, 30)
     return Image.fromarray(page)
-
-
-@pytest.fixture(scope="module")
-def sent() -> dict[str, str]:
-    """The address of the large work, once it has been sent."""
-    return {}
 
 
 def open_large(visitor: Visitor, sent: dict[str, str], query: str = "") -> Page:

@@ -60,12 +60,6 @@ def mirador() -> Iterator[str]:
         server.shutdown()
 
 
-@pytest.fixture(scope="module")
-def sent() -> dict[str, str]:
-    """The address of the page's work, once it has been sent."""
-    return {}
-
-
 def open_in(mirador: str, visitor: Visitor, work_id: str) -> Page:
     """The page of the viewer with a work, once parts of its picture have come."""
     page, service = visitor.page, f"{visitor.url}/iiif"

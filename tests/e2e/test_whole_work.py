@@ -5,19 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-import pytest
 from playwright.sync_api import Page, expect
 from tests.e2e.conftest import Visitor
 from tests.e2e.test_access import faults
 from tests.gallery.pages import COLUMNS, ROWS, draw_page, packed, page_text
 
 LogIn = Callable[..., Visitor]
-
-
-@pytest.fixture(scope="module")
-def sent() -> dict[str, str]:
-    """The address of the page's work, once it has been sent."""
-    return {}
 
 
 def open_work(owner: Visitor, sent: dict[str, str]) -> Page:

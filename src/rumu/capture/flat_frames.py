@@ -9,17 +9,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from rumu.capture.formats import Encoding
-from rumu.capture.frames import size_of, with_file_name
-from rumu.capture.image import read_photograph
+from rumu.capture.frames import read_named, size_of
 from rumu.capture.photographs import FolderImages, capture_error
-from rumu.capture.stored import turn
-from rumu.errors import ImageError
 from rumu.image_stack import SATURATION, Floats, ImageStack, Photograph, Pixels
 from rumu.values import Bilingual, Capture, FloatArray
 
@@ -69,6 +66,12 @@ class SmoothGain:
         return first, (at - first).astype(np.float32)
 
 
+def smooth_gains(grids: Sequence[FloatArray], shape: tuple[int, int]) -> list[SmoothGain]:
+    """Factors of photographs (H, W) from grids (h, w), all by one number so that none is above 1."""
+    least = 1 / max(float(one.max()) for one in grids)
+    return [SmoothGain((least * one).astype(np.float32), shape) for one in grids]
+
+
 def divide_by_flat_frames(
     capture: Capture,
     path: str | os.PathLike[str],
@@ -104,13 +107,12 @@ def divide_by_flat_frames(
     limits = limits or FlatFrameLimits()
     height, width = capture.mask.shape
     frames, of_lamps = _frames_of(Path(path), capture.names)
-    turned = capture.orientation == "exif"
-    lights = [_light_of(_read(one, encoding, turned=turned), (height, width), one, limits) for one in frames]
+    upright = capture.orientation == "exif"
+    read = (read_named(one, encoding=encoding, upright=upright)[0] for one in frames)
+    lights = [_light_of(one, (height, width), file, limits) for one, file in zip(read, frames, strict=True)]
     single = of_lamps and len(frames) > 1
     fields = lights if single else [np.mean([one / _middle(one) for one in lights], axis=0)]
-    inverse = [_middle(one) / one for one in fields]
-    least = 1 / max(float(one.max()) for one in inverse)  # so that no factor is above 1
-    gains = [SmoothGain((least * one).astype(np.float32), (height, width)) for one in inverse]
+    gains = smooth_gains([_middle(one) / one for one in fields], (height, width))
     stack: ImageStack = capture.photographs.times(gains if single else gains * len(capture.lights))
     strengths, notes = capture.strengths, [_note(len(frames), single)]
     if single and strengths is None and (capture.lights[:, 2] > 0.05).all():
@@ -143,17 +145,6 @@ def _frames_of(path: Path, names: Sequence[str]) -> tuple[list[Path], bool]:
             zh=f"每張照片應有同名的平場照片，卻沒有 {missing} 的",
         )
     return [by_stem[stem] for stem in wanted], True
-
-
-def _read(path: Path, encoding: Encoding, *, turned: bool) -> Photograph:
-    """A frame. turned: whether the photographs were turned as their EXIF orientation says."""
-    try:
-        photograph, told = read_photograph(path, encoding=encoding)
-    except ImageError as error:
-        raise with_file_name(error, path) from error
-    assert isinstance(photograph.samples, np.ndarray)
-    samples = turn(photograph.samples, told) if turned else photograph.samples
-    return replace(photograph, samples=np.ascontiguousarray(samples))
 
 
 def _light_of(

@@ -108,13 +108,29 @@ class _Reader:
         return read
 
     def _read_one(self, path: Path, *, upright: bool) -> tuple[Photograph, int]:
-        try:
-            photograph, told = read_photograph(path, encoding=self.encoding)
-        except ImageError as error:
-            raise with_file_name(error, path) from error
-        assert isinstance(photograph.samples, np.ndarray)
-        samples = np.ascontiguousarray(turn(photograph.samples, told) if upright else photograph.samples)
-        return replace(photograph, samples=ScratchFile(samples) if self.plan.on_disk else samples), told
+        photograph, told = read_named(path, encoding=self.encoding, upright=upright)
+        return kept(photograph, on_disk=self.plan.on_disk), told
+
+
+def read_named(path: Path, *, encoding: Encoding, upright: bool) -> tuple[Photograph, int]:
+    """A photograph in memory, and its EXIF orientation, by which it is turned if `upright`.
+
+    Raises ImageError that names the file alone.
+    """
+    try:
+        photograph, told = read_photograph(path, encoding=encoding)
+    except ImageError as error:
+        raise with_file_name(error, path) from error
+    assert isinstance(photograph.samples, np.ndarray)
+    samples = turn(photograph.samples, told) if upright else photograph.samples
+    return replace(photograph, samples=np.ascontiguousarray(samples)), told
+
+
+def kept(photograph: Photograph, *, on_disk: bool) -> Photograph:
+    """The photograph, in a scratch file where memory is short."""
+    if not on_disk or isinstance(photograph.samples, ScratchFile):
+        return photograph
+    return replace(photograph, samples=ScratchFile(photograph.samples))
 
 
 def _some(photograph: Photograph) -> FloatArray:

@@ -81,8 +81,7 @@ def read_frame(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> 
     encoding, the values and errors: as of `read_linear`.
     """
     photograph, orientation = read_photograph(path, encoding=encoding)
-    height, width = photograph.samples.shape[:2]
-    return photograph.range(0, height * width).reshape(photograph.samples.shape), orientation
+    return photograph.light(), orientation
 
 
 def read_photograph(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> tuple[Photograph, int]:

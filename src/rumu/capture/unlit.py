@@ -43,6 +43,27 @@ def read_unlit_photographs(
     Raises CaptureError, ImageError when there are fewer than three or one cannot be read.
     """
     folder = Path(path)
+    images, paths = find_photographs(folder, show=show, leave_out=leave_out)
+    description = description_of(folder)
+    frames = read_frames(
+        tuple(paths),
+        as_shown=False,
+        ambient=images.by_stem("ambient"),
+        encoding=entry_among(folder, "encoding", description.encoding, ENCODINGS),
+        orientation=entry_among(folder, "orientation", description.orientation, ORIENTATIONS),
+        progress=progress,
+    )
+    mask = read_folder_mask(images, description, frames)
+    return UnlitPhotographs(frames, tuple(one.name for one in paths), mask, description)
+
+
+def find_photographs(
+    folder: Path, *, show: Bilingual, leave_out: Collection[str]
+) -> tuple[FolderImages, list[Path]]:
+    """The images of a folder, and those of them that are photographs.
+
+    show: what they are expected to show. Raises CaptureError when there are fewer than three.
+    """
     if not folder.is_dir():
         raise capture_error(
             folder,
@@ -57,14 +78,4 @@ def read_unlit_photographs(
             en=f"expected at least {_FEWEST} photographs {show.en}, got {len(paths)}",
             zh=f"至少要有 {_FEWEST} 張{show.zh}照片，這裡只有 {len(paths)} 張",
         )
-    description = description_of(folder)
-    frames = read_frames(
-        tuple(paths),
-        as_shown=False,
-        ambient=images.by_stem("ambient"),
-        encoding=entry_among(folder, "encoding", description.encoding, ENCODINGS),
-        orientation=entry_among(folder, "orientation", description.orientation, ORIENTATIONS),
-        progress=progress,
-    )
-    mask = read_folder_mask(images, description, frames)
-    return UnlitPhotographs(frames, tuple(one.name for one in paths), mask, description)
+    return images, paths

@@ -104,17 +104,13 @@ class _Look:
                 [0, 0, -1.0],
             ]
         )
-        K = np.array(
-            [[view.focal, 0, (view.shape[1] - 1) / 2], [0, view.focal, (view.shape[0] - 1) / 2], [0, 0, 1]]
-        )
-        return cls(place, axes, focal, K @ R @ axes.T @ to_ray, pixels)
+        return cls(place, axes, focal, view.lens() @ R @ axes.T @ to_ray, pixels)
 
     def picture(self, photograph: Photograph) -> FloatArray:
         """(side, side) linear."""
         import cv2
 
-        height, width = photograph.samples.shape[:2]
-        light = photograph.range(0, height * width).reshape(photograph.samples.shape)
+        light = photograph.light()
         gray = np.ascontiguousarray(light if light.ndim == 2 else light.mean(axis=2))
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         size = (self.side, self.side)

@@ -17,21 +17,21 @@ import numpy as np
 from rumu.capture.description import description_of, entry_among
 from rumu.capture.dome import without_fall_off
 from rumu.capture.exif import read_facts
-from rumu.capture.formats import ENCODINGS, Encoding, read_header
-from rumu.capture.frames import with_file_name
-from rumu.capture.image import read_photograph, to_srgb
+from rumu.capture.formats import ENCODINGS, read_header
+from rumu.capture.frames import kept, read_named
+from rumu.capture.image import to_srgb
 from rumu.capture.memory_plan import plan_memory
-from rumu.capture.photographs import FolderImages, capture_error, photographs_without
+from rumu.capture.photographs import capture_error
+from rumu.capture.unlit import find_photographs
 from rumu.card.ball import FoundBall, find_ball
 from rumu.card.finding import CardView, find_card
 from rumu.card.light_fit import LightFit, fit_light
-from rumu.card.samples import CardSamples, card_places, sample_card
-from rumu.card.window import FlatWindow, keep_photograph
-from rumu.errors import ImageError
+from rumu.card.samples import CardPlaces, CardSamples, card_places, sample_card
+from rumu.card.window import FlatWindow
 from rumu.image_stack import Photograph, Progress
 from rumu.values import Bilingual, Capture, FloatArray
 
-_FEWEST = 3  # lamps that a surface takes
+_SHOWN = Bilingual("拍攝卡", "of the capture card")
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,48 +123,21 @@ def read_card_capture(
     """
     limits = limits or CardCaptureLimits()
     folder = Path(path)
-    paths, encoding = _photographs(folder, leave_out)
-    plan = plan_memory([read_header(one) for one in paths], folder)
-    frames: list[Photograph] = []
-    views: list[CardView] = []
-    samples: list[CardSamples] = []
-    places = None
-    for number, one in enumerate(paths):
-        if progress is not None:
-            progress("Looking for the card", number, len(paths))
-        frame = _read(one, encoding)
-        view = find_card(_shown(frame), one, focal_35_mm=read_facts(one).focal_35_mm)
-        if views and view.layout != views[0].layout:
-            raise capture_error(
-                one,
-                en=f"expected the {views[0].layout.paper} card of {paths[0].name}, got {view.layout.paper}",
-                zh=f"應與 {paths[0].name} 一樣是 {views[0].layout.paper} 的拍攝卡，卻是 {view.layout.paper}",
-            )
-        places = places or card_places(view.layout)
-        seen = sample_card(frame, view, places)
-        if seen.burnt > limits.burnt:
-            raise capture_error(
-                one,
-                en=f"burnt out: {100 * seen.burnt:.0f} % of the card's white says nothing; expose shorter",
-                zh=f"過曝：卡上的白紙有 {100 * seen.burnt:.0f} % 全白；請縮短曝光",
-            )
-        frames.append(keep_photograph(frame, on_disk=plan.on_disk))
-        views.append(view)
-        samples.append(seen)
-    assert places is not None
+    _, paths = find_photographs(folder, show=_SHOWN, leave_out=leave_out)
+    frames, views, samples, places = _look_at(paths, folder, limits, progress)
     if progress is not None:
         progress("Finding the lamps", 0, 1)
     ball = find_ball(frames, views)
     light = fit_light(samples, places, ball=None if ball is None else ball.light)
     middle = _window_middle(views[0])
     towards = light.positions - middle
-    _check_lamps(paths, towards, light, ball, limits)
+    lights = towards / np.linalg.norm(towards, axis=1)[:, None]
+    _check_lamps(paths, lights, light, ball, limits)
     scale = float(np.median([view.scale() for view in views]))
     window = FlatWindow(views[0], scale, limits.inset)
     stack = window.stack(frames, views, light, progress)
     positions = towards * scale
     names = tuple(one.name for one in paths)
-    lights = towards / np.linalg.norm(towards, axis=1)[:, None]
     capture = Capture(
         images=without_fall_off(stack, positions),  # type: ignore[arg-type]
         lights=lights,
@@ -199,29 +172,40 @@ def read_card_capture(
     )
 
 
-def _photographs(folder: Path, leave_out: Collection[str]) -> tuple[list[Path], Encoding]:
-    """The photographs of a folder, three at least, and how their samples are encoded."""
-    if not folder.is_dir():
-        raise capture_error(
-            folder,
-            en="expected a folder of photographs of the capture card, there is none",
-            zh="這裡應是拍攝卡照片的資料夾，卻沒有",
-        )
-    paths = photographs_without(folder, FolderImages(folder).photographs, leave_out)
-    if len(paths) < _FEWEST:
-        raise capture_error(
-            folder,
-            en=f"expected at least {_FEWEST} photographs of the capture card, got {len(paths)}",
-            zh=f"至少要有 {_FEWEST} 張拍攝卡的照片，這裡有 {len(paths)} 張",
-        )
-    return paths, entry_among(folder, "encoding", description_of(folder).encoding, ENCODINGS)
-
-
-def _read(path: Path, encoding: Encoding) -> Photograph:
-    try:
-        return read_photograph(path, encoding=encoding)[0]
-    except ImageError as error:
-        raise with_file_name(error, path) from error
+def _look_at(
+    paths: Sequence[Path], folder: Path, limits: CardCaptureLimits, progress: Progress | None
+) -> tuple[list[Photograph], list[CardView], list[CardSamples], CardPlaces]:
+    """The photographs, where the card lies in each, and what its white and grays show at which places."""
+    encoding = entry_among(folder, "encoding", description_of(folder).encoding, ENCODINGS)
+    plan = plan_memory([read_header(one) for one in paths], folder)
+    frames: list[Photograph] = []
+    views: list[CardView] = []
+    samples: list[CardSamples] = []
+    places = None
+    for number, one in enumerate(paths):
+        if progress is not None:
+            progress("Looking for the card", number, len(paths))
+        frame, _ = read_named(one, encoding=encoding, upright=False)
+        view = find_card(_shown(frame), one, focal_35_mm=read_facts(one).focal_35_mm)
+        if views and view.layout != views[0].layout:
+            raise capture_error(
+                one,
+                en=f"expected the {views[0].layout.paper} card of {paths[0].name}, got {view.layout.paper}",
+                zh=f"應與 {paths[0].name} 一樣是 {views[0].layout.paper} 的拍攝卡，卻是 {view.layout.paper}",
+            )
+        places = places or card_places(view.layout)
+        seen = sample_card(frame, view, places)
+        if seen.burnt > limits.burnt:
+            raise capture_error(
+                one,
+                en=f"burnt out: {100 * seen.burnt:.0f} % of the card's white says nothing; expose shorter",
+                zh=f"過曝：卡上的白紙有 {100 * seen.burnt:.0f} % 全白；請縮短曝光",
+            )
+        frames.append(kept(frame, on_disk=plan.on_disk))
+        views.append(view)
+        samples.append(seen)
+    assert places is not None
+    return frames, views, samples, places
 
 
 def _shown(photograph: Photograph) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
@@ -229,8 +213,7 @@ def _shown(photograph: Photograph) -> np.ndarray[tuple[int, ...], np.dtype[np.ui
     samples = photograph.samples
     assert isinstance(samples, np.ndarray)
     if photograph.curve is None or samples.dtype != np.uint8:
-        light = photograph.range(0, samples.shape[0] * samples.shape[1]).reshape(samples.shape)
-        samples = np.round(255 * to_srgb(np.clip(light, 0, 1))).astype(np.uint8)
+        samples = np.round(255 * to_srgb(np.clip(photograph.light(), 0, 1))).astype(np.uint8)
     return np.ascontiguousarray(np.dstack([samples] * 3) if samples.ndim == 2 else samples)
 
 
@@ -243,13 +226,12 @@ def _window_middle(view: CardView) -> FloatArray:
 
 def _check_lamps(
     paths: Sequence[Path],
-    towards: FloatArray,
+    lights: FloatArray,
     light: LightFit,
     ball: FoundBall | None,
     limits: CardCaptureLimits,
 ) -> None:
-    """Raise CaptureError where the lamps are unknown, or all in one place."""
-    lights = towards / np.linalg.norm(towards, axis=1)[:, None]
+    """Raise CaptureError where the lamps, in unit directions (N, 3), are unknown, or all in one place."""
     apart = max(float(np.degrees(np.arccos(np.clip(a @ b, -1, 1)))) for a, b in combinations(lights, 2))
     if apart < limits.apart:
         raise capture_error(

@@ -5,8 +5,11 @@ from __future__ import annotations
 import io
 from typing import Any
 
+import numpy as np
+
+from rumu.capture.image import to_srgb
 from rumu.card.layout import GRAYS, CardLayout
-from rumu.pages.paper_canvas import GREY, INK, MM, PaperCanvas
+from rumu.pages.paper_canvas import GREY, INK, MM, PaperCanvas, new_canvas
 from rumu.pages.sheet_font import SheetFont
 from rumu.pages.sheet_layout import Paper
 from rumu.pages.sheet_markers import marker_modules
@@ -27,14 +30,10 @@ _THIN, _TICK = 0.15, 2.0  # width of lines, and length of the scale's longer tic
 
 def card_pdf(paper: Paper = "A4") -> bytes:
     """The card on one sheet of paper, to be printed without scaling."""
-    from reportlab.pdfgen.canvas import Canvas
-
     layout = CardLayout(paper)
     texts = [*_TITLE, *_FIRST, *_WINDOW, *_BALL, *_RULER, *(word for step in _STEPS for word in step)]
     stream = io.BytesIO()
-    canvas = Canvas(stream, pagesize=tuple(side * MM for side in layout.size), pageCompression=1)
-    canvas.setTitle("rumu: capture card")
-    canvas.setAuthor("rumu")
+    canvas = new_canvas(stream, layout.size, title="rumu: capture card")
     page = PaperCanvas(canvas, layout.size, SheetFont("".join(texts)))
     for number, box in layout.markers.items():
         page.draw_modules(marker_modules(number), box)
@@ -48,11 +47,11 @@ def card_pdf(paper: Paper = "A4") -> bytes:
 
 
 def _draw_grays(page: PaperCanvas, layout: CardLayout) -> None:
+    levels = to_srgb(np.array(GRAYS))
     for patch in layout.patches:
-        level = 1.055 * GRAYS[patch.level] ** (1 / 2.4) - 0.055  # as sRGB encodes it
         path = page.canvas.beginPath()
         page.add_rectangle(path, patch.box)
-        page.canvas.setFillGray(level)
+        page.canvas.setFillGray(float(levels[patch.level]))
         page.canvas.drawPath(path, stroke=0, fill=1)
 
 

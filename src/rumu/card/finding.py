@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from rumu.capture.photographs import capture_error
 from rumu.card.layout import FIRST_MARKER, MARKER_SIDE, MARKERS, CardLayout
-from rumu.pages.marker_light import measure_markers
+from rumu.pages.marker_light import MarkerLight, measure_markers
 from rumu.pages.sheet_layout import Paper
 from rumu.pages.sheet_markers import find_markers
 from rumu.values import FloatArray
@@ -61,6 +61,18 @@ class CardView:
         seen = np.column_stack([points, np.ones(len(points))]) @ self.homography.T
         return np.asarray(seen[:, :2] / seen[:, 2:])
 
+    def out(self, pixels: FloatArray) -> FloatArray:
+        """(n,): squared distances of pixels (n, 2) from the picture's middle, 1 in its corners."""
+        height, width = self.shape
+        x, y = pixels.T
+        away = (x - (width - 1) / 2) ** 2 + (y - (height - 1) / 2) ** 2
+        return np.asarray(away / ((height / 2) ** 2 + (width / 2) ** 2))
+
+    def lens(self) -> FloatArray:
+        """(3, 3): from rays (x right, y down, 1) to pixels."""
+        height, width = self.shape
+        return np.array([[self.focal, 0, (width - 1) / 2], [0, self.focal, (height - 1) / 2], [0, 0, 1]])
+
     def scale(self) -> float:
         """Pixels for each millimetre in the middle of the window."""
         window = self.layout.window
@@ -75,11 +87,8 @@ class CardView:
         And its axes, (3, 3): rows are right, down and forward in the picture.
         """
         width, height = self.layout.size
-        K = np.array(
-            [[self.focal, 0, (self.shape[1] - 1) / 2], [0, self.focal, (self.shape[0] - 1) / 2], [0, 0, 1]]
-        )
         centred = np.array([[1, 0, width / 2], [0, -1, height / 2], [0, 0, 1.0]])
-        M = np.linalg.solve(K, self.homography @ centred)
+        M = np.linalg.solve(self.lens(), self.homography @ centred)
         M /= np.sqrt(np.linalg.norm(M[:, 0]) * np.linalg.norm(M[:, 1]))
         M *= np.sign(M[2, 2])
         first, second, shift = M.T
@@ -110,9 +119,10 @@ def find_card(
     paper = _paper_of(markers, path)
     layout = CardLayout(paper)
     markers = [(number, corners) for number, corners in markers if number in layout.markers]
-    blur = _check_light(picture, markers, path, settings)
+    seen = _check_light(picture, markers, path, settings)
     _check_markers(markers, layout, path, settings)
-    homography, off = _fit(markers, layout, path, settings)
+    homography, off = _fit(markers, layout, path, side=seen.side, settings=settings)
+    blur = seen.blur * MARKER_SIDE / seen.side
     longest = float(np.hypot(*picture.shape[:2]))
     focal = (focal_35_mm or _USUAL_FOCAL) / _DIAGONAL_35 * longest
     return CardView(layout, homography, off, blur, gray.shape, focal, focal_35_mm is not None)  # type: ignore[arg-type]
@@ -139,8 +149,8 @@ def _check_light(
     markers: list[tuple[int, FloatArray]],
     path: Path,
     settings: CardFindingSettings,
-) -> float:
-    """Millimetres by which edges are smeared. Raises CaptureError where it is too dark or blurred."""
+) -> MarkerLight:
+    """What the markers tell of the light. Raises CaptureError where it is too dark or blurred."""
     seen = measure_markers(picture, markers)
     if seen.contrast < settings.contrast:
         raise capture_error(
@@ -158,7 +168,7 @@ def _check_light(
             f"{settings.blur:.2f}; put the camera on something firm, and let it focus",
             zh=f"模糊：卡上的邊緣糊了 {blur:.2f} 毫米，最多 {settings.blur:.2f}；請把相機放穩、對好焦",
         )
-    return blur
+    return seen
 
 
 def _check_markers(
@@ -183,14 +193,21 @@ def _check_markers(
 
 
 def _fit(
-    markers: list[tuple[int, FloatArray]], layout: CardLayout, path: Path, settings: CardFindingSettings
+    markers: list[tuple[int, FloatArray]],
+    layout: CardLayout,
+    path: Path,
+    *,
+    side: float,
+    settings: CardFindingSettings,
 ) -> tuple[FloatArray, float]:
-    """The homography of most corners, and millimetres by which they lie beside it."""
+    """The homography of most corners, and millimetres by which they lie beside it.
+
+    side: of a marker, in pixels.
+    """
     import cv2
 
     on_card = np.concatenate([layout.markers[number].corners for number, _ in markers])
     in_picture = np.concatenate([corners for _, corners in markers]).astype(np.float64)
-    side = float(np.median([np.hypot(*(c - np.roll(c, 1, axis=0)).T).mean() for _, c in markers]))
     homography, inside = cv2.findHomography(on_card, in_picture, cv2.RANSAC, settings.off * side)
     if homography is None or np.count_nonzero(inside) < 4 * settings.fewest:
         raise _not_flat(path, 99.0, settings)

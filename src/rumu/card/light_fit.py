@@ -254,7 +254,12 @@ def _light(
     falls = power * place[2] / _UNIT * (away / _UNIT**2) ** -1.5
     middle = power * place[2] / _UNIT * (float(place @ place) / _UNIT**2) ** -1.5
     light = np.log(np.maximum(falls + shared.room * middle, _FLOOR**2))
-    return np.asarray(light + out * (shared.lens[0] + out * (shared.lens[1] + out * shared.lens[2])))
+    return np.asarray(light + passed_by_lens(out, shared.lens))
+
+
+def passed_by_lens(out: FloatArray, lens: FloatArray) -> FloatArray:
+    """(n,) logarithm of what the lens lets through. out: squared distances from the picture's middle."""
+    return np.asarray(out * (lens[0] + out * (lens[1] + out * lens[2])))
 
 
 def _stored(light: FloatArray, curve: FloatArray) -> FloatArray:

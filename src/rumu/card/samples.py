@@ -65,8 +65,7 @@ def sample_card(photograph: Photograph, view: CardView, places: CardPlaces) -> C
     """The brightness of a photograph at these places."""
     import cv2
 
-    height, width = view.shape
-    light = photograph.range(0, height * width).reshape(photograph.samples.shape)
+    light = photograph.light()
     top = np.asarray(light if light.ndim == 2 else light.max(axis=2))
     green = np.ascontiguousarray(light if light.ndim == 2 else light[..., 1])
     paper = places.layout.size
@@ -86,9 +85,7 @@ def sample_card(photograph: Photograph, view: CardView, places: CardPlaces) -> C
         return np.asarray(picture[row.clip(0, size[1] - 1), column.clip(0, size[0] - 1)], np.float64)
 
     def out(points: FloatArray) -> FloatArray:
-        x, y = view.pixels(points * up + middle).T
-        away = (x - (width - 1) / 2) ** 2 + (y - (height - 1) / 2) ** 2
-        return np.asarray(away / ((height / 2) ** 2 + (width / 2) ** 2))
+        return view.out(view.pixels(points * up + middle))
 
     half = round(places.layout.patches[0].box.width * _INNER * _FINE)
     grays = cv2.blur(flat, (half, half))

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rumu.capture.flat_frames import SmoothGain
+from rumu.capture.flat_frames import smooth_gains
+from rumu.capture.frames import kept
 from rumu.capture.image import to_linear
 from rumu.card.finding import CardView
-from rumu.card.light_fit import LightFit, light_of
+from rumu.card.light_fit import LightFit, light_of, passed_by_lens
 from rumu.image_stack import ImageStack, Photograph, Progress, ScratchFile
 from rumu.values import FloatArray
 
@@ -57,11 +58,9 @@ class FlatWindow:
             if progress is not None:
                 progress("Laying photographs flat", number, len(frames))
             one = self._flat(frame, view, light.curve)
-            flat.append(keep_photograph(one, on_disk=isinstance(frame.samples, ScratchFile)))
+            flat.append(kept(one, on_disk=isinstance(frame.samples, ScratchFile)))
         grids = [self._lens(view, light.lens) for view in views]
-        most = max(float(grid.max()) for grid in grids)
-        shape = self.size[::-1]
-        return ImageStack(flat).times([SmoothGain((grid / most).astype(np.float32), shape) for grid in grids])
+        return ImageStack(flat).times(smooth_gains(grids, self.size[::-1]))
 
     def _flat(self, photograph: Photograph, view: CardView, curve: FloatArray) -> Photograph:
         """One photograph laid flat in 16 bits, with the curve that makes light of them."""
@@ -69,7 +68,7 @@ class FlatWindow:
 
         samples = photograph.samples
         if isinstance(samples, ScratchFile):
-            samples = samples.range(0, view.shape[0] * view.shape[1]).reshape(samples.shape)
+            samples = samples.whole()
         flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
         laid = cv2.warpPerspective(samples.astype(np.float32), self.matrix(view), self.size, flags=flags)
         if samples.dtype.kind == "f":
@@ -91,14 +90,4 @@ class FlatWindow:
         )
         seen = np.stack([x.ravel(), y.ravel(), np.ones(x.size)]).T @ self.matrix(view).T
         seen = seen[:, :2] / seen[:, 2:]
-        middle = (np.array(view.shape[::-1]) - 1) / 2
-        out = ((seen - middle) ** 2).sum(axis=1) / (np.array(view.shape) ** 2 / 4).sum()
-        darker = out * (lens[0] + out * (lens[1] + out * lens[2]))
-        return np.asarray(np.exp(-darker).reshape(rows, columns))
-
-
-def keep_photograph(photograph: Photograph, *, on_disk: bool) -> Photograph:
-    """The photograph, in a scratch file where memory is short."""
-    if not on_disk or isinstance(photograph.samples, ScratchFile):
-        return photograph
-    return Photograph(ScratchFile(photograph.samples), photograph.curve)
+        return np.exp(-passed_by_lens(view.out(seen), lens)).reshape(rows, columns)

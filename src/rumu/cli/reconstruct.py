@@ -220,9 +220,7 @@ def _made(settings: _Settings, out: Path, made_by: str | None) -> tuple[Outcome,
         beside: dict[str, str | bytes] = {}
         if source != LampSource():
             beside[LAMPS] = lp_text(capture.names, capture.lights)
-        facts_of = [
-            read_facts((folder if folder.is_dir() else folder.parent) / name) for name in capture.names
-        ]
+        facts_of = [read_facts(_place_of(folder) / name) for name in capture.names]
         processing = record_processing(
             surface,
             settings=asdict(settings),
@@ -296,13 +294,18 @@ def _told_by_the_card(lit: LitCapture) -> dict[str, Any]:
     return {"card": facts}
 
 
+def _place_of(capture: Path) -> Path:
+    """The folder of the photographs; a capture may be told by a file in it."""
+    return capture if capture.is_dir() else capture.parent
+
+
 def _files_read(folder: Path, capture: Capture, flat_field: Path | None) -> list[Path]:
     """The files that a capture was read from: photographs, lamps, mask, description, flat-field frames."""
     from rumu.capture.description import description_of
     from rumu.capture.masks import mask_file
     from rumu.capture.photographs import FolderImages, files
 
-    place = folder if folder.is_dir() else folder.parent
+    place = _place_of(folder)
     images = FolderImages(place)
     told = [one for one in files(place) if one.suffix.lower() in (".lp", ".dome", ".txt", ".json")]
     mask = mask_file(images, description_of(place))

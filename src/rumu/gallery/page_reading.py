@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -128,28 +128,20 @@ def _of_gallery(name: str) -> Iterator[Described]:
     if not found:
         within = characters_within(gallery, name)
         found = [work(gallery, one.id) for one in within if one.character] or [work(gallery, name)]
-    yield from _describe_masters_of(
-        [(one.character, io.BytesIO(gallery.store.read(one.picture))) for one in found]
+    yield from _describe_masters_of(  # pictures are read one by one: a collection may be large
+        (one.character, io.BytesIO(gallery.store.read(one.picture))) for one in found
     )
 
 
-def _describe_masters_of(pictures: Sequence[tuple[str, Path | io.BytesIO]]) -> Iterator[Described]:
+def _describe_masters_of(pictures: Iterable[tuple[str, Path | io.BytesIO]]) -> Iterator[Described]:
     """Pictures with what they show; those that show more than one character, or no ink, are left out."""
-    from PIL import Image
-
-    from rumu.surface.ink import find_ink
-    from rumu.surface.relief import read_with_ink
+    from rumu.gallery.sheet_masters import ink_of
 
     for character, picture in pictures:
         if len(character) != 1:
             continue
         try:
-            if isinstance(picture, Path):
-                ink = read_with_ink(picture)[1]
-            else:
-                with Image.open(picture) as opened:
-                    ink = find_ink(np.asarray(opened.convert("RGB")))
-            y, x = np.nonzero(ink.mask)
+            y, x = np.nonzero(ink_of(picture).mask)
             yield character, describe_look((y, x))
         except RumuError:
             continue

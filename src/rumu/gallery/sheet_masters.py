@@ -27,6 +27,7 @@ from rumu.values import SCRIPTS, Script
 if TYPE_CHECKING:
     from rumu.database.tables import Work
     from rumu.gallery.store import Store
+    from rumu.surface.ink import Ink
 
 STROKES = "strokes"
 """The name of the strokes that copybooks print, of 9,574 characters."""
@@ -256,20 +257,26 @@ def _of_picture(
     return SheetMaster(character, centred, script, work, place)
 
 
-def _centred(picture: Path | io.BytesIO) -> tuple[Gray, Place]:
-    """The ink of a picture, black on white in the middle of the cell, sized as masters are; its place."""
-    import cv2
+def ink_of(picture: Path | io.BytesIO) -> Ink:
+    """The ink of a picture in a file, or in memory as a work of the gallery is."""
     from PIL import Image
 
-    from rumu.capture.image import bounding_box
     from rumu.surface.ink import find_ink
     from rumu.surface.relief import read_with_ink
 
     if isinstance(picture, Path):
-        _, ink, _ = read_with_ink(picture)
-    else:
-        with Image.open(picture) as opened:
-            ink = find_ink(np.asarray(opened.convert("RGB")))
+        return read_with_ink(picture)[1]
+    with Image.open(picture) as opened:
+        return find_ink(np.asarray(opened.convert("RGB")))
+
+
+def _centred(picture: Path | io.BytesIO) -> tuple[Gray, Place]:
+    """The ink of a picture, black on white in the middle of the cell, sized as masters are; its place."""
+    import cv2
+
+    from rumu.capture.image import bounding_box
+
+    ink = ink_of(picture)
     y0, y1, x0, x1 = bounding_box(ink.mask)
     height, width = y1 - y0, x1 - x0
     factor = min(SHARE * SIDE / max(width, height), (AREA * SIDE * SIDE / (width * height)) ** 0.5)

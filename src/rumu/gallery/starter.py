@@ -91,12 +91,10 @@ def starter_works(*, script: str | None = None, character: str | None = None) ->
     """
     if script is not None and script not in SCRIPTS:
         raise GalleryError(f"expected a script among {', '.join(SCRIPTS)}, got {script!r}")
-    return tuple(
-        work for work in _works() if script in (None, work.script) and character in (None, work.character)
-    )
+    works = _read_works(_FOLDER)
+    return tuple(w for w in works if script in (None, w.script) and character in (None, w.character))
 
 
-@functools.cache
 def brush_works() -> tuple[StarterWork, ...]:
     """The works by brush hands, by character and hand. Raises GalleryError as `starter_works`."""
     return _read_works(_BRUSH_FOLDER)
@@ -104,7 +102,7 @@ def brush_works() -> tuple[StarterWork, ...]:
 
 def find_work(work_id: str) -> StarterWork:
     """The work of the package with this id. Raises GalleryError that names the closest when there is none."""
-    every = (*_works(), *brush_works())
+    every = (*_read_works(_FOLDER), *brush_works())
     for work in every:
         if work.id == work_id:
             return work
@@ -133,10 +131,6 @@ def suggest(asked: str, known: Sequence[str], of_character: Sequence[str]) -> st
 
 
 @functools.cache
-def _works() -> tuple[StarterWork, ...]:
-    return _read_works(_FOLDER)
-
-
 def _read_works(folder: Path) -> tuple[StarterWork, ...]:
     entries = _entries(folder / "works.json")
     return tuple(StarterWork(**_fields(entry), path=_file(folder, entry)) for entry in entries)

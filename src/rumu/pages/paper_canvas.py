@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -13,6 +13,16 @@ MM = 72 / 25.4
 """Points of a millimetre."""
 INK, GREY = (0.13, 0.12, 0.11), (0.46, 0.44, 0.42)
 """Colours of words."""
+
+
+def new_canvas(stream: BinaryIO, size: tuple[float, float], *, title: str) -> Any:
+    """A canvas of reportlab for a PDF. size: width and height of its pages, in millimetres."""
+    from reportlab.pdfgen.canvas import Canvas
+
+    canvas = Canvas(stream, pagesize=tuple(side * MM for side in size), pageCompression=1)
+    canvas.setTitle(title)
+    canvas.setAuthor("rumu")
+    return canvas
 
 
 class PaperCanvas:

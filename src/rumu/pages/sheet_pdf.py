@@ -11,7 +11,7 @@ import numpy as np
 
 from rumu.characters.stroke_data import CanonicalCharacter, find_character
 from rumu.errors import RumuError
-from rumu.pages.paper_canvas import GREY, INK, MM, PaperCanvas, within
+from rumu.pages.paper_canvas import GREY, INK, MM, PaperCanvas, new_canvas, within
 from rumu.pages.sheet_code import code_modules
 from rumu.pages.sheet_font import SheetFont
 from rumu.pages.sheet_layout import (
@@ -49,8 +49,6 @@ def sheet_pdf(pages: Sequence[SheetPage], masters: Mapping[str, MasterShape]) ->
 
     masters: by character; every character of the pages must be there, else RumuError.
     """
-    from reportlab.pdfgen.canvas import Canvas
-
     missing = "".join(dict.fromkeys(c for page in pages for c in page.text if c not in masters))
     if missing or not pages:
         raise RumuError(
@@ -59,9 +57,7 @@ def sheet_pdf(pages: Sequence[SheetPage], masters: Mapping[str, MasterShape]) ->
     words = "".join(zh for zh, _ in _WORDS.values())
     font = SheetFont(words + "".join(page.text + page.pupil for page in pages))
     stream = io.BytesIO()
-    canvas = Canvas(stream, pagesize=tuple(side * MM for side in pages[0].size), pageCompression=1)
-    canvas.setTitle(f"rumu: {pages[0].text}")
-    canvas.setAuthor("rumu")
+    canvas = new_canvas(stream, pages[0].size, title=f"rumu: {pages[0].text}")
     for page in pages:
         _SheetDrawing(canvas, page, font, masters).draw()
         canvas.showPage()

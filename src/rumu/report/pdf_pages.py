@@ -6,7 +6,7 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from rumu.pages.paper_canvas import GREY, INK, MM, PaperCanvas
+from rumu.pages.paper_canvas import GREY, INK, MM, PaperCanvas, new_canvas
 from rumu.pages.sheet_font import SheetFont
 from rumu.pdf_text import wrap_text
 from rumu.report.pictures import Picture, png_bytes
@@ -23,12 +23,8 @@ class FilledPages:
     """A4 pages in millimetres. title: of the file, and at the foot of each page. letters: all that is set."""
 
     def __init__(self, title: str, letters: str) -> None:
-        from reportlab.pdfgen.canvas import Canvas
-
         self._stream = io.BytesIO()
-        self.canvas = Canvas(self._stream, pagesize=tuple(side * MM for side in _SIZE), pageCompression=1)
-        self.canvas.setTitle(title)
-        self.canvas.setAuthor("rumu")
+        self.canvas = new_canvas(self._stream, _SIZE, title=title)
         self.paper = PaperCanvas(self.canvas, _SIZE, SheetFont(letters + title))
         self._title, self._page = title, 1
         self.left, self.y = _MARGIN, _MARGIN

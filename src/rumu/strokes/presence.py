@@ -162,11 +162,17 @@ class StrokeEvidence:
         found_some = seen.covered > rule.covered or self.elsewhere > rule.elsewhere or found > rule.found
         return gone and not found_some
 
+    def counted(self, *, found: float) -> tuple[float, float, float, float, float, float]:
+        """What is weighed, in the order of the weights; found: as of `odds`."""
+        seen, lost = self.presence, 0.0 if self.is_plain(found=found) else self.lost
+        gain = min(self.gain, PRESENCE.most_gain)
+        return seen.bare, seen.bare_expected, gain, lost, self.elsewhere, found
+
     def odds(self, *, found: float = 0.0) -> float:
         """Log odds that it is missing; found: how surely another way of laying all strokes finds it."""
-        w, lost = PRESENCE.weights, 0.0 if self.is_plain(found=found) else self.lost
-        odds = w.bias + self.presence.suspicion + w.gain * min(self.gain, PRESENCE.most_gain)
-        return odds + w.lost * lost + w.elsewhere * self.elsewhere + w.otherwise * found
+        w, (*_, gain, lost, elsewhere, found) = PRESENCE.weights, self.counted(found=found)
+        odds = w.bias + self.presence.suspicion + w.gain * gain
+        return odds + w.lost * lost + w.elsewhere * elsewhere + w.otherwise * found
 
 
 @dataclass(frozen=True, slots=True, eq=False)

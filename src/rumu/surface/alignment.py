@@ -272,8 +272,7 @@ def _warped(photograph: Photograph, matrix: FloatArray) -> Photograph:
     samples = photograph.samples
     if not isinstance(samples, ScratchFile):
         return replace(photograph, samples=_moved(samples, matrix))
-    whole = samples.range(0, samples.shape[0] * samples.shape[1]).reshape(samples.shape)
-    return replace(photograph, samples=ScratchFile(_moved(whole, matrix)))
+    return replace(photograph, samples=ScratchFile(_moved(samples.whole(), matrix)))
 
 
 def _notes(

@@ -10,7 +10,7 @@ Lambert's law did.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.image_stack import ImageStack
-from rumu.surface import compiled, robust
+from rumu.surface.compiled import material_fitter, tile_solver
 from rumu.surface.reflectance import (
     LAMBERT,
     MATERIALS,
@@ -27,17 +27,14 @@ from rumu.surface.reflectance import (
     MaterialFit,
     MaterialSettings,
     choose_materials,
-    fit_material,
     rate,
     reflected,
     trusts,
     usual_error,
 )
-from rumu.surface.robust import TileSolution, brightness_rows, span_of_lamps
+from rumu.surface.robust import RobustSettings, TileSolution, brightness_rows, span_of_lamps
 from rumu.surface.stereo import gradients_from_normals
 from rumu.values import BoolArray, FloatArray
-
-_Fit = Callable[..., MaterialFit]
 
 
 def find_materials(
@@ -75,7 +72,7 @@ def find_materials(
 
 def _vote(rows: FloatArray, lights: FloatArray, settings: MaterialSettings) -> tuple[Material, ...]:
     """The materials that explain some pixels, rows (P, N), which Lambert's law does not."""
-    lamps, fit = Lamps(lights), _fitter()
+    lamps, fit = Lamps(lights), material_fitter()
     seen = lamps.relative(rows, settings)
     starts = lamps.starts(seen, _unit(rows @ np.linalg.pinv(lights).T))
     lambert = fit(seen, lamps, LAMBERT, starts=starts, settings=settings).contradicted
@@ -104,10 +101,7 @@ def _bends(
     across = np.arange(min(side, height))[:, None] * width + np.arange(min(side, width))
     pixels = (tops * width + lefts)[:, None, None] + across  # (patches, rows, columns)
     values = stack.at(pixels.reshape(-1))
-    solve_tile = compiled.solve_tile if compiled.has_numba() else robust.solve_tile
-    plain = solve_tile(
-        values, lights, solver="robust", black_level=black_level, settings=robust.RobustSettings()
-    )
+    plain = tile_solver()(values, lights, solver="robust", black_level=black_level, settings=RobustSettings())
     other = solve_materials(values, lights, plain, materials, black_level=black_level, settings=settings)
     usable = mask.reshape(-1)[pixels] & (plain.confidence > 0).reshape(pixels.shape)
     moved = (plain.normals != other.normals).any(axis=1).reshape(pixels.shape)
@@ -164,7 +158,7 @@ def solve_materials(
         return done
     seen, before = seen.chosen(doubtful), lambert.contradicted[doubtful]
     starts = lamps.starts(seen, done.normals[doubtful].astype(np.float64))
-    fit = _fitter()
+    fit = material_fitter()
     tried = (LAMBERT, *materials)
     fits = [fit(seen, lamps, one, starts=starts, settings=settings) for one in tried]
     which = np.stack([one.contradicted for one in fits]).argmin(axis=0)
@@ -212,8 +206,3 @@ def _albedo(
 
 def _unit(vectors: FloatArray) -> FloatArray:
     return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))
-
-
-def _fitter() -> _Fit:
-    """The compiled search, or that in NumPy where there is no numba."""
-    return compiled.fit_material if compiled.has_numba() else fit_material

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
 from rumu.image_stack import SATURATION
+from rumu.surface import reflectance, robust
 from rumu.surface.reflectance import Lamps, Material, MaterialFit, MaterialSettings, PixelValues
 from rumu.surface.robust import TILE_RESIDUALS, RobustSettings, Solver, TileSolution
 from rumu.surface.stereo import SHADOW_FLOOR, SHADOW_SHARE
@@ -33,6 +35,16 @@ def has_numba() -> bool:
         warnings.warn(SlowSolverWarning(message), stacklevel=2)
         return False
     return True
+
+
+def tile_solver() -> Callable[..., TileSolution]:
+    """What solves some pixels: the compiled kernels, or NumPy where there is no numba, after a warning."""
+    return solve_tile if has_numba() else robust.solve_tile
+
+
+def material_fitter() -> Callable[..., MaterialFit]:
+    """What searches for normals under a material: the same."""
+    return fit_material if has_numba() else reflectance.fit_material
 
 
 @lru_cache(maxsize=64)

@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from rumu.capture.image import bounding_box
 from rumu.errors import SurfaceError
 from rumu.surface.bilateral import integrate_bilateral
 from rumu.surface.neighbours import centre_parts, conjugate_gradients, poisson
@@ -168,14 +169,19 @@ def _shift(sines: FloatArray, *, axis: int) -> FloatArray:
 
 def _solve_bilateral(normals: FloatArray, inside: BoolArray, weights: FloatArray | None) -> FloatArray:
     """Bilateral integration of the rectangle around the mask, beginning with the least-squares height."""
-    rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
-    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    box = _box(inside)
     part = inside[box]
     trust = part.astype(np.float32) if weights is None else np.maximum(weights[box], np.float32(1e-3))
     start = _solve_masked(normals, inside, weights)[box]
     height = np.zeros(inside.shape, np.float32)
     height[box] = integrate_bilateral(*_slopes(normals[box], part), part, trust, start=start)
     return height
+
+
+def _box(inside: BoolArray) -> tuple[slice, slice]:
+    """The rectangle around a mask."""
+    top, bottom, left, right = bounding_box(inside)
+    return slice(top, bottom), slice(left, right)
 
 
 def _solve_masked(normals: FloatArray, inside: BoolArray, weights: FloatArray | None) -> FloatArray:
@@ -185,8 +191,7 @@ def _solve_masked(normals: FloatArray, inside: BoolArray, weights: FloatArray | 
     """
     from scipy.fft import next_fast_len
 
-    rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
-    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    box = _box(inside)
     part = inside[box]
     trust = np.zeros([next_fast_len(max(side, 2), real=True) for side in part.shape], np.float32)
     near = trust[: part.shape[0], : part.shape[1]]

@@ -20,8 +20,9 @@ import numpy as np
 
 from rumu.capture.dome import places
 from rumu.image_stack import SATURATION, ImageStack, Progress, each_range
+from rumu.surface.compiled import tile_solver
 from rumu.surface.robust import RobustSettings, Solver, TileSolution
-from rumu.surface.solve import Solution, SolutionArrays, tile_solver
+from rumu.surface.solve import Solution, SolutionArrays
 from rumu.surface.stereo import SHADOW_FLOOR, check_stack
 from rumu.values import BoolArray, Capture, FloatArray, IntArray
 

@@ -13,6 +13,7 @@ import numpy as np
 from rumu.image_stack import SATURATION
 from rumu.surface.frame_check import shift_between
 from rumu.surface.near_lamps import shading
+from rumu.surface.residual_map import is_lit, lamp_and_residuals, seen_and_law
 from rumu.surface.stereo import SHADOW_FLOOR
 from rumu.values import Bilingual, Capture, FloatArray, Surface
 
@@ -73,13 +74,9 @@ def photograph_table(
     limits = limits or PhotographLimits()
     chosen = np.flatnonzero(surface.mask)
     chosen = chosen[:: max(1, len(chosen) // limits.pixels)]
-    values = capture.photographs.at(chosen)
-    values = values if values.ndim == 2 else values.mean(axis=2)
-    albedo = surface.albedo if surface.albedo.ndim == 2 else surface.albedo.mean(axis=2)
-    law = shading(capture, surface.normals.reshape(-1, 3)[chosen], chosen)
-    law = np.maximum(law, 0) * albedo.reshape(-1)[chosen]
+    values, law = seen_and_law(capture, surface, chosen)
     strength, residual = np.array([_fit_of(one, lit) for one, lit in zip(values, law, strict=True)]).T
-    beside = _beside_the_law(capture, surface, albedo, limits)
+    beside = _beside_the_law(capture, surface, limits)
     usual = float(np.median(residual))
     names = capture.names or tuple(f"photograph {i + 1}" for i in range(len(values)))
     rows = []
@@ -100,28 +97,29 @@ def photograph_table(
 
 def _fit_of(values: FloatArray, law: FloatArray) -> tuple[float, float]:
     """The strength of a lamp, and the median of what contradicts the law under it. Both arrays (P,)."""
-    lit = (law > 0.05 * max(float(law.max()), 1e-9)) & (values > SHADOW_FLOOR) & (values < SATURATION)
+    lit = is_lit(values, law)
     if not lit.any():
         return 1.0, 1.0
-    strength = float(np.median(values[lit] / law[lit]))
-    return strength, float(np.median(np.abs(values[lit] / (strength * law[lit]) - 1)))
+    strength, residuals = lamp_and_residuals(values[lit], law[lit])
+    return strength, float(np.median(residuals))
 
 
 def _beside_the_law(
-    capture: Capture, surface: Surface, albedo: FloatArray, limits: PhotographLimits
+    capture: Capture, surface: Surface, limits: PhotographLimits
 ) -> list[tuple[float, float]]:
-    """Sharpness and movement of each photograph, in a square in the middle. albedo: (H, W)."""
+    """Sharpness and movement of each photograph, in a square in the middle."""
     height, width = capture.mask.shape
     top, left = max(0, (height - limits.side) // 2), max(0, (width - limits.side) // 2)
     square = slice(top, top + limits.side), slice(left, left + limits.side)
     frames = capture.photographs.rows(top, min(height, top + limits.side))[:, :, square[1]]
     frames = frames if frames.ndim == 3 else frames.mean(axis=3)
-    normals = surface.normals[square]
+    normals, albedo = surface.normals[square], surface.albedo[square]
+    albedo = albedo if albedo.ndim == 2 else albedo.mean(axis=2)
     pixels = np.arange(height * width).reshape(height, width)[square].reshape(-1)
     shown = shading(capture, normals.reshape(-1, 3), pixels).astype(np.float32)
     found = []
     for frame, shade in zip(frames, shown, strict=True):
-        wanted = np.maximum(shade.reshape(normals.shape[:2]), np.float32(0)) * albedo[square]
+        wanted = np.maximum(shade.reshape(normals.shape[:2]), np.float32(0)) * albedo
         sharpness = _detail(frame) / max(_detail(wanted), 1e-9)
         found.append((sharpness, shift_between(frame, wanted)))
     return found

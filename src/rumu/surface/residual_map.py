@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from rumu.image_stack import SATURATION
 from rumu.surface.near_lamps import shading
 from rumu.surface.stereo import SHADOW_FLOOR
-from rumu.values import Capture, FloatArray, Surface
+from rumu.values import BoolArray, Capture, FloatArray, Surface
 
 _LIT = 0.05  # of the brightest that the law makes, below which a lamp counts as grazing
 
@@ -22,20 +23,37 @@ def residual_map(capture: Capture, surface: Surface, *, side: int = 480) -> Floa
     step = max(1, -(-max(height, width) // side))
     rows, columns = np.arange(step // 2, height, step), np.arange(step // 2, width, step)
     pixels = (rows[:, None] * width + columns).reshape(-1)
-    values = capture.photographs.at(pixels)
-    values = values if values.ndim == 2 else values.mean(axis=2)
-    albedo = surface.albedo if surface.albedo.ndim == 2 else surface.albedo.mean(axis=2)
-    law = shading(capture, surface.normals.reshape(-1, 3)[pixels], pixels)
-    law = np.maximum(law, 0) * albedo.reshape(-1)[pixels]
+    values, law = seen_and_law(capture, surface, pixels)
     measured = surface.mask.reshape(-1)[pixels]
     off = np.full(law.shape, np.nan)
     for one, seen, shown in zip(off, values, law, strict=True):
-        lit = measured & (shown > _LIT * max(float(shown.max()), 1e-9))
-        lit &= (seen > SHADOW_FLOOR) & (seen < SATURATION)
+        lit = measured & is_lit(seen, shown)
         if lit.any():
-            strength = np.median(seen[lit] / shown[lit])
-            one[lit] = np.abs(seen[lit] / (strength * shown[lit]) - 1)
+            _, one[lit] = lamp_and_residuals(seen[lit], shown[lit])
     enough = np.isfinite(off).sum(axis=0) >= 2
     found = np.full(len(pixels), np.nan, np.float32)
     found[enough] = np.nanmedian(off[:, enough], axis=0)
     return found.reshape(len(rows), len(columns))
+
+
+def seen_and_law(
+    capture: Capture, surface: Surface, pixels: npt.NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray]:
+    """What photographs show at some pixels, and what Lambert's law makes of the surface: (N, P) each."""
+    values = capture.photographs.at(pixels)
+    values = values if values.ndim == 2 else values.mean(axis=2)
+    albedo = surface.albedo if surface.albedo.ndim == 2 else surface.albedo.mean(axis=2)
+    law = shading(capture, surface.normals.reshape(-1, 3)[pixels], pixels)
+    return values, np.maximum(law, 0) * albedo.reshape(-1)[pixels]
+
+
+def is_lit(values: FloatArray, law: FloatArray) -> BoolArray:
+    """(P,): where a lamp lights pixels well, and the photograph is neither dark nor overexposed."""
+    well = law > _LIT * max(float(law.max()), 1e-9)
+    return np.asarray(well & (values > SHADOW_FLOOR) & (values < SATURATION))
+
+
+def lamp_and_residuals(values: FloatArray, law: FloatArray) -> tuple[float, FloatArray]:
+    """The strength of a lamp, by pixels that it lights, and the shares (P,) by which they contradict it."""
+    strength = float(np.median(values / law))
+    return strength, np.abs(values / (strength * law) - 1)

@@ -6,15 +6,15 @@ are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rumu.errors import SurfaceError
 from rumu.image_stack import ImageStack, Progress, each_range
-from rumu.surface import compiled, robust
 from rumu.surface.beyond_lambert import solve_materials
+from rumu.surface.compiled import tile_solver
 from rumu.surface.reflectance import Material
 from rumu.surface.robust import SOLVERS, RobustSettings, Solver, TileSolution
 from rumu.surface.stereo import check_stack
@@ -75,11 +75,6 @@ class SolutionArrays:
             float(np.median(pooled)) if pooled.size else 0.0,
             dark / max(1, dark + lit),
         )
-
-
-def tile_solver() -> Callable[..., TileSolution]:
-    """What solves some pixels: the compiled kernels, or NumPy where there is no numba, after a warning."""
-    return compiled.solve_tile if compiled.has_numba() else robust.solve_tile
 
 
 def solve(

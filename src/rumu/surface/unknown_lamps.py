@@ -17,7 +17,7 @@ from typing import Literal
 
 import numpy as np
 
-from rumu.capture.flat_frames import SmoothGain
+from rumu.capture.flat_frames import smooth_gains
 from rumu.errors import CaptureError
 from rumu.image_stack import SATURATION, ImageStack, Progress
 from rumu.surface.stereo import SHADOW_FLOOR
@@ -314,9 +314,8 @@ def _capture(
     scale = max(shape) / _CELLS
     cells = tuple(max(2, round(side / scale)) for side in shape)
     grids = np.exp(-np.einsum("nk,khw->nhw", even.slow, _terms(*_places(cells))))
-    most = float(grids.max())
     return Capture(
-        images=stack.times([SmoothGain((one / most).astype(np.float32), shape) for one in grids]),  # type: ignore[arg-type]
+        images=stack.times(smooth_gains(list(grids), shape)),  # type: ignore[arg-type]
         lights=toward / lengths[:, None],
         mask=mask,
         strengths=lengths / lengths.mean(),
