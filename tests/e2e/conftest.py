@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, Response, expect
+from playwright.sync_api import Browser, BrowserContext, Page, Request, Response, expect
 
 from conftest import absent
 
@@ -58,17 +58,19 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
 
 @dataclass(frozen=True, slots=True)
 class Visitor:
-    """A person at a browser. complaints: the page's errors. refused: responses with a status from 400 on."""
+    """A person at a browser. complaints: the page's errors. refused: responses with a status from 400 on.
+    open_requests: the page's calls of the server that have no answer yet."""
 
     page: Page
     url: str
     complaints: list[str]
     refused: list[Response]
+    open_requests: list[Request]
 
     def forgive(self) -> None:
-        """Forget the complaints so far, once the browser has reported every refused request."""
+        """Forget the complaints so far, once every request is answered and every refusal reported."""
         until = time.monotonic() + PATIENCE / 1000
-        while sum(_REFUSED in message for message in self.complaints) < len(self.refused):
+        while self.open_requests or sum(_REFUSED in text for text in self.complaints) < len(self.refused):
             assert time.monotonic() < until, "the browser has not reported every refusal"
             self.page.wait_for_timeout(20)
         self.complaints.clear()
@@ -102,13 +104,17 @@ def arrive(site: Site, browser: Browser) -> Iterator[Arrive]:
         page = context.new_page()
         complaints: list[str] = []
         refused: list[Response] = []
+        requests: list[Request] = []
+        page.on("request", lambda asked: requests.append(asked) if asked.resource_type == "fetch" else None)
+        for end in ("requestfinished", "requestfailed"):
+            page.on(end, lambda asked: requests.remove(asked) if asked in requests else None)
         page.on("response", lambda answer: refused.append(answer) if answer.status >= 400 else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on(
             "console", lambda message: complaints.append(message.text) if message.type == "error" else None
         )
         contexts.append(context)
-        visitors.append(Visitor(page, site.url, complaints, refused))
+        visitors.append(Visitor(page, site.url, complaints, refused, requests))
         return visitors[-1]
 
     yield make
