@@ -21,7 +21,9 @@ Search = Callable[[FloatArray], tuple[IntArray, FloatArray]]
 """(N, d) -> (N,) index of the nearest point, (N,) a lower bound of the distance to the second nearest."""
 
 _SMALL_CLOUD = 512
-"""Points of a cloud up to which all distances are computed at once."""
+"""Points of a cloud up to which all distances are computed."""
+_MULTIPLICATIONS = 2**18
+"""Of one matrix product of distances: OpenBLAS spreads larger ones over threads, which takes longer here."""
 _FLOAT32_ERROR = 1e-5
 """Largest error of a distance computed in float32, in rms radii."""
 
@@ -118,10 +120,15 @@ def all_distances(points: FloatArray) -> Search:
     table = np.vstack([-points.T, 0.5 * _squared_lengths(points)]).astype(np.float32)
     d = points.shape[1]
 
+    rows = max(_MULTIPLICATIONS // table.size, 1)
+
     def search(queries: FloatArray) -> tuple[IntArray, FloatArray]:
         with_one = np.ones((len(queries), d + 1), np.float32)
         with_one[:, :d] = queries
-        return (with_one @ table).argmin(axis=1), np.zeros(len(queries))
+        nearest = np.empty(len(queries), np.intp)
+        for k in range(0, len(queries), rows):
+            (with_one[k : k + rows] @ table).argmin(axis=1, out=nearest[k : k + rows])
+        return nearest, np.zeros(len(queries))
 
     return search
 
