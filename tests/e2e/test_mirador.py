@@ -26,7 +26,7 @@ PAGE = """<!doctype html><meta charset="utf-8">
 <div id="viewer"></div><script src="mirador.min.js"></script>
 <script>
 const manifestId = new URLSearchParams(location.search).get("manifest");
-const settings = { sideBarOpen: true, panels: { info: true, canvas: true, annotations: true } };
+const settings = { sideBarOpen: true, panels: { info: true, canvas: true, annotations: true, search: true } };
 // a text is no comment, and comments are all that it lists unless told otherwise
 const annotations = { filteredMotivations: ["supplementing"] };
 Mirador.viewer({ id: "viewer", windows: [{ manifestId }], window: settings, annotations });
@@ -106,6 +106,11 @@ def test_a_whole_work_is_shown_with_its_text(mirador: str, as_person: LogIn, sen
         expect(page.get_by_text(text, exact=True).first).to_be_visible()
     page.get_by_role("tab", name="Annotations").click()
     expect(page.locator("[annotationid]")).to_have_count(COLUMNS * ROWS)
+    page.get_by_role("tab", name="Search").click()
+    page.get_by_role("combobox", name="search terms").fill(columns[1][:2])
+    page.keyboard.press("Enter")
+    count = page_text().replace("\n", "").count(columns[1][:2])
+    expect(page.get_by_text(f"1 of {count}")).to_be_visible()
     assert owner.refused == []
     only_its_own(owner)
 

@@ -11,7 +11,7 @@ from tests.gallery.pages import COLUMNS, ROWS, draw_page, page_text
 
 from rumu.gallery.add_page import add_page
 from rumu.gallery.iiif import collection_manifest, manifest
-from rumu.gallery.iiif_text import search_text
+from rumu.gallery.iiif_text import search_text, search_text_1
 from rumu.gallery.metadata import WorkMetadata
 from rumu.gallery.whole_works import characters_within
 from rumu.values import Bilingual
@@ -90,3 +90,20 @@ def test_a_search_takes_other_forms_and_several_words(bare, scroll):
     for nothing in ("", "  ，", "龍", "水水"):
         found = search_text(bare, scroll, nothing, base=BASE)
         assert found["items"] == [] and "annotations" not in found
+
+
+def test_version_1_of_the_search_finds_the_same(bare, scroll):
+    query = "水書日月天 月"
+    found, old = (search(bare, scroll, query, base=BASE) for search in (search_text, search_text_1))
+    assert [(one["@id"], one["resource"]["chars"], one["on"]) for one in old["resources"]] == [
+        (one["id"], one["body"]["value"], one["target"]) for one in found["items"]
+    ]
+    assert old["within"]["total"] == len(old["resources"]) > len(old["hits"])
+    selectors = [one["target"]["selector"][0] for one in found["annotations"][0]["items"]]
+    assert [(hit["before"], hit["match"], hit["after"]) for hit in old["hits"]] == [
+        (one["prefix"], one["exact"], one["suffix"]) for one in selectors
+    ]
+    named = [name for hit in old["hits"] for name in hit["annotations"]]
+    assert named == [one["@id"] for one in old["resources"]]
+    nothing = search_text_1(bare, scroll, "龍", base=BASE)
+    assert nothing["resources"] == nothing["hits"] == [] and nothing["within"]["total"] == 0

@@ -15,7 +15,7 @@ from rumu.database.tables import Annotation, Collection, Work
 from rumu.gallery import catalog
 from rumu.gallery.annotations import annotations_of
 from rumu.gallery.iiif_image import MAX_SIDE
-from rumu.gallery.iiif_text import PagePlaces, places_of, text_annotations, text_ranges
+from rumu.gallery.iiif_text import PagePlaces, places_of, search_services, text_annotations, text_ranges
 from rumu.gallery.rights import is_address, rights_address
 from rumu.gallery.store import Gallery
 from rumu.gallery.tile_maps import MAPS, MapName, has_tiles
@@ -83,7 +83,7 @@ def manifest(gallery: Gallery, work_id: str, *, base: str) -> dict[str, Any]:
         places = places_of(row, base=base)
         facts["items"][0].setdefault("annotations", []).append(text_annotations(within, places))
         facts["structures"] = [_contents(url, within, places)]
-        facts["service"] = [{"id": f"{url}/search", "type": "SearchService2"}]
+        facts["service"] = search_services(base, row.id)
     rights = rights_address(row.licence)
     model = Manifest(**facts | ({"rights": rights} if rights else {}))
     plain: dict[str, Any] = json.loads(model.json())

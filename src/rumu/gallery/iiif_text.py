@@ -1,7 +1,8 @@
 """The text of a whole work for IIIF viewers: annotations, a table of contents, and a search within it.
 
 Each character is an annotation (`supplementing`) on its place; each column is a range with a range for each
-of its characters; and a Content Search API 2 service finds words in the text, also across columns.
+of its characters; and a service finds words in the text, also across columns, and answers by version 2 of
+the Content Search API or by version 1, which Mirador 4 asks.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from rumu.gallery.vocabulary import fold
 from rumu.gallery.whole_works import UNKNOWN_CHARACTER, CharacterWithin, characters_within, text_lines
 
 SEARCH_CONTEXT = "http://iiif.io/api/search/2/context.json"
+SEARCH_1_CONTEXT = "http://iiif.io/api/search/1/context.json"
 _LANGUAGE = "zh-Hant"
 _CONTEXT = 8  # characters before and after a match that are shown with it
 _MOST_MATCHES = 500
@@ -50,14 +52,14 @@ def text_annotations(characters: Sequence[CharacterWithin], places: PagePlaces) 
         "type": "AnnotationPage",
         "label": {_LANGUAGE: ["釋文"], "en": ["Text"]},
         "items": [
-            _text_annotation(f"{places.canvas}/text/{one.id}", one.character, places.target([one]), places)
+            _text_annotation(f"{places.canvas}/text/{one.id}", one.character, places.target([one]))
             for one in characters
             if one.character
         ],
     }
 
 
-def _text_annotation(name: str, text: str, target: Any, places: PagePlaces) -> dict[str, Any]:
+def _text_annotation(name: str, text: str, target: str) -> dict[str, Any]:
     return {
         "id": name,
         "type": "Annotation",
@@ -92,32 +94,72 @@ def text_ranges(characters: Sequence[CharacterWithin], places: PagePlaces) -> li
 # --- search ----------------------------------------------------------------------------------------
 
 
+def search_services(base: str, work_id: str) -> list[dict[str, Any]]:
+    """The services by which a manifest offers the search. base: of the service."""
+    name = _search_name(base, work_id)
+    return [
+        {"id": name, "type": "SearchService2"},
+        {
+            "@context": SEARCH_1_CONTEXT,
+            "@id": f"{name}/1",
+            "@type": "SearchService1",
+            "profile": "http://iiif.io/api/search/1/search",
+        },
+    ]
+
+
 def search_text(gallery: Gallery, work_id: str, query: str, *, base: str) -> dict[str, Any]:
     """What a search finds in the text of a work: an annotation page of the Content Search API 2.
 
     query: words, parted by spaces; each is found wherever it stands, in any form of its characters.
     base: of the service. Raises GalleryError when there is no such work.
     """
-    row = work(gallery, work_id)
-    places = places_of(row, base=base)
-    characters = characters_within(gallery, work_id)
-    name = f"{base.rstrip('/')}/iiif/works/{row.id}/search"
-    items, contexts = [], []
-    for number, match in enumerate(_matches(characters, query)):
-        parts = text_lines(match.characters)
-        for part, members in enumerate(parts):
-            text = "".join(one.character for one in members)
-            items.append(_text_annotation(f"{name}/{number}-{part}", text, places.target(members), places))
-        contexts.append(_context(f"{name}/{number}", match, items[-len(parts)]["id"]))
+    found = _find(gallery, work_id, query, base=base)
     page: dict[str, Any] = {
         "@context": SEARCH_CONTEXT,
-        "id": f"{name}?{urlencode({'q': query})}",
+        "id": f"{_search_name(base, work_id)}?{urlencode({'q': query})}",
         "type": "AnnotationPage",
-        "items": items,
+        "items": [_text_annotation(part.id, part.text, part.target) for one in found for part in one.parts],
     }
-    if contexts:
-        page["annotations"] = [{"type": "AnnotationPage", "items": contexts}]
+    if found:
+        page["annotations"] = [{"type": "AnnotationPage", "items": [_context(one) for one in found]}]
     return page
+
+
+def search_text_1(gallery: Gallery, work_id: str, query: str, *, base: str) -> dict[str, Any]:
+    """What `search_text` finds, as an annotation list of the Content Search API 1."""
+    found = _find(gallery, work_id, query, base=base)
+    return {
+        "@context": ["http://iiif.io/api/presentation/2/context.json", SEARCH_1_CONTEXT],
+        "@id": f"{_search_name(base, work_id)}/1?{urlencode({'q': query})}",
+        "@type": "sc:AnnotationList",
+        "within": {"@type": "sc:Layer", "total": sum(len(one.parts) for one in found)},
+        "resources": [
+            {
+                "@id": part.id,
+                "@type": "oa:Annotation",
+                "motivation": "sc:painting",
+                "resource": {"@type": "cnt:ContentAsText", "chars": part.text, "language": _LANGUAGE},
+                "on": part.target,
+            }
+            for one in found
+            for part in one.parts
+        ],
+        "hits": [
+            {
+                "@type": "search:Hit",
+                "annotations": [part.id for part in one.parts],
+                "match": one.text,
+                "before": one.match.before,
+                "after": one.match.after,
+            }
+            for one in found
+        ],
+    }
+
+
+def _search_name(base: str, work_id: str) -> str:
+    return f"{base.rstrip('/')}/iiif/works/{work_id}/search"
 
 
 def places_of(row: Work, *, base: str) -> PagePlaces:
@@ -132,6 +174,43 @@ class _Match:
     characters: tuple[CharacterWithin, ...]
     before: str
     after: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """The characters of a match in one column. id: of their annotation. target: their part of the canvas."""
+
+    id: str
+    text: str
+    target: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A match as annotations, one in each column that it runs through. id: of the match."""
+
+    id: str
+    match: _Match
+    parts: tuple[_Part, ...]
+
+    @property
+    def text(self) -> str:
+        """What was found, as it is written in the work."""
+        return "".join(part.text for part in self.parts)
+
+
+def _find(gallery: Gallery, work_id: str, query: str, *, base: str) -> list[_Found]:
+    """All matches of a search. Raises GalleryError when there is no such work."""
+    row = work(gallery, work_id)
+    places, name = places_of(row, base=base), _search_name(base, row.id)
+    found = []
+    for number, match in enumerate(_matches(characters_within(gallery, work_id), query)):
+        parts = (
+            _Part(f"{name}/{number}-{k}", "".join(one.character for one in members), places.target(members))
+            for k, members in enumerate(text_lines(match.characters))
+        )
+        found.append(_Found(f"{name}/{number}", match, tuple(parts)))
+    return found
 
 
 def _matches(characters: Sequence[CharacterWithin], query: str) -> Iterator[_Match]:
@@ -159,13 +238,18 @@ def _words(query: str) -> Iterator[str]:
             yield kept
 
 
-def _context(name: str, match: _Match, annotation: str) -> dict[str, Any]:
+def _context(found: _Found) -> dict[str, Any]:
     """An annotation that says what stands around a match."""
-    exact = "".join(one.character for one in match.characters)
-    selector = {"type": "TextQuoteSelector", "prefix": match.before, "exact": exact, "suffix": match.after}
+    match = found.match
+    selector = {
+        "type": "TextQuoteSelector",
+        "prefix": match.before,
+        "exact": found.text,
+        "suffix": match.after,
+    }
     return {
-        "id": f"{name}/context",
+        "id": f"{found.id}/context",
         "type": "Annotation",
         "motivation": "contextualizing",
-        "target": {"type": "SpecificResource", "source": annotation, "selector": [selector]},
+        "target": {"type": "SpecificResource", "source": found.parts[0].id, "selector": [selector]},
     }

@@ -36,6 +36,7 @@ READING = {
     **dict.fromkeys(("/api/invitations/{token}", "/api/characters/永", "/api/home"), OPEN),
     **dict.fromkeys(("/api/works/regular-shui/characters", "/api/characters/永/works"), OPEN),
     "/iiif/works/regular-shui/search?q=永": OPEN,
+    "/iiif/works/regular-shui/search/1?q=永": OPEN,
     **dict.fromkeys(("/share/works/regular-shui", "/embed/works/regular-shui"), OPEN),
     "/share/collections/starter": OPEN,
     **dict.fromkeys(

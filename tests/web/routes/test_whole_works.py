@@ -149,7 +149,14 @@ def test_the_text_of_a_page_can_be_searched_from_any_site(world, page):
     asked = visitor("OPTIONS", url, headers={"Origin": "https://a.example"})
     assert asked.status_code == 204 and "GET" in asked.headers["allow"]
     manifest = visitor("GET", f"/iiif/works/{page}/manifest.json").json()
-    assert manifest["service"] == [{"id": f"http://testserver{url}", "type": "SearchService2"}]
+    newer, older = manifest["service"]
+    assert newer == {"id": f"http://testserver{url}", "type": "SearchService2"}
+    assert older["@id"] == f"http://testserver{url}/1" and older["@type"] == "SearchService1"
+    old = visitor("GET", f"{url}/1?q=水書", headers={"Origin": "https://mirador.example"})
+    assert old.headers["access-control-allow-origin"] == "*"
+    assert 'profile="http://iiif.io/api/search/1/context.json"' in old.headers["content-type"]
+    assert old.json()["resources"][0]["resource"]["chars"] == "水書"
     part = manifest["structures"][0]["items"][0]["items"][0]["id"].removeprefix("http://testserver")
     assert visitor("GET", part).json()["label"] == {"zh-Hant": ["天"]}
-    assert visitor("GET", "/iiif/works/none/search?q=a").status_code == 404
+    for name in ("search", "search/1"):
+        assert visitor("GET", f"/iiif/works/none/{name}?q=a").status_code == 404

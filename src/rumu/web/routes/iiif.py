@@ -13,7 +13,7 @@ from rumu.errors import GalleryError
 from rumu.gallery.assets import assets_of
 from rumu.gallery.iiif import collection_manifest, manifest
 from rumu.gallery.iiif_image import BadImageRequest, image_info
-from rumu.gallery.iiif_text import search_text
+from rumu.gallery.iiif_text import search_text, search_text_1
 from rumu.gallery.tile_maps import has_tiles, stored_tiles
 from rumu.studio import worker_tasks
 from rumu.studio.errors import Missing
@@ -46,6 +46,20 @@ def search_in_work(
     find_work(service, work_id)
     return _iiif_response(
         search_text(service.gallery, work_id, q, base=base_url(request)), "search", version=2
+    )
+
+
+@router.get("/iiif/works/{work_id}/search/1", response_class=JSONResponse)
+def search_in_work_1(
+    request: Request,
+    service: ServiceDep,
+    work_id: PathId,
+    q: Annotated[CleanText, Query(max_length=200)] = "",
+) -> Response:
+    """The same by the Content Search API 1, for viewers that know no other."""
+    find_work(service, work_id)
+    return _iiif_response(
+        search_text_1(service.gallery, work_id, q, base=base_url(request)), "search", version=1
     )
 
 
