@@ -1,12 +1,17 @@
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from PIL import Image
 
 from rumu.errors import GalleryError
+from rumu.gallery.add_work import add_picture
+from rumu.gallery.catalog import open_gallery
+from rumu.gallery.metadata import WorkMetadata
 from rumu.gallery.sheet_masters import SIDE, choose_masters, masters_file, open_masters
 from rumu.gallery.starter import find_work
+from rumu.values import Bilingual
 
 
 @pytest.fixture(autouse=True)
@@ -74,3 +79,20 @@ def test_a_damaged_file_of_masters_is_told(tmp_path):
     path.write_bytes(path.read_bytes()[:200])
     with pytest.raises(GalleryError, match="cannot read them"):
         open_masters(masters.name, "永天")
+
+
+def test_a_work_is_read_upright_and_in_all_its_bits(tmp_path):
+    picture = np.full((300, 420), 60000, np.uint16)
+    picture[60:100, 20:160] = picture[60:200, 80:100] = 1500  # 丁, in a corner of its picture
+    cv2.imwrite(str(tmp_path / "ding.png"), picture)
+    turned, exif = Image.fromarray((np.rot90(picture) // 257).astype(np.uint8)), Image.Exif()
+    exif[0x0112] = 6  # shown turned by 90 degrees clockwise, which undoes rot90
+    turned.save(tmp_path / "turned.jpg", exif=exif, quality=95)
+    wanted = choose_masters("丁", (str(tmp_path / "ding.png"),)).by_character["丁"]
+    gallery = open_gallery()
+    for name in ("ding.png", "turned.jpg"):
+        metadata = WorkMetadata(title=Bilingual("丁", "ding"), character="丁")
+        added = add_picture(gallery, tmp_path / name, metadata=metadata)
+        found = choose_masters("丁", (added.id,)).by_character["丁"]
+        assert np.abs(found.ink - wanted.ink).mean() < 0.01, name
+        assert found.in_work == pytest.approx(wanted.in_work, abs=0.01), name

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -128,20 +127,20 @@ def _of_gallery(name: str) -> Iterator[Described]:
     if not found:
         within = characters_within(gallery, name)
         found = [work(gallery, one.id) for one in within if one.character] or [work(gallery, name)]
-    yield from _describe_masters_of(  # pictures are read one by one: a collection may be large
-        (one.character, io.BytesIO(gallery.store.read(one.picture))) for one in found
-    )
+    for one in found:  # pictures are read one by one: a collection may be large
+        with gallery.store.local(one.picture) as path:
+            yield from _describe_masters_of([(one.character, path)])
 
 
-def _describe_masters_of(pictures: Iterable[tuple[str, Path | io.BytesIO]]) -> Iterator[Described]:
+def _describe_masters_of(pictures: Iterable[tuple[str, Path]]) -> Iterator[Described]:
     """Pictures with what they show; those that show more than one character, or no ink, are left out."""
-    from rumu.gallery.sheet_masters import ink_of
+    from rumu.surface.relief import read_with_ink
 
     for character, picture in pictures:
         if len(character) != 1:
             continue
         try:
-            y, x = np.nonzero(ink_of(picture).mask)
+            y, x = np.nonzero(read_with_ink(picture)[1].mask)
             yield character, describe_look((y, x))
         except RumuError:
             continue

@@ -27,7 +27,6 @@ from rumu.values import SCRIPTS, Script
 if TYPE_CHECKING:
     from rumu.database.tables import Work
     from rumu.gallery.store import Store
-    from rumu.surface.ink import Ink
 
 STROKES = "strokes"
 """The name of the strokes that copybooks print, of 9,574 characters."""
@@ -211,9 +210,9 @@ def masters_of_works(works: Iterable[Work], store: Store, text: str) -> dict[str
     masters: dict[str, SheetMaster] = {}
     for one in works:
         if len(one.character) == 1 and one.character in text and one.character not in masters:
-            data = io.BytesIO(store.read(one.picture))
             script = one.script if one.script in SCRIPTS else None
-            masters[one.character] = _of_picture(one.character, data, script, one.id)  # type: ignore[arg-type]
+            with store.local(one.picture) as path:
+                masters[one.character] = _of_picture(one.character, path, script, one.id)  # type: ignore[arg-type]
     return masters
 
 
@@ -249,34 +248,20 @@ def _from_gallery(name: str, text: str) -> dict[str, SheetMaster]:
     return masters_of_works(found, gallery.store, text)
 
 
-def _of_picture(
-    character: str, picture: Path | io.BytesIO, script: Script | None, work: str = ""
-) -> SheetMaster:
+def _of_picture(character: str, picture: Path, script: Script | None, work: str = "") -> SheetMaster:
     """A master from a picture of it, wherever it stands there."""
     centred, place = _centred(picture)
     return SheetMaster(character, centred, script, work, place)
 
 
-def ink_of(picture: Path | io.BytesIO) -> Ink:
-    """The ink of a picture in a file, or in memory as a work of the gallery is."""
-    from PIL import Image
-
-    from rumu.surface.ink import find_ink
-    from rumu.surface.relief import read_with_ink
-
-    if isinstance(picture, Path):
-        return read_with_ink(picture)[1]
-    with Image.open(picture) as opened:
-        return find_ink(np.asarray(opened.convert("RGB")))
-
-
-def _centred(picture: Path | io.BytesIO) -> tuple[Gray, Place]:
+def _centred(picture: Path) -> tuple[Gray, Place]:
     """The ink of a picture, black on white in the middle of the cell, sized as masters are; its place."""
     import cv2
 
     from rumu.capture.image import bounding_box
+    from rumu.surface.relief import read_with_ink
 
-    ink = ink_of(picture)
+    ink = read_with_ink(picture)[1]
     y0, y1, x0, x1 = bounding_box(ink.mask)
     height, width = y1 - y0, x1 - x0
     factor = min(SHARE * SIDE / max(width, height), (AREA * SIDE * SIDE / (width * height)) ** 0.5)
