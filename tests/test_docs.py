@@ -52,7 +52,7 @@ def options(command) -> set[str]:
 def test_there_are_the_commands_that_were_promised():
     assert {name.split()[1] for name in COMMANDS} == {
         *("card", "demo", "reconstruct", "relief", "relight", "assess", "calibrate", "find", "gallery"),
-        *("experiments", "lamps", "page", "rti", "serve", "sheet", "stl"),
+        *("experiments", "lamps", "mesh", "page", "rti", "serve", "sheet", "stl"),
     }
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -253,3 +255,27 @@ def test_a_photograph_is_left_out_and_each_is_told_of(rumu, capture, tmp_path):
     assert [row["name"] for row in fewer["photographs"]] == [f"lamp {i}.png" for i in range(4)]
     ended = rumu("reconstruct", capture, "-o", tmp_path / "out", "--leave-out", "lamp 9.png")
     ended.failed_with("lights.lp", "lamp 9.png")
+
+
+def test_a_mesh_of_each_kind(rumu, capture, desk, tmp_path, monkeypatch):
+    import trimesh
+
+    monkeypatch.setenv("RUMU_HOME", str(tmp_path / "home"))
+    assert rumu("reconstruct", capture, "-o", tmp_path / "out").code == 0
+    for ending, count in (("glb", 1), ("usdz", 1), ("obj", 3), ("ply", 1)):
+        target = tmp_path / f"sheet.{ending}"
+        facts = rumu("mesh", tmp_path / "out", "-o", target, "--triangles", 400, "--json").facts
+        assert len(facts["files"]) == count and facts["source"] == "photometric"
+        assert facts["bytes"] == sum(Path(name).stat().st_size for name in facts["files"])
+        if ending != "usdz":
+            assert 100 < len(trimesh.load(target, force="mesh", process=False).faces) <= 400
+    said = rumu("mesh", desk / "master.png", "-o", tmp_path / "ink.glb")
+    assert "not measured" in said.out
+
+
+def test_a_mesh_that_cannot_be_made(rumu, desk, tmp_path):
+    wrong = rumu("mesh", desk / "master.png", "-o", tmp_path / "a.stl")
+    assert wrong.code == 2 and "rumu stl" in wrong.err
+    assert rumu("mesh", desk / "master.png", "-o", tmp_path / "a.fbx").code == 2
+    rumu("mesh", "nowhere", "-o", tmp_path / "a.glb").failed_with("nowhere", "no such file")
+    assert not list(tmp_path.glob("a.*"))

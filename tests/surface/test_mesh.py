@@ -10,7 +10,8 @@ import pytest
 import trimesh
 
 from rumu.errors import SurfaceError
-from rumu.surface.mesh import MeshSettings, albedo_srgb, mesh_bytes, mesh_grid
+from rumu.surface.mesh import MeshSettings, albedo_srgb, mesh_grid
+from rumu.surface.mesh_files import mesh_bytes
 from rumu.values import Surface
 
 
@@ -165,7 +166,7 @@ def test_srgb():
 
 def test_bad_input():
     assert mesh_bytes(surface(), kind="ply").startswith(b"ply")
-    with pytest.raises(SurfaceError, match="glb, ply, stl, got 'obj'"):
+    with pytest.raises(SurfaceError, match="glb, ply, stl, usdz, got 'obj'"):
         mesh_bytes(surface(), kind="obj")
     with pytest.raises(SurfaceError, match="room for a triangle, got 0 pixels"):
         mesh_bytes(surface(mask=np.zeros((30, 40), dtype=bool)))

@@ -43,6 +43,7 @@ for command in (
     surfaces.relief,
     surfaces.relight,
     surfaces.stl,
+    surfaces.mesh,
     assess.assess,
     sheet.sheet,
     calibrate.calibrate,

@@ -1,7 +1,8 @@
-"""relief, relight, stl: one image into a surface, light on it, a solid of it; and a surface as a folder."""
+"""relief, relight, stl, mesh: one image into a surface, light on it, meshes of it; a surface as a folder."""
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -23,6 +24,7 @@ Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
 
 REPORT = "report.html"
+_SHEETS = ("glb", "usdz", "obj", "ply")
 _STL_VERTICES = 250_000  # of a solid for a printer: half a million triangles, 25 MB
 
 Folder = Annotated[
@@ -166,7 +168,8 @@ def stl(
     """A surface as a closed solid on a flat base, in millimetres, for a 3-D printer."""
     from rumu.outputs import whole_file
     from rumu.report.wording import SOURCES
-    from rumu.surface.mesh import MeshSettings, solid_mesh, stl_bytes
+    from rumu.surface.mesh import MeshSettings, solid_mesh
+    from rumu.surface.mesh_files import stl_bytes
 
     for number in (width or 0.0, base, exaggeration):
         finite(number)
@@ -189,6 +192,65 @@ def stl(
         f"  {SOURCES[surface.source].en}"
     )
     return Outcome({**facts, "faces": len(faces), "source": surface.source}, text)
+
+
+@print_outcome
+def mesh(
+    *,
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="SURFACE",
+            help="Folder written by reconstruct or relief, an image, or the id of a work of the gallery.",
+        ),
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--out", help="File to write; its ending says as what: .glb, .usdz, .obj or .ply."
+        ),
+    ],
+    exaggeration: Annotated[
+        float, typer.Option(min=0.01, max=100, help="By how much the height is multiplied.")
+    ] = 1.0,
+    triangles: Annotated[
+        int, typer.Option(min=100, max=20_000_000, help="Most triangles of the mesh.")
+    ] = 120_000,
+    texture: Annotated[
+        int, typer.Option(min=16, max=16_384, help="Longest side of the pictures on it, in pixels.")
+    ] = 2048,
+    as_json: AsJson = False,
+) -> Outcome:
+    """A surface as an open sheet of triangles, in metres, to look at and to exchange."""
+    from rumu.outputs import whole_file
+    from rumu.report.wording import SOURCES
+    from rumu.surface.mesh import MeshSettings
+    from rumu.surface.mesh_files import mesh_bytes, obj_files
+
+    finite(exaggeration)
+    kind = out.suffix.lower().removeprefix(".")
+    if kind not in _SHEETS:
+        other = " (a solid for a printer: rumu stl)" if kind == "stl" else ""
+        endings = ", ".join(f".{one}" for one in _SHEETS)
+        raise typer.BadParameter(
+            f"expected a name that ends in {endings}, got {out}{other}", param_hint="'-o'"
+        )
+    not_an_input(out, source)
+    check_writable(whole_file(out))
+    settings = MeshSettings(exaggeration=exaggeration, vertices=triangles // 2, texture=texture)
+    with working("Building the mesh"):
+        surface = _surface_of(source)
+        if kind == "obj":
+            files = obj_files(surface, out.stem, settings=settings)
+        else:
+            files = {out.name: mesh_bytes(surface, kind=kind, settings=settings)}  # type: ignore[arg-type]
+        with ExitStack() as all_whole:
+            for name, content in files.items():
+                all_whole.enter_context(whole_file(out.with_name(name))).write_bytes(content)
+    written, size = [out.with_name(name) for name in files], sum(map(len, files.values()))
+    facts = {"files": written, "bytes": size, "exaggeration": exaggeration, "source": surface.source}
+    text = f"{', '.join(map(str, written))}: {size / 1e6:.1f} MB\n  {SOURCES[surface.source].en}"
+    return Outcome(facts, text)
 
 
 def _surface_of(source: str) -> Surface:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from rumu.values import Capture, Surface
 
-VERSION = 3
+VERSION = 4
 """Increase it when the derived files of the same assets would come out differently."""
 
 MAX_PIXELS = 2400 * 2400  # a larger picture is reduced before its relief is computed

@@ -162,7 +162,8 @@ def render_facts(assets: Assets) -> bytes:
 
 def render_glb(assets: Assets, *, exaggeration: float) -> bytes:
     """The textured mesh, at most GLB_BYTES."""
-    from rumu.surface.mesh import MeshSettings, mesh_bytes
+    from rumu.surface.mesh import MeshSettings
+    from rumu.surface.mesh_files import mesh_bytes
 
     surface, vertices, texture = assets.surface(), _GLB_VERTICES, MAP
     while vertices > 1000:
@@ -176,7 +177,8 @@ def render_glb(assets: Assets, *, exaggeration: float) -> bytes:
 
 def render_ply(assets: Assets, *, exaggeration: float) -> bytes:
     """The mesh with coloured vertices, in metres."""
-    from rumu.surface.mesh import MeshSettings, mesh_bytes
+    from rumu.surface.mesh import MeshSettings
+    from rumu.surface.mesh_files import mesh_bytes
 
     settings = MeshSettings(exaggeration=exaggeration, vertices=_FINE_VERTICES)
     return mesh_bytes(assets.surface(), kind="ply", settings=settings)
@@ -184,7 +186,8 @@ def render_ply(assets: Assets, *, exaggeration: float) -> bytes:
 
 def render_stl(assets: Assets, *, exaggeration: float, width: float | None, base: float) -> bytes:
     """The closed solid for a printer, in millimetres. width, base: as in MeshSettings."""
-    from rumu.surface.mesh import MeshSettings, mesh_bytes
+    from rumu.surface.mesh import MeshSettings
+    from rumu.surface.mesh_files import mesh_bytes
 
     settings = MeshSettings(exaggeration=exaggeration, vertices=_FINE_VERTICES, width=width, base=base)
     return mesh_bytes(assets.surface(), kind="stl", settings=settings)

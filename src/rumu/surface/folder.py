@@ -31,7 +31,7 @@ from rumu.image_stack import Progress
 from rumu.inputs import read_json
 from rumu.outputs import whole_folder
 from rumu.surface.array_files import ARRAYS, height_scale, read_pictures, read_tiff, write_png, write_tiff
-from rumu.surface.mesh import mesh_bytes
+from rumu.surface.mesh_files import mesh_bytes
 from rumu.surface.reduction import reduce_surface
 from rumu.values import Surface
 

@@ -1,31 +1,21 @@
-"""A surface as a mesh: GLB to look at, PLY to measure, STL to print.
+"""A surface as a mesh: an open sheet of triangles, or a closed solid on a flat base.
 
 Right-handed, x right, y up, z toward the viewer, the sheet's centre at the origin; faces turn
-counter-clockwise toward +z. GLB and PLY are open sheets; STL is a closed solid on a flat base.
+counter-clockwise toward +z. `mesh_files` writes both as files.
 """
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from rumu.capture.image import to_srgb
 from rumu.errors import SurfaceError
-from rumu.values import BoolArray, FloatArray, Source, Surface
+from rumu.values import BoolArray, FloatArray, Surface
 
-Format = Literal["glb", "ply", "stl"]
-
-FORMATS: tuple[Format, ...] = get_args(Format)
 MIN_LENGTH, MAX_LENGTH = 0.1, 10_000.0  # width and base of a printed solid, in millimetres
-_STL_HEADERS: dict[Source, str] = {  # 80 ASCII characters at most; "solid" at the start would mean a text
-    "photometric": "rumu mesh in mm; relief measured by photometric stereo",
-    "inflation": "rumu mesh in mm; relief estimated from the outline of the ink, not measured",
-    "density": "rumu mesh in mm; relief estimated from how dark the ink is, not measured",
-}
 _PIXEL_SHEET = 0.1  # metres: how long the longer side is shown when nothing says how large the sheet is
 
 
@@ -33,8 +23,8 @@ _PIXEL_SHEET = 0.1  # metres: how long the longer side is shown when nothing say
 class MeshSettings:
     """exaggeration: height is multiplied by it. vertices: most of the grid; 60 000 keep a GLB under 5 MB.
 
-    texture: longest side of the picture on a GLB, in pixels. width, base: of an STL, in millimetres: from its
-    left to its right side (None: as large as the sheet), and the thickness below its lowest point.
+    texture: longest side of the pictures on the sheet, in pixels. width, base: of an STL, in millimetres:
+    from its left to its right side (None: as large as the sheet), and the thickness below its lowest point.
     """
 
     exaggeration: float = 1.0
@@ -124,39 +114,6 @@ def solid_mesh(
     return vertices, np.concatenate(faces).astype(np.int64)
 
 
-def mesh_bytes(surface: Surface, *, kind: Format = "glb", settings: MeshSettings | None = None) -> bytes:
-    """The mesh as a file: "glb" (textured by the albedo), "ply" (coloured vertices) or "stl" (a solid).
-
-    Colours are in sRGB. All are in metres but STL, which has no unit and is in millimetres as printers
-    expect. Its header says where the height comes from.
-    Raises SurfaceError for another kind or an empty mesh.
-    """
-    import trimesh
-
-    if kind not in FORMATS:
-        raise SurfaceError(f"expected a mesh format among {', '.join(FORMATS)}, got {kind!r}")
-    settings = settings or MeshSettings()
-    if kind == "stl":
-        return stl_bytes(*solid_mesh(surface, settings=settings), source=surface.source)
-    grid = mesh_grid(surface, settings=settings)
-    mesh = trimesh.Trimesh(grid.vertices, grid.faces, process=False)
-    if kind == "glb":
-        mesh.visual = _texture(surface, grid, settings)
-        data = trimesh.Scene(mesh).export(file_type="glb")
-    else:
-        mesh.visual.vertex_colors = _colours(surface, grid)
-        data = mesh.export(file_type=kind)
-    return data if isinstance(data, bytes) else str(data).encode()
-
-
-def stl_bytes(vertices: FloatArray, faces: npt.NDArray[np.int64], *, source: Source) -> bytes:
-    """A binary STL of a solid. source: where its height comes from, for the header."""
-    import trimesh
-
-    data = bytes(trimesh.Trimesh(vertices, faces, process=False).export(file_type="stl"))
-    return _STL_HEADERS[source].encode().ljust(80) + data[80:]
-
-
 def albedo_srgb(albedo: FloatArray) -> npt.NDArray[np.uint8]:
     """(H, W, 3) uint8, sRGB, from linear albedo (H, W) or (H, W, 3) in [0, 1]."""
     linear = np.clip(albedo if albedo.ndim == 3 else np.repeat(albedo[..., None], 3, axis=2), 0.0, 1.0)
@@ -223,24 +180,3 @@ def _faces(present: BoolArray) -> npt.NDArray[np.int64]:
     one = np.stack([top_left, low_left, low_right], axis=1)
     two = np.stack([top_left, low_right, top_right], axis=1)
     return np.concatenate([one, two]).astype(np.int64)
-
-
-def _texture(surface: Surface, grid: Grid, settings: MeshSettings) -> Any:
-    from PIL import Image
-    from trimesh.visual import TextureVisuals
-    from trimesh.visual.material import PBRMaterial
-
-    picture = Image.fromarray(albedo_srgb(surface.albedo))
-    picture.thumbnail((settings.texture, settings.texture))
-    packed = io.BytesIO()
-    picture.save(packed, format="JPEG", quality=88)
-    packed.seek(0)
-    material = PBRMaterial(baseColorTexture=Image.open(packed), metallicFactor=0.0, roughnessFactor=1.0)
-    return TextureVisuals(uv=grid.uv, material=material)
-
-
-def _colours(surface: Surface, grid: Grid) -> npt.NDArray[np.uint8]:
-    h, w = surface.height.shape
-    rows = np.clip(((1.0 - grid.uv[:, 1]) * h).astype(int), 0, h - 1)
-    columns = np.clip((grid.uv[:, 0] * w).astype(int), 0, w - 1)
-    return np.asarray(albedo_srgb(surface.albedo)[rows, columns])
