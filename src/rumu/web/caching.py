@@ -32,7 +32,8 @@ class ETagMiddleware:
     """Gives open JSON an ETag made from its content, and answers 304 if the client has it.
 
     Responses stay in memory for a second, or until a request with another method than GET has been served,
-    so that a list which many clients request at once is made once.
+    so that a list which many clients request at once is made once. What was read before such a request ended
+    is not kept: it may be of before the change.
     """
 
     OPEN = (
@@ -43,13 +44,17 @@ class ETagMiddleware:
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
         self._responses: dict[tuple[object, ...], _CachedResponse] = {}
+        self._changes = 0  # requests served with another method than GET
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
         elif scope["method"] != "GET":
-            await self._app(scope, receive, send)
-            self._responses.clear()
+            try:
+                await self._app(scope, receive, send)
+            finally:
+                self._changes += 1
+                self._responses.clear()
         elif route_path(scope).startswith(self.OPEN):
             await self._get(scope, receive, send)
         else:
@@ -64,6 +69,7 @@ class ETagMiddleware:
             await _send_cached(cached, headers, send)
             return
         messages: list[Message] = []
+        changes = self._changes
 
         async def collect(message: Message) -> None:
             if not messages and not _needs_etag(message):
@@ -72,7 +78,8 @@ class ETagMiddleware:
             messages.append(message)
             if message["type"] == "http.response.body" and not message.get("more_body"):
                 response = _add_etag(messages)
-                self._store(key, response)
+                if self._changes == changes:
+                    self._store(key, response)
                 await _send_cached(response, headers, send)
 
         await self._app(scope, receive, collect)

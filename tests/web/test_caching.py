@@ -1,0 +1,88 @@
+"""Responses kept for a second: made once for many, and never those of before a change."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+
+import pytest
+
+from rumu.web.caching import ETagMiddleware
+
+
+class Titles:
+    """An application with one title, which a GET reads at once and sends when it is let go."""
+
+    def __init__(self):
+        self.title, self.made = "old", 0
+        self.let_go = asyncio.Event()
+        self.let_go.set()
+
+    async def __call__(self, scope, receive, send):
+        if scope["method"] == "GET":
+            self.made += 1
+            body = json.dumps({"title": self.title}).encode()
+            await self.let_go.wait()
+        elif scope["path"].endswith("fails"):
+            self.title = "new"
+            raise RuntimeError("after the change")
+        else:
+            self.title, body = "new", b"{}"
+        headers = [(b"content-type", b"application/json")]
+        await send({"type": "http.response.start", "status": 200, "headers": headers})
+        await send({"type": "http.response.body", "body": body})
+
+
+async def request(app, method="GET", path="/api/works"):
+    """The JSON of an answer."""
+    scope = {
+        "type": "http",
+        "method": method,
+        "path": path,
+        "raw_path": path.encode(),
+        "root_path": "",
+        "query_string": b"",
+        "headers": [],
+        "scheme": "http",
+    }
+    sent = []
+
+    async def send(message):
+        sent.append(message)
+
+    await app(scope, None, send)
+    return json.loads(sent[-1]["body"])
+
+
+def test_many_who_ask_at_once_are_served_from_one():
+    async def ask():
+        titles = Titles()
+        app = ETagMiddleware(titles)
+        for _ in range(5):
+            assert await request(app) == {"title": "old"}
+        assert titles.made == 1
+        await request(app, "PATCH")
+        assert await request(app) == {"title": "new"} and titles.made == 2
+
+    asyncio.run(ask())
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_what_was_read_before_a_change_is_not_kept(fails):
+    async def ask():
+        titles = Titles()
+        app = ETagMiddleware(titles)
+        titles.let_go.clear()
+        slow = asyncio.create_task(request(app))
+        await asyncio.sleep(0)
+        assert titles.made == 1  # it has read
+        if fails:
+            with pytest.raises(RuntimeError):
+                await request(app, "PATCH", "/api/works/fails")
+        else:
+            await request(app, "PATCH")
+        titles.let_go.set()
+        assert await slow == {"title": "old"}  # it had been asked before
+        assert await request(app) == {"title": "new"}
+
+    asyncio.run(ask())
