@@ -1,18 +1,22 @@
 """Chinese and English text on a PDF page without a font file in this package.
 
 Latin is set in Helvetica, which every PDF reader has. Chinese is drawn as outlines of a font of this machine,
-so that the page prints anywhere; without one it is set in MSung-Light, which readers bring themselves.
+so that the page prints anywhere; without one as outlines of the copybooks' strokes. What these lack,
+punctuation above all, is then set in MSung-Light, which readers bring themselves.
 """
 
 from __future__ import annotations
 
 import functools
+import itertools
 import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from rumu.characters.stroke_data import find_character
 
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
@@ -40,6 +44,7 @@ _FONT_FOLDERS = (
 )
 _LATIN, _BOLD, _READER_FONT = "Helvetica", "Helvetica-Bold", "MSung-Light"
 _EM = 1000.0
+_DESCENT = 0.12  # of the square of a character of the stroke data, below the line
 
 
 def text_width(text: str, size: float, *, bold: bool = False) -> float:
@@ -50,11 +55,13 @@ def text_width(text: str, size: float, *, bold: bool = False) -> float:
 def draw_text(canvas: Canvas, x: float, y: float, text: str, size: float, *, bold: bool = False) -> float:
     """Draw one line from (x, y) on its baseline in the fill colour; return the x of its end, in points."""
     for chinese, run in split_runs(text):
-        if chinese and find_chinese_font() is not None:
+        if not chinese:
+            canvas.setFont(_BOLD if bold else _LATIN, size)
+            canvas.drawString(x, y, run)
+        elif find_chinese_font() is not None:
             _draw_outlines(canvas, x, y, run, size)
         else:
-            canvas.setFont(_register_reader_font() if chinese else _BOLD if bold else _LATIN, size)
-            canvas.drawString(x, y, run)
+            _draw_without_font(canvas, x, y, run, size)
         x += _advance(run, size, chinese=chinese, bold=bold)
     return x
 
@@ -136,6 +143,31 @@ def _draw_outlines(canvas: Canvas, x: float, y: float, run: str, size: float) ->
         _trace(path, np.asarray(points) * scale + (x, y), codes)
         x += advance * scale
     canvas.drawPath(path, stroke=0, fill=1)
+
+
+def _draw_without_font(canvas: Canvas, x: float, y: float, run: str, size: float) -> None:
+    for known, part in itertools.groupby(run, key=lambda letter: find_character(letter) is not None):
+        letters = "".join(part)
+        if known:
+            for k, letter in enumerate(letters):
+                _draw_strokes(canvas, x + k * size, y, letter, size)
+        else:
+            canvas.setFont(_register_reader_font(), size)
+            canvas.drawString(x, y, letters)
+        x += len(letters) * size
+
+
+def _draw_strokes(canvas: Canvas, x: float, y: float, letter: str, size: float) -> None:
+    """Draw a character of the stroke data, each stroke by itself: where two cross, ink stays ink."""
+    character = find_character(letter)
+    for stroke in character.strokes if character else ():
+        outline = (stroke.polygon() * (1, -1) + (0, 1 - _DESCENT)) * size + (x, y)
+        path = canvas.beginPath()
+        path.moveTo(*outline[0])
+        for point in outline[1:]:
+            path.lineTo(*point)
+        path.close()
+        canvas.drawPath(path, stroke=0, fill=1)
 
 
 def _trace(path: Any, points: Any, codes: Any) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import io
 
+import cv2
 import numpy as np
 import pypdf
+import pypdfium2
 import pytest
 
 from rumu import pdf_text
@@ -90,11 +92,38 @@ def test_chinese_is_outlines_that_need_no_font(sheet):
     assert page.get_contents().get_data().count(b" c\n") + page.get_contents().get_data().count(b" c ") > 500
 
 
-def test_without_a_font_the_reader_s_own_is_asked_for(sheet, monkeypatch):
+def dark(pdf: bytes, box: tuple[int, int, int, int]) -> int:
+    """Dark pixels in a box of the page, (left, top, right, bottom) in points, as PDFium shows it."""
+    left, top, right, bottom = (2 * side for side in box)
+    page = np.asarray(pypdfium2.PdfDocument(pdf)[0].render(scale=2).to_pil().convert("L"))
+    return int((page[top:bottom, left:right] < 128).sum())
+
+
+def test_without_a_font_characters_are_drawn_from_their_strokes(sheet, monkeypatch):
     monkeypatch.setattr(pdf_text, "find_chinese_font", lambda: None)
-    page = pypdf.PdfReader(io.BytesIO(practice_pdf(sheet()))).pages[0]
+    drawn = practice_pdf(sheet())
+    page = pypdf.PdfReader(io.BytesIO(drawn)).pages[0]
     fonts = {font.get_object()["/BaseFont"] for font in page["/Resources"]["/Font"].values()}
-    assert any("MSung" in font for font in fonts)
+    assert any("MSung" in font for font in fonts)  # punctuation, which readers bring themselves
+    assert dark(drawn, (48, 52, 300, 82)) > 500  # the title
+
+
+@pytest.mark.parametrize("letter", ["田", "十"])
+def test_ink_stays_ink_where_strokes_cross(letter, monkeypatch):
+    from reportlab.pdfgen.canvas import Canvas
+
+    monkeypatch.setattr(pdf_text, "find_chinese_font", lambda: None)
+    stream = io.BytesIO()
+    canvas = Canvas(stream, pagesize=(100, 100))
+    assert pdf_text.draw_text(canvas, 0, 12, letter, 100) == 100
+    canvas.save()
+    shown = np.asarray(pypdfium2.PdfDocument(stream.getvalue())[0].render(scale=1).to_pil().convert("L"))
+    strokes = [stroke.polygon() * 100 for stroke in pdf_text.find_character(letter).strokes]
+    expected = np.zeros((100, 100), np.uint8)
+    for outline in strokes:
+        cv2.fillPoly(expected, [np.rint(outline).astype(np.int32)], 1)
+    assert ((shown < 128) & (expected > 0)).sum() > 0.95 * expected.sum()
+    assert (shown < 128).sum() < 1.1 * expected.sum()
 
 
 def test_lines_are_as_long_as_they_may_be():
