@@ -117,9 +117,9 @@ def test_ink_stays_ink_where_strokes_cross(letter, monkeypatch):
     canvas = Canvas(stream, pagesize=(100, 100))
     assert pdf_text.draw_text(canvas, 0, 12, letter, 100) == 100
     canvas.save()
-    shown = np.asarray(pypdfium2.PdfDocument(stream.getvalue())[0].render(scale=1).to_pil().convert("L"))
-    strokes = [stroke.polygon() * 100 for stroke in pdf_text.find_character(letter).strokes]
-    expected = np.zeros((100, 100), np.uint8)
+    shown = np.asarray(pypdfium2.PdfDocument(stream.getvalue())[0].render(scale=8).to_pil().convert("L"))
+    strokes = [stroke.polygon() * 800 for stroke in pdf_text.find_character(letter).strokes]
+    expected = np.zeros((800, 800), np.uint8)
     for outline in strokes:
         cv2.fillPoly(expected, [np.rint(outline).astype(np.int32)], 1)
     assert ((shown < 128) & (expected > 0)).sum() > 0.95 * expected.sum()
