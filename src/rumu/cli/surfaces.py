@@ -24,6 +24,14 @@ Method = Literal["inflation", "density"]
 Mode = Literal["inhomogeneous", "homogeneous", "hybrid"]
 
 REPORT = "report.html"
+SurfaceSource = Annotated[
+    str,
+    typer.Argument(
+        metavar="SURFACE",
+        help="Folder written by reconstruct or relief, an image, or the id of a work of the gallery.",
+    ),
+]
+Exaggeration = Annotated[float, typer.Option(min=0.01, max=100, help="By how much the height is multiplied.")]
 _SHEETS = ("glb", "usdz", "obj", "ply")
 _STL_VERTICES = 250_000  # of a solid for a printer: half a million triangles, 25 MB
 
@@ -138,13 +146,7 @@ def _lit(path: Path, tilt: float, slant: float, bits: int) -> tuple[Picture, str
 @print_outcome
 def stl(
     *,
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="SURFACE",
-            help="Folder written by reconstruct or relief, an image, or the id of a work of the gallery.",
-        ),
-    ],
+    source: SurfaceSource,
     out: Annotated[
         Path | None,
         typer.Option("-o", "--out", help="STL to write (default: named after SURFACE, in this folder)."),
@@ -160,9 +162,7 @@ def stl(
     base: Annotated[
         float, typer.Option(min=0.2, max=100, help="Millimetres of material below the lowest point.")
     ] = 2.0,
-    exaggeration: Annotated[
-        float, typer.Option(min=0.01, max=100, help="By how much the height is multiplied.")
-    ] = 1.0,
+    exaggeration: Exaggeration = 1.0,
     as_json: AsJson = False,
 ) -> Outcome:
     """A surface as a closed solid on a flat base, in millimetres, for a 3-D printer."""
@@ -197,22 +197,14 @@ def stl(
 @print_outcome
 def mesh(
     *,
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="SURFACE",
-            help="Folder written by reconstruct or relief, an image, or the id of a work of the gallery.",
-        ),
-    ],
+    source: SurfaceSource,
     out: Annotated[
         Path,
         typer.Option(
             "-o", "--out", help="File to write; its ending says as what: .glb, .usdz, .obj or .ply."
         ),
     ],
-    exaggeration: Annotated[
-        float, typer.Option(min=0.01, max=100, help="By how much the height is multiplied.")
-    ] = 1.0,
+    exaggeration: Exaggeration = 1.0,
     triangles: Annotated[
         int, typer.Option(min=100, max=20_000_000, help="Most triangles of the mesh.")
     ] = 120_000,
