@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rumu.capture.image import to_linear
-from rumu.image_stack import ImageStack, Photograph, ScratchFile
+from rumu.image_stack import ImageStack, Photograph, ScratchFile, pixels_of
 from rumu.values import Capture
 
 RNG = np.random.default_rng(5)
@@ -84,3 +84,12 @@ def test_a_reduced_photograph_is_the_mean_of_its_pixels(on_disk):
         found = stack.reduced(0, (240 // side, 160 // side))
         means = stack.frame(0).reshape(160 // side, side, 240 // side, side).mean(axis=(1, 3))
         np.testing.assert_allclose(found, means, atol=0.5 / 255)  # half a level
+
+
+@pytest.mark.parametrize("about", [1, 7, 40, 1000])
+def test_some_pixels_of_a_mask_are_every_kth_of_it(about):
+    mask = np.random.default_rng(0).random((9, 11)) < 0.6
+    for one in (mask, np.ones_like(mask), np.zeros_like(mask)):
+        inside = np.flatnonzero(one)
+        step = max(1, len(inside) // about)
+        assert np.array_equal(pixels_of(one, about=about), inside[::step])

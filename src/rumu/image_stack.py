@@ -35,6 +35,15 @@ _BAND = 2_000_000
 """Pixels of one photograph that are converted at a time when a whole one is asked for."""
 
 
+def pixels_of(mask: npt.NDArray[np.bool_], *, about: int) -> npt.NDArray[np.intp]:
+    """Numbers of about so many pixels of a mask (H, W), every k-th, counted row by row."""
+    count = int(np.count_nonzero(mask))
+    step = max(1, count // about)
+    if count == mask.size:  # the numbers of all pixels would take more memory than the photographs
+        return np.arange(0, count, step)
+    return np.flatnonzero(mask)[::step].copy()
+
+
 class ScratchFile:
     """Samples of one photograph on disk, in a file without a name that goes with the last reference to it."""
 

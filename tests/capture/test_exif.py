@@ -1,4 +1,6 @@
 import io
+import struct
+import zlib
 
 import numpy as np
 import pytest
@@ -52,6 +54,20 @@ def test_iptc_says_who_made_it(tmp_path):
 def test_what_cannot_be_read_says_nothing(tmp_path, content):
     (tmp_path / "a.jpg").write_bytes(content)
     assert read_facts(tmp_path / "a.jpg") == PhotographFacts()
+
+
+def test_what_stands_behind_the_picture_of_a_png_is_read_and_the_picture_is_not(tmp_path):
+    stream, exif = io.BytesIO(), Image.Exif()
+    exif[0x010F] = "Canon"
+    Image.new("L", (16, 16)).save(stream, "PNG")
+    head, picture = stream.getvalue().split(b"IDAT")
+    broken = picture[:1] + bytes(len(picture) - 17) + picture[-16:]
+    told = exif.tobytes().removeprefix(b"Exif\0\0")
+    part = struct.pack(">I", len(told)) + b"eXIf" + told + struct.pack(">I", zlib.crc32(b"eXIf" + told))
+    (tmp_path / "a.png").write_bytes(head + b"IDAT" + broken[:-12] + part + broken[-12:])
+    with pytest.raises((OSError, SyntaxError)), Image.open(tmp_path / "a.png") as opened:
+        opened.load()
+    assert read_facts(tmp_path / "a.png").camera == "Canon"
 
 
 def test_nonsense_is_none(tmp_path):

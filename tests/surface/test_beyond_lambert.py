@@ -96,6 +96,25 @@ def test_lamberts_surfaces_are_left_to_the_last_bit(shape):
     assert kept > 0.97
 
 
+def test_shadows_alone_call_for_no_vote(monkeypatch):
+    """Where half of the lamps agree exactly, Lambert's law stands, whatever the others show."""
+    truth, where = ball()
+    lights = spread_lamps(24)
+    images = photograph_material(truth, lights, "Lambert").copy()
+    images[:, SIDE // 3 : SIDE // 2][::4] = 0.0  # cast shadows under six lamps
+    tried = []
+
+    def fit(seen, lamps, material, **options):
+        tried.append(material)
+        return compiled.fit_material(seen, lamps, material, **options)
+
+    monkeypatch.setattr(beyond_lambert, "material_fitter", lambda: fit)
+    assert find_materials(images, lights, mask=where) == ()
+    assert tried == [LAMBERT]
+    find_materials(photograph_material(truth, lights, "Phong, exponent 8"), lights, mask=where)
+    assert len(tried) > len(MATERIALS)
+
+
 def test_lamps_that_are_off_are_not_taken_for_a_material():
     """Wrong lamps contradict Lambert's law as materials do."""
     truth, where = ball()

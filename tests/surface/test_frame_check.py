@@ -26,14 +26,14 @@ SIZE = (160, 200)
 NAMES = tuple(f"p{i}.png" for i in range(6))
 
 
-def capture_of(*, noise: float = 0.003, **options: object) -> Capture:
-    """A low bump on inked paper under six lamps."""
+def capture_of(*, noise: float = 0.003, lamps: int = 6, **options: object) -> Capture:
+    """A low bump on inked paper under six lamps, or as many."""
     strokes = sum(ridges(SIZE, width=7, pitch=60, angle=angle).height for angle in (0, 80, 45))
     images, lights = photographs(
         bump(SIZE, peak=6, sigma=30).height, 0.06 + 0.8 * np.exp(-np.asarray(strokes)),
-        tilts=range(0, 360, 60), slant=45, sensor=Sensor(noise=noise), **options,
+        tilts=np.arange(lamps) * 360 / lamps, slant=45, sensor=Sensor(noise=noise), **options,
     )  # fmt: skip
-    return Capture(images=images, lights=lights, mask=np.ones(SIZE, bool), names=NAMES)
+    return Capture(images=images, lights=lights, mask=np.ones(SIZE, bool), names=NAMES if lamps == 6 else ())
 
 
 def refused(capture: Capture) -> CaptureError:
@@ -137,12 +137,13 @@ def test_an_ambient_frame_that_is_brighter_than_a_lamp(tmp_path: Path) -> None:
     assert "比 ambient.png 還暗" in str(darker.value.zh)
 
 
-@pytest.mark.parametrize("kind", ["each its own way", "drifting"])
+@pytest.mark.parametrize("kind", ["each its own way", "drifting", "of many"])
 @pytest.mark.parametrize("pixels", [2, 6])
 def test_frames_that_all_moved(kind: str, pixels: int) -> None:
-    capture = capture_of()
+    lamps = 26 if kind == "of many" else 6
+    capture = capture_of(lamps=lamps)
     rng = np.random.default_rng(1)
-    moves = rng.normal(size=(6, 2))
+    moves = rng.normal(size=(lamps, 2))
     moves *= pixels / np.hypot(*moves.T)[:, None]
     if kind == "drifting":
         moves = np.array([(0.0, pixels * k) for k in range(6)])

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 _DETAILS = 0x8769  # the part of EXIF that tells of the exposure
+_PNG_HEAD = 8  # bytes before the first part of a PNG
 _LONGEST = 200  # characters of a text that are kept
 _IPTC = {(2, 5): "title", (2, 80): "author", (2, 116): "rights", (2, 120): "caption"}
 
@@ -46,6 +47,9 @@ def read_facts(path: Path) -> PhotographFacts:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with Image.open(path) as image:
+                told_first = {"exif", "Raw profile type exif"} & image.info.keys()
+                if image.format == "PNG" and not told_first:
+                    image.info["exif"] = _late_exif(path)  # or Pillow decodes the picture to look behind it
                 exif = image.getexif()
                 main, details = dict(exif), dict(exif.get_ifd(_DETAILS))
                 told = IptcImagePlugin.getiptcinfo(image) or {}
@@ -70,6 +74,18 @@ def read_facts(path: Path) -> PhotographFacts:
         rights=iptc["rights"] or _text(main.get(0x8298)),
         caption=iptc["caption"] or _text(main.get(0x010E)),
     )
+
+
+def _late_exif(path: Path) -> bytes:
+    """What a PNG says of itself behind its picture, which is passed over; nothing in most."""
+    with path.open("rb") as file:
+        file.seek(_PNG_HEAD)
+        while len(head := file.read(8)) == 8:
+            length, kind = struct.unpack(">I4s", head)
+            if kind == b"eXIf":
+                return b"Exif\0\0" + file.read(length)
+            file.seek(length + 4, 1)  # and its check sum
+    return b""
 
 
 def _text(value: Any) -> str | None:

@@ -34,7 +34,7 @@ from rumu.surface.reflectance import (
 )
 from rumu.surface.robust import RobustSettings, TileSolution, brightness_rows, span_of_lamps
 from rumu.surface.stereo import gradients_from_normals
-from rumu.values import BoolArray, FloatArray
+from rumu.values import BoolArray, FloatArray, IntArray
 
 
 def find_materials(
@@ -53,9 +53,9 @@ def find_materials(
     stack = images if isinstance(images, ImageStack) else ImageStack.of_arrays(images)
     if len(lights) < settings.least_lamps:
         return ()
-    inside = np.flatnonzero(mask)
     # by chance: equal steps would fall on a few columns only
-    voters = inside[np.unique(np.random.default_rng(0).integers(0, len(inside), settings.pixels))]
+    count = int(np.count_nonzero(mask))
+    voters = _numbers(mask, np.unique(np.random.default_rng(0).integers(0, count, settings.pixels)))
     rows = brightness_rows(stack.at(voters), black_level=black_level)
     rows = rows[rows.max(axis=1) > settings.seen * settings.step]
     if not len(rows):
@@ -70,13 +70,21 @@ def find_materials(
     return chosen
 
 
+def _numbers(mask: BoolArray, which: IntArray) -> IntArray:
+    """The numbers of some pixels, told by their places among those of a mask."""
+    return which if mask.all() else np.flatnonzero(mask)[which]
+
+
 def _vote(rows: FloatArray, lights: FloatArray, settings: MaterialSettings) -> tuple[Material, ...]:
     """The materials that explain some pixels, rows (P, N), which Lambert's law does not."""
     lamps, fit = Lamps(lights), material_fitter()
     seen = lamps.relative(rows, settings)
     starts = lamps.starts(seen, _unit(rows @ np.linalg.pinv(lights).T))
-    lambert = fit(seen, lamps, LAMBERT, starts=starts, settings=settings).contradicted
-    if lambert.mean() <= settings.drop:
+    plain = fit(seen, lamps, LAMBERT, starts=starts, settings=settings)
+    lambert = plain.contradicted
+    # Where half of the lamps agree exactly, Lambert's law stands, and no material is looked at.
+    doubtful = usual_error(seen, lamps, plain, settings) > settings.exact
+    if lambert[doubtful].sum() <= settings.drop * len(lambert):
         return ()
     found = [fit(seen, lamps, one, starts=starts, settings=settings).contradicted for one in MATERIALS[1:]]
     chosen = choose_materials(np.stack([lambert, *found], axis=1), settings=settings)
@@ -94,8 +102,8 @@ def _bends(
 ) -> bool:
     """Whether materials leave more curl in the slopes than Lambert's law, on patches all over the mask."""
     side, (height, width) = settings.patch_side, mask.shape
-    inside = np.flatnonzero(mask)
-    middles = inside[np.linspace(0, len(inside) - 1, settings.patches).astype(np.int64)]
+    count = int(np.count_nonzero(mask))
+    middles = _numbers(mask, np.linspace(0, count - 1, settings.patches).astype(np.int64))
     tops = np.clip(middles // width - side // 2, 0, max(0, height - side))
     lefts = np.clip(middles % width - side // 2, 0, max(0, width - side))
     across = np.arange(min(side, height))[:, None] * width + np.arange(min(side, width))

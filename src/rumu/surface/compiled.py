@@ -47,6 +47,15 @@ def material_fitter() -> Callable[..., MaterialFit]:
     return fit_material if has_numba() else reflectance.fit_material
 
 
+def l1_solver() -> Callable[[FloatArray, FloatArray, RobustSettings], FloatArray]:
+    """What finds (P, 3) albedo times normal by least absolute residuals of rows (P, N): the same."""
+    return l1 if has_numba() else _l1_in_numpy
+
+
+def _l1_in_numpy(rows: FloatArray, lights: FloatArray, settings: RobustSettings) -> FloatArray:
+    return robust.l1(rows, lights, settings).scaled
+
+
 @lru_cache(maxsize=64)
 def sorting_network(n: int) -> npt.NDArray[np.int64]:
     """(M, 2): pairs (low, high) whose exchange, in this order, sorts n values upward.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.errors import CaptureError
-from rumu.image_stack import SATURATION
+from rumu.image_stack import SATURATION, pixels_of
 from rumu.surface.stereo import SHADOW_FLOOR, enough_lit
 from rumu.values import Bilingual, BoolArray, Capture, FloatArray, Surface
 
@@ -30,6 +30,8 @@ class FrameCheckSettings:
         that is compared. still: correlation above which a frame did not move. least_shift: pixels by which a
         frame must be off. agreement: correlation that it must reach when it is laid right. miss: to which
         share what is missing from full correlation must fall then. rounds: of laying frames on the others.
+        trial: about how many frames are looked at first, of more than twice as many, where all may have
+        moved.
     """
 
     black: float = 0.02
@@ -44,6 +46,7 @@ class FrameCheckSettings:
     agreement: float = 0.9
     miss: float = 0.4
     rounds: int = 3
+    trial: int = 10
     pixels: int = 20_000
 
 
@@ -109,7 +112,8 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
     if len(capture.lights) < 4:
         return
     frames, scale = _reduced(capture, settings)
-    laid = _laid_on_the_others(frames, capture.lights, settings)
+    details = [_details(frame, settings) for frame in frames]
+    laid = _laid_on_the_others(frames, details, capture.lights, settings)
     moved = []
     for i, here, there, likeness in laid:
         shift = _shift_of(here, there, likeness, settings)
@@ -118,9 +122,8 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
     if not moved:
         likenesses = np.array([likeness for *_, likeness in laid])
         del laid
-        moved = [
-            (i, far * scale) for i, far in _all_moved(frames, capture.lights, settings, before=likenesses)
-        ]
+        all_moved = _all_moved(frames, details, capture.lights, settings, before=likenesses)
+        moved = [(i, far * scale) for i, far in all_moved]
     if not moved:
         return
     names = _names(capture)
@@ -145,14 +148,14 @@ def _from_the_others(frames: FloatArray, lights: FloatArray) -> Iterator[tuple[i
 
 
 def _laid_on_the_others(
-    frames: FloatArray, lights: FloatArray, settings: FrameCheckSettings
+    frames: FloatArray, details: Sequence[FloatArray], lights: FloatArray, settings: FrameCheckSettings
 ) -> list[tuple[int, FloatArray, FloatArray, float]]:
     """Each frame's number, its details, those that the others say it should have, and their correlation."""
     window = _window(frames)
     found = []
     for i, wanted in _from_the_others(frames, lights):
-        here, there = _details(frames[i], settings), _details(wanted, settings)
-        found.append((i, here, there, _correlation(here, there, window)))
+        there = _details(wanted, settings)
+        found.append((i, details[i], there, _correlation(details[i], there, window)))
     return found
 
 
@@ -176,13 +179,19 @@ def _window(frames: FloatArray) -> FloatArray:
 
 
 def _all_moved(
-    frames: FloatArray, lights: FloatArray, settings: FrameCheckSettings, *, before: FloatArray
+    frames: FloatArray,
+    details: Sequence[FloatArray],
+    lights: FloatArray,
+    settings: FrameCheckSettings,
+    *,
+    before: FloatArray,
 ) -> list[tuple[int, float]]:
     """Numbers of the frames that moved, and by how much, when so many did that none is like the others say.
 
     Edges of ink and relief, which all frames show, lay them on each other, and then Lambert's law does so
     more closely. It is clear when the frames are as the others say afterwards, and were not before, which is
-    told by their correlations `before`.
+    told by their correlations `before`. Of many frames a few are looked at first, which moved as well where
+    so many did. details: of each frame.
     """
     import cv2
 
@@ -198,20 +207,27 @@ def _all_moved(
 
     if len(before) < 4 or np.median(before) > settings.still:
         return []
+    if len(frames) > 2 * settings.trial:
+        few = slice(None, None, len(frames) // settings.trial)
+        some = frames[few], details[few], lights[few]
+        likenesses = np.array([one for *_, one in _laid_on_the_others(*some, settings)])
+        if not _all_moved(*some, settings, before=likenesses):
+            return []
     window = _window(frames)
     edges = [_edges(frame) for frame in frames]
     shifts = np.array([cv2.phaseCorrelate(edges[0], one, window)[0] for one in edges])
     for _ in range(settings.rounds):
         for i, wanted in _from_the_others(laid(shifts), lights):
-            here, there = _details(frames[i], settings), _details(wanted, settings)
-            shifts[i] = cv2.phaseCorrelate(there, here, window)[0]
+            shifts[i] = cv2.phaseCorrelate(_details(wanted, settings), details[i], window)[0]
         sizes = np.hypot(*(shifts - np.median(shifts, axis=0)).T)
         if sizes.max() < settings.least_shift:
             return []
     shifts -= np.median(shifts, axis=0)
     if not settings.least_shift <= sizes.max() < 0.2 * max(frames.shape[1:]):
         return []
-    after = float(np.median([one for *_, one in _laid_on_the_others(laid(shifts), lights, settings)]))
+    back = laid(shifts)
+    details = [_details(frame, settings) for frame in back]
+    after = float(np.median([one for *_, one in _laid_on_the_others(back, details, lights, settings)]))
     miss = (1.0 - after) / (1.0 - float(np.median(before)))
     if after < settings.agreement or miss > settings.miss:
         return []
@@ -222,7 +238,7 @@ def _details(frame: FloatArray, settings: FrameCheckSettings) -> FloatArray:
     """(h, w) float32 logarithm of a frame, less what is smooth."""
     import cv2
 
-    log = np.log(frame + np.float32(0.02))
+    log = cv2.log(frame + np.float32(0.02))
     return np.asarray(log - cv2.blur(log, (settings.detail, settings.detail)))
 
 
@@ -230,7 +246,7 @@ def _edges(frame: FloatArray) -> FloatArray:
     """(h, w) float32: how strongly the logarithm of a frame changes, whichever way."""
     import cv2
 
-    log = cv2.GaussianBlur(np.log(frame + np.float32(0.02)), (0, 0), 1.0)
+    log = cv2.GaussianBlur(cv2.log(frame + np.float32(0.02)), (0, 0), 1.0)
     return np.asarray(cv2.magnitude(cv2.Sobel(log, cv2.CV_32F, 1, 0), cv2.Sobel(log, cv2.CV_32F, 0, 1)))
 
 
@@ -254,8 +270,8 @@ def _shift_of(here: FloatArray, there: FloatArray, before: float, settings: Fram
 
 
 def _correlation(a: FloatArray, b: FloatArray, weights: FloatArray) -> float:
-    a, b = a * weights, b * weights
-    return float((a * b).sum() / max(float(np.sqrt((a * a).sum() * (b * b).sum())), 1e-12))
+    a, b = (a * weights).ravel(), (b * weights).ravel()
+    return float(np.dot(a, b)) / max(float(np.sqrt(np.dot(a, a)) * np.sqrt(np.dot(b, b))), 1e-12)
 
 
 def _reduced(capture: Capture, settings: FrameCheckSettings) -> tuple[FloatArray, float]:
@@ -274,8 +290,7 @@ def _reduced(capture: Capture, settings: FrameCheckSettings) -> tuple[FloatArray
 
 def _few_pixels(capture: Capture, settings: FrameCheckSettings) -> FloatArray:
     """(N, P) gray values of some of the pixels in the mask."""
-    chosen = np.flatnonzero(capture.mask)
-    values = capture.photographs.at(chosen[:: max(1, len(chosen) // settings.pixels)])
+    values = capture.photographs.at(pixels_of(capture.mask, about=settings.pixels))
     return values if values.ndim == 2 else np.asarray(values.mean(axis=2))
 
 

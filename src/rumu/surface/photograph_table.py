@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rumu.image_stack import SATURATION
+from rumu.image_stack import SATURATION, pixels_of
 from rumu.surface.frame_check import shift_between
 from rumu.surface.near_lamps import shading
 from rumu.surface.residual_map import is_lit, lamp_and_residuals, seen_and_law
@@ -72,8 +72,7 @@ def photograph_table(
     aligned: (N,) pixels by which each was moved before, see `rumu.surface.alignment`.
     """
     limits = limits or PhotographLimits()
-    chosen = np.flatnonzero(surface.mask)
-    chosen = chosen[:: max(1, len(chosen) // limits.pixels)]
+    chosen = pixels_of(surface.mask, about=limits.pixels)
     values, law = seen_and_law(capture, surface, chosen)
     strength, residual = np.array([_fit_of(one, lit) for one, lit in zip(values, law, strict=True)]).T
     beside = _beside_the_law(capture, surface, limits)
@@ -111,11 +110,13 @@ def _beside_the_law(
     height, width = capture.mask.shape
     top, left = max(0, (height - limits.side) // 2), max(0, (width - limits.side) // 2)
     square = slice(top, top + limits.side), slice(left, left + limits.side)
-    frames = capture.photographs.rows(top, min(height, top + limits.side))[:, :, square[1]]
-    frames = frames if frames.ndim == 3 else frames.mean(axis=3)
     normals, albedo = surface.normals[square], surface.albedo[square]
     albedo = albedo if albedo.ndim == 2 else albedo.mean(axis=2)
-    pixels = np.arange(height * width).reshape(height, width)[square].reshape(-1)
+    rows, columns = np.ogrid[square[0], square[1]]
+    rows, columns = rows[: len(normals)], columns[:, : normals.shape[1]]  # of a small photograph
+    pixels = (rows * width + columns).reshape(-1)
+    frames = capture.photographs.at(pixels)
+    frames = (frames if frames.ndim == 2 else frames.mean(axis=2)).reshape(-1, *normals.shape[:2])
     shown = shading(capture, normals.reshape(-1, 3), pixels).astype(np.float32)
     found = []
     for frame, shade in zip(frames, shown, strict=True):

@@ -76,9 +76,9 @@ def digest_files(paths: Iterable[Path]) -> dict[str, str]:
 
 def digest_surface(surface: Surface) -> dict[str, str]:
     """The SHA-256 of each array of a surface, by its name, of its bytes in little-endian order."""
-    arrays = {name: np.asarray(getattr(surface, name), "<f4") for name in ARRAYS}
-    arrays["mask"] = np.asarray(surface.mask, np.uint8)
-    return {name: hashlib.sha256(one.tobytes()).hexdigest() for name, one in arrays.items()}
+    arrays = {name: np.ascontiguousarray(getattr(surface, name), "<f4") for name in ARRAYS}
+    arrays["mask"] = np.ascontiguousarray(surface.mask).view(np.uint8)
+    return {name: hashlib.sha256(one.data).hexdigest() for name, one in arrays.items()}
 
 
 def read_processing(path: str | Path) -> Processing:

@@ -42,9 +42,9 @@ def seen_and_law(
     """What photographs show at some pixels, and what Lambert's law makes of the surface: (N, P) each."""
     values = capture.photographs.at(pixels)
     values = values if values.ndim == 2 else values.mean(axis=2)
-    albedo = surface.albedo if surface.albedo.ndim == 2 else surface.albedo.mean(axis=2)
+    albedo = surface.albedo.reshape(surface.height.size, -1)[pixels].mean(axis=1)
     law = shading(capture, surface.normals.reshape(-1, 3)[pixels], pixels)
-    return values, np.maximum(law, 0) * albedo.reshape(-1)[pixels]
+    return values, np.maximum(law, 0) * albedo
 
 
 def is_lit(values: FloatArray, law: FloatArray) -> BoolArray:

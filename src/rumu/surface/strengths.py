@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rumu.image_stack import ImageStack
+from rumu.image_stack import ImageStack, pixels_of
+from rumu.surface.compiled import l1_solver
 from rumu.surface.robust import (
     RobustSettings,
     brightness_rows,
-    l1,
     law,
     pixel_scale,
     relative_residuals,
@@ -100,9 +100,7 @@ def estimate_photometry(
 def sample(images: FloatArray | ImageStack, *, mask: BoolArray, most: int) -> FloatArray:
     """(P <= most, N) float64 gray brightness of the brighter four fifths of the pixels in the mask."""
     images = images if isinstance(images, ImageStack) else ImageStack.of_arrays(images)
-    chosen = np.flatnonzero(mask)
-    chosen = chosen[:: max(1, len(chosen) // (4 * most))]
-    rows: FloatArray = brightness_rows(images.at(chosen))
+    rows: FloatArray = brightness_rows(images.at(pixels_of(mask, about=4 * most)))
     rows = np.asarray(rows[rows.max(axis=1) > SHADOW_FLOOR])
     if len(rows) == 0:
         return rows
@@ -172,8 +170,8 @@ def _residual(rows: FloatArray, lights: FloatArray, photometry: Photometry) -> f
     """Sixty-percent quantile of what contradicts Lambert's law, in shares of the pixel's brightness."""
     cleaned = subtract_black(rows, photometry.black_level)
     lamps = lights * photometry.strengths[:, None]
-    fit = l1(cleaned, lamps, RobustSettings())
-    off, lit = relative_residuals(cleaned, lamps, fit.scaled, dark=RobustSettings().dark)
+    scaled = l1_solver()(cleaned, lamps, RobustSettings())
+    off, lit = relative_residuals(cleaned, lamps, scaled, dark=RobustSettings().dark)
     return float(np.quantile(off[lit], 0.6)) if lit.any() else 0.0
 
 
@@ -233,7 +231,7 @@ def _gauss_newton_step(
     lamps = lights * now.strengths[:, None]
     cleaned = subtract_black(rows, now.black_level)
     scale = pixel_scale(cleaned)
-    scaled = l1(cleaned, lamps, RobustSettings()).scaled
+    scaled = l1_solver()(cleaned, lamps, RobustSettings())
     left = cleaned - law(scaled, lamps)
     trust = np.where(cleaned > 0.05 * scale, 1.0 / np.sqrt((left / scale) ** 2 + 1e-6), 0.0) / scale**2
     # What one unit of an unknown adds to a value: the light itself, or one unit of black.
