@@ -16,6 +16,7 @@ from rumu.surface.reflectance import (
     Material,
     MaterialSettings,
     choose_materials,
+    doubt,
     fit_material,
     reflected,
 )
@@ -193,6 +194,22 @@ def test_the_compiled_search_finds_what_the_other_does(material):
     assert np.abs(one.contradicted - other.contradicted).max() < 0.05
 
 
+@pytest.mark.parametrize("name", ["Lambert", "Phong, exponent 20", "Oren-Nayar, slope .6"])
+def test_the_compiled_doubt_is_that_of_numpy(name):
+    truth, where = ball()
+    lights = spread_lamps(15)
+    values = photograph_material(truth, lights, name)[:, where].astype(np.float32)
+    values[:, ::50], values[:, 1::50], values[3, 2::5] = 0.0, 1.0, 1.0  # unlit, overexposed, some white
+    done = compiled.solve_tile(values, lights, solver="robust", black_level=0.0, settings=RobustSettings())
+    lamps, settings = Lamps(lights), MaterialSettings()
+    seen = lamps.relative(values.T.astype(np.float64), settings)
+    one, other = (find(seen, lamps, done.normals, settings) for find in (doubt, compiled.doubt))
+    assert (np.abs(one[0] - other[0]) < 1e-3).mean() > 0.999  # but where a lamp is just dark
+    assert (one[1] == other[1]).mean() > 0.999
+    if name != "Lambert":
+        assert one[1].any() and not one[1].all()
+
+
 def test_without_numba_the_same_materials_are_found(monkeypatch):
     truth, where = ball()
     lights = spread_lamps(12)
@@ -217,6 +234,27 @@ def test_colour_under_gloss_is_that_of_the_ground():
     bleached, kept = (np.abs(one.albedo - ground).mean() for one in (plain, done))
     changed = (plain.normals != done.normals).any(axis=1).mean()
     assert changed > 0.5 and kept < 0.25 * bleached and kept < 0.04
+
+
+@pytest.mark.parametrize("colour", [False, True])
+def test_each_pixel_tells_how_strong_its_gloss_is(colour):
+    """One varnish over grounds of any albedo: its share of a dark one is not that of the voters."""
+    truth, _ = ball()
+    lights = spread_lamps(24)
+    lamps = Lamps(lights)
+    normals = truth[20:44, 20:44].reshape(-1, 3)
+    voted = Material("gloss", 0.4, 0.3)
+    matte, glossy = (reflected(normals, lamps, m) for m in (LAMBERT, voted))
+    ground = np.tile([0.08, 0.12, 0.2, 0.3, 0.45, 0.6], len(normals) // 6)
+    shown = (ground[:, None] * matte + 0.25 * (glossy - matte)).T
+    values = np.clip(shown, 0, 1).astype(np.float32)
+    values = values[..., None] * np.float32([1.0, 1.0, 1.0]) if colour else values
+    plain = robust.solve_tile(values, lights, solver="robust", black_level=0.0, settings=RobustSettings())
+    done = solve_materials(values, lights, plain, [voted])
+    changed = (plain.normals != done.normals).any(axis=1)
+    found = done.albedo.mean(axis=1) if colour else done.albedo
+    off = np.abs(found / ground - 1)[changed]
+    assert changed.mean() > 0.4 and np.median(off) < 0.06 and np.quantile(off, 0.9) < 0.3
 
 
 def test_ink_votes_beside_paper():

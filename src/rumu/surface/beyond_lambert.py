@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.image_stack import ImageStack
-from rumu.surface.compiled import material_fitter, tile_solver
+from rumu.surface.compiled import doubt_finder, material_fitter, tile_solver
 from rumu.surface.reflectance import (
     LAMBERT,
     MATERIALS,
@@ -27,7 +27,6 @@ from rumu.surface.reflectance import (
     MaterialFit,
     MaterialSettings,
     choose_materials,
-    rate,
     reflected,
     trusts,
     usual_error,
@@ -158,13 +157,11 @@ def solve_materials(
     settings = settings or MaterialSettings()
     rows, lamps = brightness_rows(values, black_level=black_level), Lamps(lights)
     seen = lamps.relative(rows, settings)
-    lambert = rate(seen, lamps, LAMBERT, done.normals.astype(np.float64), settings)
-    doubtful = np.flatnonzero(
-        (usual_error(seen, lamps, lambert, settings) > settings.exact) & (done.confidence > 0)
-    )
+    contradicted, in_doubt = doubt_finder()(seen, lamps, done.normals, settings)
+    doubtful = np.flatnonzero(in_doubt & (done.confidence > 0))
     if not doubtful.size:
         return done
-    seen, before = seen.chosen(doubtful), lambert.contradicted[doubtful]
+    seen, before = seen.chosen(doubtful), contradicted[doubtful]
     starts = lamps.starts(seen, done.normals[doubtful].astype(np.float64))
     fit = material_fitter()
     tried = (LAMBERT, *materials)
@@ -182,7 +179,13 @@ def solve_materials(
         normals[pixels] = won.normals
         if material.kind != "metal":
             albedo[pixels] = _albedo(
-                values[:, pixels] - black_level, seen.scale[wins], lamps, material, won, weights=weights
+                values[:, pixels] - black_level,
+                seen.scale[wins],
+                lamps,
+                material,
+                won,
+                weights=weights,
+                settings=settings,
             )
         confidence[pixels] = (1.0 - won.contradicted) * span_of_lamps(weights, lights)
     return replace(done, normals=normals, albedo=albedo, confidence=confidence)
@@ -196,20 +199,32 @@ def _albedo(
     found: MaterialFit,
     *,
     weights: FloatArray,
+    settings: MaterialSettings,
 ) -> FloatArray:
-    """(P,), or (P, 3) of values (N, P, 3): brightness of the material; under gloss without the gloss."""
-    if values.ndim == 2:
-        return np.asarray(found.brightness * scale, dtype=np.float32)
+    """(P,), or (P, 3) of values (N, P, 3): brightness of the material; under gloss without the gloss.
+
+    weights: (P, N), the trust in each value.
+    """
+    seen = np.moveaxis(values if values.ndim == 3 else values[..., None], 0, 1) / lamps.strengths[:, None]
     shape = reflected(found.normals, lamps, material)
-    seen = values / lamps.strengths[:, None, None]
-    if material.kind == "gloss":  # the lobe has the colour of the lamp, so all channels show as much of it
-        matte = reflected(found.normals, lamps, LAMBERT)
-        lobe = (found.brightness * scale)[:, None] * (shape - matte)
-        seen, shape = seen - lobe.T[..., None], matte
-    trusted = weights * shape
-    power = np.maximum((trusted * shape).sum(axis=1), 1e-9)
-    albedo = np.einsum("pn,npc->pc", trusted, seen) / power[:, None]
-    return np.asarray(np.maximum(albedo, 0.0), dtype=np.float32)
+    matte = shape if material.kind == "rough" else reflected(found.normals, lamps, LAMBERT)
+    trusted = weights * matte
+    power = np.maximum((trusted * matte).sum(axis=1), 1e-9)
+    albedo = np.einsum("pn,pnc->pc", trusted, seen) / power[:, None]
+    if material.kind == "gloss":
+        # How strong the lobe is each pixel tells by itself, now that its normal is known: the material's
+        # share is that of some albedo, and a lobe as strong over darker ground has a larger one. It has the
+        # colour of the lamp, so that all channels show as much of it.
+        lobe, gray = shape - matte, seen.mean(axis=2)
+        both = (trusted * lobe).sum(axis=1)
+        own = (weights * lobe * lobe).sum(axis=1)
+        prior = settings.strength_prior * own
+        told = (weights * lobe * gray).sum(axis=1) - both * albedo.mean(axis=1)
+        sure = np.maximum(own - both * both / power + prior, 1e-12)
+        strength = np.maximum((told + prior * found.brightness * scale) / sure, 0.0)
+        albedo -= (strength * both / power)[:, None]
+    albedo = np.maximum(albedo, 0.0).astype(np.float32)
+    return np.asarray(albedo if values.ndim == 3 else albedo[:, 0])
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -47,6 +47,11 @@ def material_fitter() -> Callable[..., MaterialFit]:
     return fit_material if has_numba() else reflectance.fit_material
 
 
+def doubt_finder() -> Callable[..., tuple[FloatArray, BoolArray]]:
+    """What tells where Lambert's law is in doubt: the same."""
+    return doubt if has_numba() else reflectance.doubt
+
+
 def l1_solver() -> Callable[[FloatArray, FloatArray, RobustSettings], FloatArray]:
     """What finds (P, 3) albedo times normal by least absolute residuals of rows (P, N): the same."""
     return l1 if has_numba() else _l1_in_numpy
@@ -207,15 +212,40 @@ def fit_material(
     from rumu.surface import reflectance_kernels as kernels
 
     kind = {"gloss": kernels.GLOSS, "metal": kernels.METAL, "rough": kernels.ROUGH}[material.kind]
-    s = settings
-    limits = (s.proportional**2, s.width**2, s.dark, s.longest_step)
     normals = np.empty((3, len(seen)), np.float32)
     brightness, contradicted = (np.empty(len(seen), np.float32) for _ in range(2))
     kernels.fit(
-        np.ascontiguousarray(seen.shares.T, dtype=np.float32), seen.noise2[:, 0].astype(np.float32),
-        np.ascontiguousarray(np.hstack([lamps.directions, lamps.halfway]), dtype=np.float32),
-        np.ascontiguousarray(starts.transpose(1, 2, 0), dtype=np.float32),
-        kind, np.float32(material.roughness), np.float32(material.share), np.array(limits, np.float32),
-        s.rounds, normals, brightness, contradicted,
+        *_material_inputs(seen, lamps), np.ascontiguousarray(starts.transpose(1, 2, 0), dtype=np.float32),
+        kind, np.float32(material.roughness), np.float32(material.share), _material_limits(settings),
+        settings.rounds, normals, brightness, contradicted,
     )  # fmt: skip
     return MaterialFit(*(one.astype(np.float64) for one in (normals.T, brightness, contradicted)))
+
+
+def doubt(
+    seen: PixelValues, lamps: Lamps, normals: FloatArray, settings: MaterialSettings
+) -> tuple[FloatArray, BoolArray]:
+    """Where Lambert's law is in doubt; see `rumu.surface.reflectance.doubt`."""
+    from rumu.surface import reflectance_kernels as kernels
+
+    contradicted, doubtful = np.empty(len(seen), np.float32), np.empty(len(seen), np.bool_)
+    kernels.doubt(
+        *_material_inputs(seen, lamps), np.ascontiguousarray(normals.T, dtype=np.float32),
+        _material_limits(settings), np.float32(settings.exact), contradicted, doubtful,
+    )  # fmt: skip
+    return contradicted, doubtful
+
+
+def _material_inputs(seen: PixelValues, lamps: Lamps) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Shares (N, P), noise (P,) and lamps (N, 6) as `reflectance_kernels` wants them."""
+    return (
+        np.ascontiguousarray(seen.shares.T, dtype=np.float32),
+        seen.noise2[:, 0].astype(np.float32),
+        np.ascontiguousarray(np.hstack([lamps.directions, lamps.halfway]), dtype=np.float32),
+    )
+
+
+def _material_limits(settings: MaterialSettings) -> FloatArray:
+    """What `reflectance_kernels` is told of the settings."""
+    s = settings
+    return np.array((s.proportional**2, s.width**2, s.dark, s.longest_step), np.float32)

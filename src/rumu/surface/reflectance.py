@@ -71,6 +71,8 @@ class MaterialSettings:
     exact: median error, over the noise, up to which Lambert's law stands without a look at materials: half of
         the lamps then agree to this, which a law that is not the pixel's does not do, and the others are
         forgotten as gloss or shadow.
+    strength_prior: how much the material's own share counts for the strength of gloss at a pixel, beside what
+        its lamps say.
     contradicted: share of a pixel's lamps beyond which no material is believed there, as between mirrors.
     least_lamps: below which no material is looked for.
     patches, patch_side: how many squares of how many pixels are solved on trial. rougher: times the curl of
@@ -93,6 +95,7 @@ class MaterialSettings:
     gain: float = 0.1
     drop: float = 0.01
     exact: float = 1.0
+    strength_prior: float = 0.02
     contradicted: float = 0.4
     least_lamps: int = 8
     patches: int = 24
@@ -241,6 +244,17 @@ def usual_error(seen: PixelValues, lamps: Lamps, fit: MaterialFit, settings: Mat
     middle = np.maximum(np.count_nonzero(telling, axis=1) - 1, 0) // 2
     usual = np.where(telling.any(axis=1), np.take_along_axis(off, middle[:, None], axis=1)[:, 0], 0.0)
     return np.asarray(usual / np.sqrt(seen.noise2[:, 0]))
+
+
+def doubt(
+    seen: PixelValues, lamps: Lamps, normals: FloatArray, settings: MaterialSettings
+) -> tuple[FloatArray, BoolArray]:
+    """(P,) each: the share of lamps that contradict Lambert's law, and whether it is in doubt.
+
+    normals: (P, 3). In doubt is a pixel of which half of the lamps are further off than `settings.exact`.
+    """
+    found = rate(seen, lamps, LAMBERT, normals, settings)
+    return found.contradicted, usual_error(seen, lamps, found, settings) > settings.exact
 
 
 def _telling(seen: PixelValues, shown: FloatArray, settings: MaterialSettings) -> BoolArray:

@@ -254,3 +254,52 @@ def fit(
             brightness[p], contradicted[p] = bright[j], best[j]
             for axis in range(3):
                 normals[axis, p] = now[axis * LANES + j]
+
+
+@_kernel
+def doubt(
+    values: Any,
+    noise: Any,
+    lamps: Any,
+    normals: Any,
+    limits: Any,
+    exact: Any,
+    contradicted: Any,
+    doubtful: Any,
+) -> None:
+    """Write how far each pixel contradicts Lambert's law, and where it is in doubt; see `reflectance.doubt`.
+
+    values: (N, P), -1 where overexposed. noise: (P,) squared. normals: (3, P). exact: over the noise.
+    contradicted: (P,) float32, doubtful: (P,) bool, written.
+    """
+    n, pixels = values.shape
+    lanes, shape = np.empty((n, LANES), np.float32), np.empty((n, LANES), np.float32)
+    now, bright = np.empty(3 * LANES, np.float32), np.empty(LANES, np.float32)
+    above, below = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
+    noise2, found = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
+    near, telling = np.empty(LANES, np.int32), np.empty(LANES, np.int32)
+    dark, within = limits[2], exact * exact
+    for first in range(0, pixels, LANES):
+        count = min(LANES, pixels - first)
+        for i in range(n):
+            for j in range(LANES):
+                lanes[i, j] = values[i, first + min(j, count - 1)]
+        for j in range(LANES):
+            p = first + min(j, count - 1)
+            noise2[j], near[j], telling[j] = noise[p], 0, 0
+            for axis in range(3):
+                now[axis * LANES + j] = normals[axis, p]
+        _reflect(ROUGH, _ONE, _ZERO, now, lamps, shape)
+        _first_brightness(lanes, noise2, shape, limits, bright, above, below)
+        _rescale(lanes, noise2, shape, limits, bright, above, below)
+        _contradict(lanes, noise2, shape, limits, bright, found)
+        for i in range(n):
+            for j in range(LANES):
+                shown = bright[j] * shape[i, j]
+                off = lanes[i, j] - shown
+                tells = lanes[i, j] > dark or (shown > dark and lanes[i, j] >= _ZERO)
+                telling[j] += 1 if tells else 0
+                near[j] += 1 if tells and off * off <= within * noise2[j] else 0
+        for j in range(count):
+            contradicted[first + j] = found[j]
+            doubtful[first + j] = telling[j] > 0 and near[j] < (telling[j] - 1) // 2 + 1
