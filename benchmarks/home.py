@@ -75,7 +75,9 @@ def main() -> None:
             for number, line in enumerate(lines, start=1):
                 facts = visit(browser, url, line)
                 told = ", ".join(f"{name} {value:.2f}" for name, value in facts.items() if name != "kB")
-                print(f"visit {number}{', slow line' if line else ''}: seconds to {told}; {facts['kB']:.0f} kB")
+                print(
+                    f"visit {number}{', slow line' if line else ''}: seconds to {told}; {facts['kB']:.0f} kB"
+                )
         browser.close()
 
 
