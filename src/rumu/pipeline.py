@@ -17,7 +17,7 @@ from rumu.assessment.refusal import RefusalFigures, RefusalLimits, RefusalRefere
 from rumu.assessment.refusal_reasons import Refusal, refusal_of
 from rumu.assessment.remarks import Review, write_remarks
 from rumu.capture.folder import read_capture
-from rumu.characters.stroke_data import CanonicalCharacter, find_character
+from rumu.characters.stroke_data import STROKE_SCRIPTS, CanonicalCharacter, find_character
 from rumu.errors import RefusedImage, RegistrationError, SurfaceError
 from rumu.image_stack import Progress
 from rumu.registration.icp import IcpSettings, register_points
@@ -32,8 +32,6 @@ from rumu.surface.relief import relief
 from rumu.values import Assessment, Capture, FloatArray, PointSet, Registration, Surface
 
 SurfaceLike = Surface | str | Path | np.ndarray
-_NAMED_SCRIPTS = (None, "regular", "running")
-"""Scripts whose strokes are those of copybooks, or nearly; None where it is not known."""
 
 
 def reconstruct(
@@ -256,9 +254,9 @@ def prepare_master(
     master that is said to be in regular or running script is the character recognised, where that is certain:
     what is 水 in seal script is 巛 in another.
     """
-    if script not in _NAMED_SCRIPTS:
+    if script not in STROKE_SCRIPTS:
         character = None
-    recognised = script is not None and script in _NAMED_SCRIPTS
+    recognised = script is not None and script in STROKE_SCRIPTS
     if not isinstance(reference, PreparedMaster):
         return PreparedMaster(surface_of(reference), character, recognised)
     if character and reference.character is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from rumu import pipeline
 from rumu.assessment.remarks import write_remarks
 from rumu.assessment.thresholds import RemarkThresholds
+from rumu.assessment.whole_remarks import find_whole_faults
 from rumu.gallery.starter import find_work, starter_samples
 from rumu.strokes.correspondence import CopyStrokes
 from rumu_lab.simulation.faults import FAULTS
@@ -107,6 +109,25 @@ def test_an_offset_is_named_with_its_direction(*, said, moved, mask, shift, zh, 
 def test_weight_is_named(*, said, fault, mask, name, kind, sign):
     remark = the(kind, said(fault(WORK, name, 4).mask, mask(WORK)))
     assert remark.size * sign > 0.15
+
+
+@pytest.mark.parametrize(
+    ("strokes", "ink", "told"),
+    [
+        (1.68, 1.16, 0.16),  # strokes that lie on other ink seem far too heavy
+        (0.55, 0.80, -0.20),  # and too thin
+        (1.30, 1.60, 0.30),
+        (1.02, 1.30, 0.30),  # where the strokes say nothing, the ink does
+        (1.40, 1.01, None),  # and where the ink says nothing, nothing is told
+    ],
+)
+def test_of_two_measures_of_weight_the_lesser_is_told(*, strokes, ink, told):
+    match = SimpleNamespace(
+        width=strokes, width_error=lambda points: 0.0, master=SimpleNamespace(points=None)
+    )
+    pose = SimpleNamespace(match=match, heaviness=float(np.log(ink)), framed=False)
+    found = [fault.remark.size for fault in find_whole_faults(pose, RemarkThresholds())]
+    assert found == ([] if told is None else [pytest.approx(told)])
 
 
 def test_small_faults_are_left_unsaid(said, moved, mask):

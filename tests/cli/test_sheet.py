@@ -47,3 +47,18 @@ def test_what_cannot_be_printed_is_said_in_one_line(tmp_path: Path):
         assert done.exit_code == code and not (tmp_path / "s.pdf").exists()
         if code == 1:
             assert done.stderr.count("\n") == 1
+
+
+def test_punctuation_of_a_text_gets_no_cells(tmp_path: Path):
+    done = run("sheet", "天，人。\n（水）", "-o", tmp_path / "s.pdf", "--times", "1", "--json")
+    assert done.exit_code == 0 and json.loads(done.stdout)["cells"] == 3
+
+
+def test_a_name_that_is_too_long_is_told_by_itself(tmp_path: Path):
+    done = run("sheet", "永", "-o", tmp_path / "s.pdf", "--pupil", "陳" * 25)
+    assert done.exit_code == 1 and done.stderr.startswith("rumu: expected a pupil's name of at most 24")
+
+
+def test_masters_that_are_neither_file_nor_work_are_told_as_both(tmp_path: Path):
+    done = run("sheet", "永", "-o", tmp_path / "s.pdf", "--master", "mine.png")
+    assert done.exit_code == 1 and "mine.png: there is no such file or folder, and no work" in done.stderr

@@ -186,3 +186,26 @@ def test_ctrl_c_stays_ignored_where_it_was():
         "c.app = lambda **k: time.sleep(1)\nrumu.cli.main()"
     )
     assert end_of(script, after=0.5) == (0, b"")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("sheet",), "Missing argument 'TEXT'."),
+        (("nothing",), "No such command 'nothing'."),
+        (("card", "-o", "c.pdf", "--paper", "A5"), "'A5' is not one of 'A4', 'Letter'."),
+        (("sheet", "永", "-o", "s.pdf", "--cell", "500"), "expected less than or equal to 160, got '500'"),
+        (("find", "copy.png"), "Missing option '--masters'."),
+        (("assess", "copy.png"), "expected COPY --reference MASTER, or --pairs PAIRS.csv -o OUT.csv"),
+    ],
+)
+def test_wrong_usage_is_an_object_too_where_one_is_asked_for(arguments, told, capsys, tmp_path, monkeypatch):
+    from rumu.cli.commands import run
+
+    monkeypatch.chdir(tmp_path)
+    assert run(list(arguments)) == 2
+    plainly = capsys.readouterr()
+    assert plainly.out == "" and told in plainly.err
+    assert run([*arguments, "--json"]) == 2
+    asked = capsys.readouterr()
+    assert told in json.loads(asked.out)["error"] and asked.err == plainly.err

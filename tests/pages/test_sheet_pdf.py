@@ -53,3 +53,21 @@ def test_pages_have_the_size_of_their_paper(masters):
 def test_a_character_without_a_master_is_refused():
     with pytest.raises(RumuError, match="none of 水"):
         sheet_pdf(lay_out(SheetPage("永水", "strokes")), choose_masters("永").shapes)
+
+
+@pytest.mark.parametrize(
+    ("script", "ordered"),
+    [("regular", True), ("running", True), ("seal", False), ("clerical", False), ("cursive", False)],
+)
+def test_the_order_of_strokes_is_printed_only_of_scripts_that_have_it(script, ordered):
+    """Above a seal character stands its name, not the order of another script's strokes."""
+    (page,) = lay_out(SheetPage("水", script, help="none", times=2))
+    data = sheet_pdf([page], choose_masters("水", (script,)).shapes)
+    shown = np.asarray(pypdfium2.PdfDocument(data)[0].render(scale=4).to_pil().convert("RGB")).astype(int)
+    ((_, strip),) = page.labels
+    top, left, bottom, right = (
+        round(v * 4 * 72 / 25.4)
+        for v in (strip.top, strip.left, strip.top + strip.height - 0.4, strip.left + strip.width)
+    )
+    red = shown[top:bottom, left:right, 0] - shown[top:bottom, left:right, 1] > 120
+    assert red.any() == ordered

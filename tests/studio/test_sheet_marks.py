@@ -146,6 +146,7 @@ def test_what_cannot_be_read_costs_the_others_nothing(photos, tmp_path):
     (tmp_path / "in" / "broken.pdf").write_bytes(b"%PDF-1.4 no document")
     found = mark_sheets([tmp_path / "in"], tmp_path / "out", jobs=1)
     assert [bool(facts["refused"]) for facts in found] == [True, True, False]
+    assert not any(f"{facts['photo']}:" in facts["refused"] for facts in found[:2])  # its row names it
 
 
 def test_a_folder_with_other_things_is_left_alone(photos, tmp_path):

@@ -82,8 +82,10 @@ def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
     least = limits.weight + strokes.width_error(strokes.master.points)
     measured = float(np.log(max(strokes.width, 1e-6)))
     agreed = measured * pose.heaviness >= -(_AGREED**2)  # else some strokes are heavy, others thin
-    # the widths of most strokes, or else of all ink: where only some are heavy the whole looks it, too
-    weight = measured if agreed and abs(measured) >= least else pose.heaviness
+    # the widths of most strokes, or else of all ink: where only some are heavy the whole looks it, too; where
+    # both say so, the lesser: strokes that were laid on other ink look far too heavy or too thin
+    both = agreed and abs(measured) >= least
+    weight = min(measured, pose.heaviness, key=abs) if both else pose.heaviness
     if abs(weight) < limits.weak * least:
         return
     much = np.exp(weight) - 1.0

@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import RumuError
-from rumu.values import Bilingual, FloatArray, IntArray
+from rumu.values import Bilingual, FloatArray, IntArray, Script
 
 Structure = Literal[
     "left-right",
@@ -46,6 +46,8 @@ _LINE_GRID, _OUTLINE_GRID = 6.0, 7.0  # units to which points are rounded, as in
 _COMMANDS = {"M": 1, "L": 1, "Q": 2, "C": 3, "Z": 0}  # and how many points each takes
 _CURVE_STEPS = 6  # straight pieces for each curve of an outline
 
+STROKE_SCRIPTS: tuple[Script | None, ...] = (None, "regular", "running")
+"""Scripts whose strokes are those of copybooks, or nearly; None where it is not known."""
 STROKE_NAMES = {
     "a": Bilingual("橫折折撇", "horizontal with two bends, falling left"),
     "b": Bilingual("豎彎", "vertical with a bend"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, cast
 
 import typer
 
@@ -24,8 +24,9 @@ from rumu.cli import (
     sheet,
     surfaces,
 )
-from rumu.cli.terminal import FINE, speak_plainly
+from rumu.cli.terminal import FINE, speak_plainly, tell_wrong_usage
 
+_UsageError = cast("type[Exception]", typer.BadParameter.__base__)  # typer has no name for it
 app = typer.Typer(
     name="rumu",
     help="Chinese calligraphy as 3-D surfaces, and an honest mark for a learner's copy.",
@@ -76,7 +77,9 @@ def run(arguments: list[str]) -> object:
     """Run one command and return what the process ends with, as sys.exit takes it."""
     speak_plainly()
     try:
-        app(args=arguments, prog_name="rumu")
+        ended = app(args=arguments, prog_name="rumu", standalone_mode=False)
+    except _UsageError as error:
+        return tell_wrong_usage(error, as_json="--json" in arguments)
     except SystemExit as end:
         return end.code
-    return FINE
+    return ended if isinstance(ended, int) else FINE

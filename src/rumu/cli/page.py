@@ -87,7 +87,7 @@ def _read_one(photo: Path, out: Path, *, text: Path | None, reference: Sequence[
     facts = {"photo": photo, "out": out, "seconds": round(seconds, 3), **found.as_json()}
     if not found.characters:
         nothing = f"{photo}: no columns of writing were found on this picture (這張圖上找不到成行的字)"
-        return Outcome(facts, f"{out}: {photo} holds no columns of writing", refused=nothing)
+        return Outcome({**facts, "error": nothing}, f"  {out / 'report.html'}", refused=nothing)
     return Outcome(facts, _describe(found, photo, out, seconds))
 
 

@@ -72,12 +72,12 @@ def sheet(
 
     from rumu.gallery.sheet_masters import choose_masters, masters_file
     from rumu.outputs import whole_file
-    from rumu.pages.sheet_layout import SheetPage, lay_out
+    from rumu.pages.sheet_layout import SheetPage, characters_to_write, lay_out
     from rumu.pages.sheet_pdf import sheet_pdf
 
-    characters = "".join(text.split())
+    characters = characters_to_write(text)
     if not characters:
-        raise typer.BadParameter("expected characters to write, got none", param_hint="'TEXT'")
+        raise typer.BadParameter(f"expected characters to write, got {text!r}", param_hint="'TEXT'")
     names = [*(pupil or ()), *(_read_names(pupils) if pupils else ())]
     with working("Drawing"):
         masters = choose_masters(characters, master or (), script=script)  # type: ignore[arg-type]

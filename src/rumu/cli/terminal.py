@@ -29,8 +29,8 @@ from rumu.outputs import is_full
 
 P = ParamSpec("P")
 
-FINE, FAILED = 0, 1
-"""Exit codes of a command that came to its end."""
+FINE, FAILED, WRONG_USAGE = 0, 1, 2
+"""Exit codes of a command that came to its end, and of one that could not begin."""
 Advance = Callable[[int, int], None]
 """Called with (done, total)."""
 
@@ -151,6 +151,18 @@ def _fail(message: str, *, as_json: bool) -> NoReturn:
         print(json.dumps({"error": " ".join(message.split())}, ensure_ascii=False), flush=True)
     _complain(message)
     raise SystemExit(FAILED) from None
+
+
+def tell_wrong_usage(error: Any, *, as_json: bool) -> int:
+    """Print what is wrong with a command line, as an object too where one was asked for; the exit code."""
+    message = error.message.replace("Value error, ", "").replace("Input should be", "expected")
+    for one in getattr(error.__cause__, "errors", list)()[:1]:  # of pydantic, which does not say what came
+        message += "" if repr(one["input"]) in message else f", got {one['input']!r}"
+    error.message = message
+    if as_json:
+        print(json.dumps({"error": " ".join(error.format_message().split())}, ensure_ascii=False), flush=True)
+    error.show()
+    return WRONG_USAGE
 
 
 def _unexpected(error: Exception) -> str:

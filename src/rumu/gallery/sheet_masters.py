@@ -85,9 +85,13 @@ class SheetMasters:
     @cached_property
     def shapes(self) -> dict[str, Any]:
         """Their shapes as a sheet prints them, by character."""
+        from rumu.characters.stroke_data import STROKE_SCRIPTS
         from rumu.pages.sheet_models import MasterShape
 
-        return {character: MasterShape(master.ink) for character, master in self.by_character.items()}
+        return {
+            character: MasterShape(master.ink, in_strokes=master.script in STROKE_SCRIPTS)
+            for character, master in self.by_character.items()
+        }
 
 
 def choose_masters(text: str, sources: Sequence[str] = (), *, script: Script | None = None) -> SheetMasters:
@@ -244,7 +248,10 @@ def _from_gallery(name: str, text: str) -> dict[str, SheetMaster]:
     gallery = open_gallery()
     found = works(gallery, collection=name, limit=100_000).items
     if not found:
-        found = (work(gallery, name),)
+        try:
+            found = (work(gallery, name),)
+        except GalleryError as error:
+            raise GalleryError(f"{name}: there is no such file or folder, and {error}") from error
     return masters_of_works(found, gallery.store, text)
 
 

@@ -6,6 +6,7 @@ its printed code says the page, so a reader knows where each cell is and what be
 
 from __future__ import annotations
 
+import unicodedata
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -79,6 +80,11 @@ class SheetCell:
         return self.model != "full"
 
 
+def characters_to_write(text: str) -> str:
+    """The characters of a text that are written in cells: no spaces, no line ends, no punctuation."""
+    return "".join(sign for sign in text if unicodedata.category(sign)[0] not in "ZCP")
+
+
 @dataclass(frozen=True)
 class SheetPage:
     """One page of a sheet: all that its layout depends on, as its code says it.
@@ -126,11 +132,13 @@ class SheetPage:
             )
         if not self.text or any(not sign.isprintable() or sign.isspace() for sign in self.text):
             raise RumuError(f"expected characters to print, got {self.text!r}", zh="這裡有印不出來的字。")
-        if not 1 <= self.number <= self.count or len(self.pupil) > LONGEST_PUPIL:
+        if not 1 <= self.number <= self.count:
+            raise RumuError(f"expected a page from 1 to {self.count}, got {self.number}")
+        if len(self.pupil) > LONGEST_PUPIL:
+            count, begun = len(self.pupil), self.pupil[:LONGEST_PUPIL]
             raise RumuError(
-                f"expected a page of {self.count} and a name of at most {LONGEST_PUPIL} characters, "
-                f"got {self.number} and {self.pupil!r}",
-                zh=f"學生的名字最多 {LONGEST_PUPIL} 個字。",
+                f"expected a pupil's name of at most {LONGEST_PUPIL} characters, got {count}: {begun}…",
+                zh=f"學生的名字最多 {LONGEST_PUPIL} 個字，「{begun}…」有 {count} 個。",
             )
 
     @property

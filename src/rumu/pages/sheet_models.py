@@ -21,10 +21,12 @@ _TOLERANCE = 0.0008  # by which an outline may be simplified, likewise
 class MasterShape:
     """A master's writing in its cell.
 
-    ink: (n, n) float32, 1 on ink, 0 on paper; the whole is the cell.
+    ink: (n, n) float32, 1 on ink, 0 on paper; the whole is the cell. in_strokes: whether it is written in the
+    strokes of copybooks, so that their order is its own.
     """
 
     ink: npt.NDArray[np.float32]
+    in_strokes: bool = True
 
     def __post_init__(self) -> None:
         if self.ink.ndim != 2 or self.ink.shape[0] != self.ink.shape[1] or not (self.ink > 0.5).any():

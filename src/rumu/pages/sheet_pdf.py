@@ -124,8 +124,9 @@ class _SheetDrawing:
     # --- above the cells ----------------------------------------------------------------------------
 
     def _draw_label(self, character: str, strip: Box) -> None:
-        """The order of the strokes, a picture for each; the character alone where it is not known."""
-        known = _canonical(character) if self._page.strokes else None
+        """The order of the strokes, a picture for each; the character alone where it has none."""
+        ordered = self._page.strokes and self._masters[character].in_strokes
+        known = _canonical(character) if ordered else None
         side = 0.0 if known is None else min(strip.height - 1.0, (strip.width - 1.5) / len(known.strokes))
         if known is None or side < 3.0:
             self._paper.write(strip.left + 0.6, strip.top + strip.height - 1.3, character, 9, INK)

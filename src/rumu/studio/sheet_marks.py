@@ -127,7 +127,7 @@ def mark_photo(
     except RefusedImage as error:
         facts |= {"refused": f"{error.reason}: {error.en}", "refused_zh": error.zh}
     except RumuError as error:  # one photograph must never cost the others
-        facts |= {"refused": " ".join(str(error).split()), "refused_zh": error.zh, "cells": []}
+        facts |= {"refused": " ".join(error.en.split()), "refused_zh": error.zh, "cells": []}
     return facts
 
 

@@ -72,10 +72,10 @@ def plan_sheet(gallery: Gallery, request: SheetRequest) -> SheetPlan:
     Raises Unusable for one that is too long or has characters without a master, Missing for a work that is
     not there, RumuError for what does not fit on a page.
     """
-    from rumu.pages.sheet_layout import SheetPage, lay_out
+    from rumu.pages.sheet_layout import SheetPage, characters_to_write, lay_out
 
     works = _chosen_works(gallery, request.works)
-    characters = "".join(request.text.split())
+    characters = characters_to_write(request.text)
     characters += "".join(work.character for work in works if work.character not in characters)
     if not characters:
         raise Unusable("no_text", zh="請寫下要練的字。", en="Expected characters to write, got none.")
