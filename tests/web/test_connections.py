@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
 import socket
@@ -17,6 +18,7 @@ import uvicorn
 from rumu.studio.people import create_person
 from rumu.studio.storage import Storage
 from rumu.web.app import create_app
+from rumu.web.connections import GracefulServer
 from rumu.web.server import listen, server_config
 from rumu.web.settings import ConnectionLimits, ServiceSettings
 
@@ -252,3 +254,32 @@ def test_dots_in_a_path_lead_nowhere(serve, path):
     request = f"GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
     answer = read_all(connect(serve(), request.encode()))
     assert answer.split()[1] == b"404" and b"root:" not in answer
+
+
+def test_requests_that_wait_for_work_are_answered_before_the_server_ends(caplog):
+    begun, ended = threading.Event(), threading.Event()
+
+    async def waiting(scope, receive, send):
+        if scope["type"] != "http":
+            return
+        begun.set()
+        while not ended.is_set():
+            await asyncio.sleep(0.01)
+        await send({"type": "http.response.start", "status": 503, "headers": []})
+        await send({"type": "http.response.body", "body": b"ended"})
+
+    listener = listen("127.0.0.1", 0)
+    server = GracefulServer(server_config(waiting, LIMITS), end_work=ended.set)
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
+    thread.start()
+    answers = []
+    url = f"http://127.0.0.1:{listener.getsockname()[1]}/"
+    asking = threading.Thread(target=lambda: answers.append(httpx.get(url, timeout=LATE, trust_env=False)))
+    asking.start()
+    assert begun.wait(LATE)
+    server.should_exit = True
+    asking.join(LATE)
+    thread.join(LATE)
+    listener.close()
+    assert [(answer.status_code, answer.content) for answer in answers] == [(503, b"ended")]
+    assert not thread.is_alive() and "Cancel" not in caplog.text

@@ -1,21 +1,25 @@
 """Connections that hold a place without using it are ended: slow heads, slow bodies, readers that stopped.
 
 uvicorn has a time limit between requests, and none within one. This protocol adds them, below the
-application, because a request whose head never ends never reaches it.
+application, because a request whose head never ends never reaches it. At the server's end what takes long is
+ended before uvicorn would cut it off.
 """
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import ipaddress
 import json
 import socket
 import struct
+import threading
 from asyncio import Transport
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
+import uvicorn
 from uvicorn.protocols.http.httptools_impl import STATUS_LINE, HttpToolsProtocol, RequestResponseCycle
 
 from rumu.web.settings import ConnectionLimits
@@ -27,6 +31,28 @@ _REFUSALS: Mapping[int, tuple[str, str, str]] = {
     431: ("head_too_large", "請求的標頭太大。", "The head of the request is too large."),
     503: ("busy", "同一部電腦開了太多連線。", "There are too many connections from one address."),
 }
+
+
+class GracefulServer(uvicorn.Server):
+    """A server that lets no request be cut off at its end, as long as its work can be ended.
+
+    end_work: called in a thread at half of the time that requests are given; whoever waits for that work then
+    answers that the service is busy.
+    """
+
+    def __init__(self, config: uvicorn.Config, *, end_work: Callable[[], object]) -> None:
+        super().__init__(config)
+        self._end_work = end_work
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Answer the open requests, and stop."""
+        grace = self.config.timeout_graceful_shutdown or 0
+        ending = threading.Thread(target=self._end_work, daemon=True)
+        half_way = asyncio.get_running_loop().call_later(grace / 2, ending.start)
+        try:
+            await super().shutdown(sockets)
+        finally:
+            half_way.cancel()
 
 
 class Clients:

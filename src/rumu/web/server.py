@@ -49,9 +49,8 @@ def serve(
     Raises RumuError when the port is taken, when another server works on the database, or when others could
     reach a service that has no owner yet.
     """
-    import uvicorn
-
     from rumu.web.app import create_app
+    from rumu.web.connections import GracefulServer
 
     listener = listen(host, port)
     with contextlib.closing(listener), lock_server(settings.storage.database) as lock:
@@ -68,7 +67,9 @@ def serve(
         address = ServerAddress(f"{url}/", link and f"{url}{link}")
         on_listen(address)
         _allow_open_files()
-        server = uvicorn.Server(server_config(app, settings.connections, proxies=proxies))
+        server = GracefulServer(
+            server_config(app, settings.connections, proxies=proxies), end_work=service.workers.stop
+        )
         if on_ready is not None:
             threading.Thread(target=_wait_until_ready, args=(server, address, on_ready), daemon=True).start()
         server.run(sockets=[listener])
