@@ -135,9 +135,12 @@ HOSTILE = [
 ]
 
 
-@pytest.mark.parametrize("who", ["林", "館主"])
-def test_no_number_date_or_type_in_a_body_ends_in_a_fault(new_world, who):
-    """Every place of every JSON body, with what Python's JSON lets in and databases do not."""
+@pytest.mark.parametrize(("who", "step"), [("林", 4), ("館主", 1)])
+def test_no_number_date_or_type_in_a_body_ends_in_a_fault(new_world, who, step):
+    """Every place of every JSON body, with what Python's JSON lets in and databases do not.
+
+    A teacher, who is let in to fewer routes, asks with every fourth of them.
+    """
     world = new_world(rate_limits=UNLIMITED)
     browser = world.browser(who)
     document = world.app.openapi()
@@ -151,7 +154,7 @@ def test_no_number_date_or_type_in_a_body_ends_in_a_fault(new_world, who):
             names = {"class_id": world.ids["林班"], "work_id": "regular-shui", "person_id": world.ids["吳"]}
             url = path.format_map(_Ids(names))
             for place in _leaves(body):
-                for hostile in HOSTILE:
+                for hostile in HOSTILE[::step]:
                     text = json.dumps(_with(body, place, "HERE")).replace('"HERE"', hostile)
                     headers = {"Content-Type": "application/json"}
                     answer = browser(method.upper(), url, content=text.encode(), headers=headers)
