@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import io
+import json
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from PIL import Image
 from tests.gallery.pages import draw_page
 
-from rumu.errors import GalleryError, RefusedImage
-from rumu.gallery import tile_maps
+from rumu.errors import GalleryError, RefusedImage, SurfaceError
+from rumu.gallery import assets, tile_maps
 from rumu.gallery.add_work import add_picture
-from rumu.gallery.assets import Assets, assets_of
+from rumu.gallery.assets import Assets, assets_of, store_surface, surface_key
 from rumu.gallery.catalog import delete_work, work
-from rumu.gallery.derived import delete_least_used
+from rumu.gallery.derived import KINDS, delete_least_used
 from rumu.gallery.iiif import manifest
 from rumu.gallery.metadata import WorkMetadata
 from rumu.gallery.store import Gallery
@@ -24,6 +28,7 @@ from rumu.gallery.tiles import tile_name
 from rumu.surface.mesh import albedo_srgb
 from rumu.surface.relief import relief
 from rumu.values import Bilingual
+from rumu_lab.simulation.reflectances import spread_lamps
 
 SCALE = 3
 
@@ -75,12 +80,58 @@ def test_normals_are_as_large_as_the_picture_and_raised_where_there_is_ink(bare,
     assert leaning[gray < 100].mean() > 0.5 and leaning[gray > 180].mean() < 0.2
 
 
+def stored(store, surface) -> Assets:
+    """The assets of a measured work with this surface."""
+    key = surface_key("a")
+    store_surface(store, key, surface)
+    return Assets(
+        digest="measured",
+        picture=bytes,
+        surface=partial(assets._measured_surface, store, key, "none"),
+        measured=partial(assets._measured_bands, store, key, "none"),
+        capture=lambda: SimpleNamespace(lights=spread_lamps(12)),
+    )
+
+
+def test_a_large_measured_work_is_never_read_whole(bare, page, monkeypatch):
+    surface = relief(page[::SCALE, ::SCALE])
+    whole, work = stored(bare.store, surface), stored(bare.store, surface)
+    small = {
+        kind: KINDS[kind].render(whole) for kind in ("facts", "heights", "albedo", "normals-16", "height16")
+    }
+    work = replace(work, digest="large")
+    monkeypatch.setattr("rumu.surface.reduction.SHOWN", surface.height.size // 3)
+    monkeypatch.setattr("rumu.surface.surface_bands.SHOWN", surface.height.size // 3)
+    monkeypatch.setattr("rumu.surface.folder.read_surface", None)
+    for name in MAPS:
+        tile_maps._make(bare.store, work, name)
+        assert stored_tiles(bare.store, work, name) is not None
+    for kind in KINDS.keys() - {"picture", "thumb", "lamp-a", "lamp-b", "lamp-c", "stl", "glb", "ply"}:
+        assert KINDS[kind].render(work)
+    for kind in ("normals-16", "height16"):  # whole, to the last bit
+        assert KINDS[kind].render(work) == small[kind]
+    before, after = (json.loads(one) for one in (small["facts"], KINDS["facts"].render(work)))
+    assert after["height16"] == before["height16"] and after["pixels"] == before["pixels"]
+    assert after["spacing"] == pytest.approx(before["spacing"], rel=0.01)
+    rows, columns = before["heights"]["height"], before["heights"]["width"]
+    first, second = (np.frombuffer(one, "<f4") for one in (small["heights"], KINDS["heights"].render(work)))
+    assert np.corrcoef(first, second.reshape(-1)[: rows * columns])[0, 1] > 0.99
+
+
+def test_a_whole_surface_that_does_not_fit_is_refused_with_what_it_takes(bare, page, monkeypatch):
+    work = stored(bare.store, relief(page[::SCALE, ::SCALE]))
+    monkeypatch.setattr("rumu.capture.memory_plan.available_memory", lambda: 1_000_000)
+    with pytest.raises(SurfaceError, match=r"expected \d+ MB of free memory for the whole surface") as caught:
+        work.surface()
+    assert "這件作品的整個表面要" in caught.value.zh
+
+
 def test_a_measured_work_is_tiled_from_its_surface(bare, page):
     surface = relief(page[::SCALE, ::SCALE])
-    assets = Assets(digest="measured", picture=bytes, surface=lambda: surface, capture=lambda: None)  # type: ignore
+    files = stored(bare.store, surface)
     for name in MAPS:
-        tile_maps._make(bare.store, assets, name)
-    tiles = {name: stored_tiles(bare.store, assets, name) for name in MAPS}
+        tile_maps._make(bare.store, files, name)
+    tiles = {name: stored_tiles(bare.store, files, name) for name in MAPS}
     height, width = surface.height.shape
     for name, suffix, expected in (
         ("normals", "png", surface.normals * 127.5 + 127.5),
@@ -121,10 +172,10 @@ def test_the_tiles_of_a_deleted_work_are_deleted(bare, page, tmp_path):
 
 
 def test_the_maps_of_a_work_have_versions_of_their_own(bare, page, tmp_path):
-    assets = assets_of(bare.store, work(bare, add(bare, tmp_path / "page.png", page)))
-    assert tiles_etag(assets, "albedo") != tiles_etag(assets, "normals")
+    files = assets_of(bare.store, work(bare, add(bare, tmp_path / "page.png", page)))
+    assert tiles_etag(files, "albedo") != tiles_etag(files, "normals")
     with pytest.raises(GalleryError, match="expected a map among albedo, normals"):
-        tiles_etag(assets, "heights")
+        tiles_etag(files, "heights")
 
 
 def test_a_blank_leaf_has_tiles_of_its_picture_and_no_normals(bare, page, tmp_path):

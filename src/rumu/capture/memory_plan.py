@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rumu.capture.decoded_size import Header, memory_limit
-from rumu.errors import CaptureError
+from rumu.errors import CaptureError, RumuError
+from rumu.values import Bilingual
 
 _MB = 10**6
 _UNLIMITED = 2**60
@@ -81,6 +82,17 @@ def plan_memory(headers: Sequence[Header], folder: Path, *, costs: MemoryCosts |
             "請把 TMPDIR 設為空間較大的資料夾。",
         )
     return MemoryPlan(on_disk, threads)
+
+
+def check_memory(needed: float, *, what: Bilingual, error_type: type[RumuError]) -> None:
+    """Raise an error of this type where so many bytes are not free. what: takes them, for the message."""
+    free = available_memory()
+    if needed > free:
+        raise error_type(
+            f"expected {_tell(needed)} of free memory for {what.en}, there are {_tell(free)}; close other "
+            "programs",
+            zh=f"{what.zh}要 {_tell(needed)} 可用記憶體，現在有 {_tell(free)}；請關掉別的程式。",
+        )
 
 
 def available_memory() -> int:

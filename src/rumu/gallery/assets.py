@@ -22,8 +22,9 @@ from cachetools import LRUCache, cached
 from sqlalchemy import or_, select
 
 from rumu.database.tables import Work
-from rumu.errors import GalleryError, RefusedImage
+from rumu.errors import GalleryError, RefusedImage, SurfaceError
 from rumu.gallery.store import PART_SUFFIX, Gallery, Store
+from rumu.values import Bilingual
 from rumu.workspaces import temporary_folder
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     from PIL.Image import Image as Picture
 
+    from rumu.surface.surface_bands import SurfaceBands
     from rumu.values import Capture, Surface
 
 VERSION = 4
@@ -41,6 +43,8 @@ DAY = 86_400.0  # seconds
 _DELETED_AT_ONCE = 500  # works whose files are looked for in one query, which reads the whole table
 _FOLDERS = ("pictures", "captures", "surfaces")
 _MAX_MEMORY = 512 * 2**20  # bytes of the cache
+_WHOLE = Bilingual("這件作品的整個表面", "the whole surface of this work")
+_WHOLE_BYTES = 60  # of one pixel while a surface is read: its arrays, and one of them as it is unpacked
 _SURFACE_BYTES = 25  # of one pixel: height, normals, albedo and confidence of 32 bits, and a mask
 
 
@@ -50,14 +54,22 @@ class Assets:
 
     digest: of all that they depend on. picture: the bytes as they were uploaded. surface: of a capture the
     reconstructed one, else the relief of the picture. capture: the photographs; None where there are none.
-    The functions raise GalleryError when a file is missing, ImageError or RefusedImage when the picture
-    cannot be used.
+    measured: of a capture, its reconstructed surface, to be read some rows at a time. The functions raise
+    GalleryError when a file is missing, ImageError or RefusedImage when the picture cannot be used,
+    SurfaceError for a whole surface that does not fit into memory.
     """
 
     digest: str
     picture: Callable[[], bytes]
     surface: Callable[[], Surface]
     capture: Callable[[], Capture] | None = None
+    measured: Callable[[], contextlib.AbstractContextManager[SurfaceBands]] | None = None
+
+    def overview(self) -> Surface:
+        """The surface, at no more pixels than can be seen at once where a measured one has more."""
+        return (
+            self.surface() if self.measured is None else _overview(self.digest, self.measured, self.surface)
+        )
 
 
 def assets_of(store: Store, work: Work) -> Assets:
@@ -69,6 +81,7 @@ def assets_of(store: Store, work: Work) -> Assets:
         picture=partial(store.read, work.picture),
         surface=partial(_measured_surface, store, work.surface, work.capture),
         capture=partial(_read_capture, store, work.capture),
+        measured=partial(_measured_bands, store, work.surface, work.capture),
     )
 
 
@@ -111,7 +124,8 @@ def store_files(store: Store, key: str, files: Iterable[Path]) -> None:
     """Write files into a folder of the store, in this order; those that it has, as of another work, stay."""
     for file in files:
         if not store.exists(f"{key}/{file.name}"):
-            store.write(f"{key}/{file.name}", file.read_bytes())
+            with file.open("rb") as stream:
+                store.write(f"{key}/{file.name}", stream)
 
 
 def store_surface(store: Store, key: str, surface: Surface) -> None:
@@ -127,9 +141,9 @@ def store_surface(store: Store, key: str, surface: Surface) -> None:
 
 def surface_files(store: Store, work: Work) -> list[str]:
     """The keys of the files of a reconstructed surface; none where relief is computed from the picture."""
-    if work.surface is None:
+    if work.surface is None or work.capture is None:
         return []
-    assets_of(store, work).surface()
+    _ensure_measured(store, work.surface, work.capture)
     return list(store.keys(work.surface))
 
 
@@ -230,14 +244,48 @@ def _relief(store: Store, key: str, method: str, spacing: float | None) -> Surfa
 
 @cached(_cache, condition=_cache_changed)
 def _measured_surface(store: Store, key: str, capture: str) -> Surface:
-    """The surface with this key; reconstructed from its photographs, and stored, when first needed."""
+    """The whole surface with this key. Raises SurfaceError where it does not fit into memory."""
+    from rumu.capture.memory_plan import check_memory
+    from rumu.surface.folder import read_surface
+
+    with _measured_bands(store, key, capture) as bands:
+        height, width = bands.shape
+        check_memory(height * width * _WHOLE_BYTES, what=_WHOLE, error_type=SurfaceError)
+        return read_surface(bands.folder)
+
+
+@contextlib.contextmanager
+def _measured_bands(store: Store, key: str, capture: str) -> Iterator[SurfaceBands]:
+    """The surface with this key, to be read some rows at a time."""
+    from rumu.surface.surface_bands import SurfaceBands
+
+    _ensure_measured(store, key, capture)
+    with store.local(key) as folder:
+        yield SurfaceBands(folder)
+
+
+def _ensure_measured(store: Store, key: str, capture: str) -> None:
+    """Reconstruct a surface from its photographs, and store it, when it is first needed."""
     from rumu.pipeline import reconstruct
-    from rumu.surface.folder import MARKER, read_surface
+    from rumu.surface.folder import MARKER
 
     if not store.exists(f"{key}/{MARKER}"):
         store_surface(store, key, reconstruct(_read_capture(store, capture)))
-    with store.local(key) as folder:
-        return read_surface(folder)
+
+
+@cached(_cache, key=lambda digest, measured, whole: ("overview", digest), condition=_cache_changed)
+def _overview(
+    digest: str,
+    measured: Callable[[], contextlib.AbstractContextManager[SurfaceBands]],
+    whole: Callable[[], Surface],
+) -> Surface:
+    from rumu.surface.reduction import SHOWN
+
+    with measured() as bands:
+        height, width = bands.shape
+        if height * width > SHOWN:
+            return bands.reduced()
+    return whole()
 
 
 def _read_capture(store: Store, key: str) -> Capture:

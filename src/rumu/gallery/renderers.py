@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -82,7 +83,7 @@ def render_normals(assets: Assets, *, longest: int) -> bytes:
     """Normals: n = value / 127.5 - 1, y up; lossless WebP."""
     packed = io.BytesIO()
     # Method 2 at quality 50 is within a tenth of the smallest file and several times as fast.
-    image = _image(normals_8(assets.surface(), longest))
+    image = _image(normals_8(assets.overview(), longest))
     image.save(packed, "WEBP", lossless=True, method=2, quality=50)
     return packed.getvalue()
 
@@ -96,52 +97,52 @@ def normals_8(surface: Surface, longest: int) -> Bytes:
 
 def render_normals_16(assets: Assets) -> bytes:
     """Normals: n = value / 32767.5 - 1, y up; all pixels of the surface; 16-bit PNG."""
-    n = assets.surface().normals.astype(np.float64)
-    return _png(np.round((n + 1.0) * 32767.5).clip(0, 65535).astype(np.uint16)[..., ::-1])
+    bands = (np.round((n.astype(np.float64) + 1.0) * 32767.5)[..., ::-1] for n in _bands(assets, "normals"))
+    return _png(_levels_16(bands))
 
 
 def render_albedo(assets: Assets, *, longest: int, quality: int) -> bytes:
     """Albedo in sRGB, WebP."""
     from rumu.surface.mesh import albedo_srgb
 
-    albedo = _reduce(assets.surface().albedo, longest)
+    albedo = _reduce(assets.overview().albedo, longest)
     return _webp(_image(albedo_srgb(np.clip(albedo, 0, 1))), quality=quality)
 
 
 def render_mask(assets: Assets) -> bytes:
     """White on ink, or where a photometric surface was measured; 8-bit PNG."""
-    share = _reduce(assets.surface().mask.astype(np.float32), MAP)
+    share = _reduce(assets.overview().mask.astype(np.float32), MAP)
     return _png(np.round(share * 255).astype(np.uint8))
 
 
 def render_height_16(assets: Assets) -> bytes:
     """All pixels of the height: value * scale + offset, both of which are in 'facts'; 16-bit PNG."""
-    height = assets.surface().height
-    scale, offset = _scale_and_offset(height)
-    return _png(np.round((height.astype(np.float64) - offset) / scale).clip(0, 65535).astype(np.uint16))
+    scale, offset = _scale_and_offset(assets)
+    bands = (np.round((z.astype(np.float64) - offset) / scale) for z in _bands(assets, "height"))
+    return _png(_levels_16(bands))
 
 
 def render_heights(assets: Assets) -> bytes:
     """Height in the surface's unit, float32, little endian, row by row from the top."""
-    return _reduce(assets.surface().height, HEIGHTS).astype("<f4").tobytes()
+    return _reduce(assets.overview().height, HEIGHTS).astype("<f4").tobytes()
 
 
 def render_facts(assets: Assets) -> bytes:
     """What the numbers of the maps mean, as JSON."""
     from rumu.capture.lights import paper_tilts
 
-    surface = assets.surface()
-    height, width = surface.height.shape
+    surface = assets.overview()
+    height, width = _shape(assets)
     low = _reduce(surface.height, HEIGHTS)
-    map_size = _size(surface.height, MAP)
-    scale, offset = _scale_and_offset(surface.height)
+    map_size = _size((height, width), MAP)
+    scale, offset = _scale_and_offset(assets)
     text = HEIGHT_SOURCES[surface.source]
     lamps = None if assets.capture is None else paper_tilts(assets.capture().lights)
     facts = {
         "pixels": list(map_size),
         "aspect": width / height,
         "unit": surface.unit,
-        "spacing": surface.spacing * width / map_size[0],
+        "spacing": surface.spacing * surface.height.shape[1] / map_size[0],
         "source": surface.source,
         "source_text": {"zh": text.zh, "en": text.en},
         "heights": {
@@ -165,7 +166,7 @@ def render_glb(assets: Assets, *, exaggeration: float) -> bytes:
     from rumu.surface.mesh import MeshSettings
     from rumu.surface.mesh_files import mesh_bytes
 
-    surface, vertices, texture = assets.surface(), _GLB_VERTICES, MAP
+    surface, vertices, texture = assets.overview(), _GLB_VERTICES, MAP
     while vertices > 1000:
         settings = MeshSettings(exaggeration=exaggeration, vertices=vertices, texture=texture)
         data = mesh_bytes(surface, settings=settings)
@@ -181,7 +182,7 @@ def render_ply(assets: Assets, *, exaggeration: float) -> bytes:
     from rumu.surface.mesh_files import mesh_bytes
 
     settings = MeshSettings(exaggeration=exaggeration, vertices=_FINE_VERTICES)
-    return mesh_bytes(assets.surface(), kind="ply", settings=settings)
+    return mesh_bytes(assets.overview(), kind="ply", settings=settings)
 
 
 def render_stl(assets: Assets, *, exaggeration: float, width: float | None, base: float) -> bytes:
@@ -190,15 +191,37 @@ def render_stl(assets: Assets, *, exaggeration: float, width: float | None, base
     from rumu.surface.mesh_files import mesh_bytes
 
     settings = MeshSettings(exaggeration=exaggeration, vertices=_FINE_VERTICES, width=width, base=base)
-    return mesh_bytes(assets.surface(), kind="stl", settings=settings)
+    return mesh_bytes(assets.overview(), kind="stl", settings=settings)
 
 
 # --- arrays and bytes ------------------------------------------------------------------------------
 
 
-def _size(array: npt.NDArray[Any], longest: int) -> tuple[int, int]:
-    """(width, height) whose longest side is at most `longest`; nothing is enlarged."""
-    height, width = array.shape[:2]
+def _shape(assets: Assets) -> tuple[int, int]:
+    """(H, W) of the whole surface."""
+    if assets.measured is None:
+        height, width = assets.surface().height.shape
+        return height, width
+    with assets.measured() as surface:
+        return surface.shape
+
+
+def _bands(assets: Assets, name: str) -> Iterator[FloatArray]:
+    """An array of the whole surface from its top, of a measured one some rows at a time."""
+    if assets.measured is None:
+        yield getattr(assets.surface(), name)
+        return
+    with assets.measured() as surface:
+        yield from surface.rows(name)
+
+
+def _levels_16(bands: Iterator[FloatArray]) -> npt.NDArray[np.uint16]:
+    return np.concatenate([band.clip(0, 65535).astype(np.uint16) for band in bands])
+
+
+def _size(shape: tuple[int, ...], longest: int) -> tuple[int, int]:
+    """(width, height) whose longest side is at most `longest`; nothing is enlarged. shape: (H, W, ...)."""
+    height, width = shape[:2]
     shrink = min(1.0, longest / max(height, width))
     return max(1, round(width * shrink)), max(1, round(height * shrink))
 
@@ -206,16 +229,21 @@ def _size(array: npt.NDArray[Any], longest: int) -> tuple[int, int]:
 def _reduce(array: FloatArray, longest: int) -> FloatArray:
     import cv2
 
-    size = _size(array, longest)
+    size = _size(array.shape, longest)
     if size == array.shape[1::-1]:
         return array
     return np.asarray(cv2.resize(np.ascontiguousarray(array), size, interpolation=cv2.INTER_AREA))
 
 
-def _scale_and_offset(height: FloatArray) -> tuple[float, float]:
-    """Scale and offset that map 16-bit values to a height."""
-    offset = float(height.min())
-    return max(float(height.max()) - offset, 1e-12) / 65535.0, offset
+def _scale_and_offset(assets: Assets) -> tuple[float, float]:
+    """Scale and offset that map 16-bit values to the height."""
+    if assets.measured is None:
+        height = assets.surface().height
+        low, high = float(height.min()), float(height.max())
+    else:
+        with assets.measured() as surface:
+            low, high = surface.height_range()
+    return max(high - low, 1e-12) / 65535.0, low
 
 
 def _image(values: Bytes) -> Picture:

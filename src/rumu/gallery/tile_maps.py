@@ -23,7 +23,7 @@ from rumu.gallery.catalog import work
 from rumu.gallery.derived import derived_file, limit_room
 from rumu.gallery.renderers import MAP
 from rumu.gallery.store import Gallery, Store
-from rumu.gallery.tiles import Bytes, TileMap, TileSet, open_tiles, write_tiles
+from rumu.gallery.tiles import TileMap, TileSet, open_tiles, write_tiles
 from rumu.workspaces import temporary_folder
 
 MapName = Literal["albedo", "normals"]
@@ -97,8 +97,8 @@ def _make(store: Store, assets: Assets, name: MapName) -> None:
         return
     with temporary_folder() as folder:
         path = folder / "tiles.zip"
-        with path.open("wb") as stream:
-            write_tiles(_MAKERS[name](assets), stream)
+        with path.open("wb") as stream, _MAKERS[name](assets) as tiled:
+            write_tiles(tiled, stream)
         with path.open("rb") as stream:
             store.write(_key(assets, name), stream)
         limit_room(store, path.stat().st_size)
@@ -107,44 +107,45 @@ def _make(store: Store, assets: Assets, name: MapName) -> None:
 # --- the maps --------------------------------------------------------------------------------------
 
 
-def _albedo(assets: Assets) -> TileMap:
+@contextlib.contextmanager
+def _albedo(assets: Assets) -> Iterator[TileMap]:
     """The albedo: of a work from one picture the picture itself."""
-    if assets.capture is None:
-        picture = read_samples(assets.picture())
-        return _light(picture.shape, lambda rows: picture[rows])
     from rumu.surface.mesh import albedo_srgb
 
-    albedo = assets.surface().albedo
-    return _light(albedo.shape, lambda rows: albedo_srgb(np.clip(albedo[rows], 0, 1)))
+    if assets.measured is not None:
+        with assets.measured() as surface:
+            height, width = surface.shape
+            yield TileMap(
+                width, height, lambda: (albedo_srgb(band) for band in surface.rows("albedo")), "light"
+            )
+        return
+    picture = read_samples(assets.picture())
+    height, width = picture.shape[:2]
+    parts = range(0, height, _ROWS)
+    yield TileMap(
+        width,
+        height,
+        lambda: (np.ascontiguousarray(picture[top : top + _ROWS]) for top in parts),
+        "light",
+    )
 
 
-def _light(shape: tuple[int, ...], part: Callable[[slice], Bytes]) -> TileMap:
-    height, width = shape[:2]
-
-    def bands() -> Iterator[Bytes]:
-        for top in range(0, height, _ROWS):
-            yield np.ascontiguousarray(part(slice(top, top + _ROWS)))
-
-    return TileMap(width, height, bands, "light")
-
-
-def _normals(assets: Assets) -> TileMap:
+@contextlib.contextmanager
+def _normals(assets: Assets) -> Iterator[TileMap]:
     """The normals: measured ones as they are, those of ink at the sharpness of its picture."""
     from rumu.surface.fine_normals import eight_bit_normals, fine_normals, prepare_ink
 
-    surface = assets.surface()
-    if assets.capture is not None:
-        height, width = surface.height.shape
-        normals = surface.normals
-        return TileMap(
-            width,
-            height,
-            lambda: (eight_bit_normals(normals[top : top + _ROWS]) for top in range(0, height, _ROWS)),
-            "normals",
-        )
-    ink = prepare_ink(read_samples(assets.picture()), surface)
+    if assets.measured is not None:
+        with assets.measured() as surface:
+            height, width = surface.shape
+            yield TileMap(width, height, lambda: map(eight_bit_normals, surface.rows("normals")), "normals")
+        return
+    ink = prepare_ink(read_samples(assets.picture()), assets.surface())
     height, width = ink.dark.shape
-    return TileMap(width, height, lambda: fine_normals(ink), "normals")
+    yield TileMap(width, height, lambda: fine_normals(ink), "normals")
 
 
-_MAKERS: dict[MapName, Callable[[Assets], TileMap]] = {"albedo": _albedo, "normals": _normals}
+_MAKERS: dict[MapName, Callable[[Assets], contextlib.AbstractContextManager[TileMap]]] = {
+    "albedo": _albedo,
+    "normals": _normals,
+}

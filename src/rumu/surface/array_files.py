@@ -25,6 +25,7 @@ ARRAYS = ("height", "normals", "albedo", "confidence")
 
 _TILE = 256  # pixels of a side of a tile in a TIFF
 _BAND = 1_000_000  # pixels converted at a time
+_BUFFER = 2**24  # bytes of a compressed TIFF that are read at once
 _LEVELS = 65535
 
 
@@ -79,6 +80,44 @@ def read_tiff(path: Path) -> FloatArray:
     if array.dtype != np.float32 or not np.isfinite(array).all():
         raise SurfaceError(f"{path}: expected finite float32 values, got {array.dtype} or NaN")
     return array
+
+
+def tiff_bands(path: Path) -> Iterator[FloatArray]:
+    """The floats of a TIFF from its top, some rows at a time: (h, W) or (h, W, 3).
+
+    Raises SurfaceError, naming the file, for any other one.
+    """
+    import tifffile
+
+    if not path.is_file():
+        raise SurfaceError(f"{path}: expected a file of the surface, there is none")
+    try:
+        with tifffile.TiffFile(path) as file:
+            page = file.pages.first
+            shape = (*page.shape, 1)[:3]
+            if page.dtype != np.float32 or page.ndim not in (2, 3):
+                raise SurfaceError(f"{path}: expected a float32 TIFF, got {page.dtype} {page.shape}")
+            step = page.tilelength if page.is_tiled else page.rowsperstrip
+            band, top = np.zeros((step, *shape[1:]), np.float32), 0
+            for values, at, size in page.segments(maxworkers=os.cpu_count(), buffersize=_BUFFER):
+                row, column = at[2], at[3]
+                if row != top:
+                    yield _finite(path, band[: row - top].reshape(-1, *page.shape[1:]))
+                    band, top = np.zeros_like(band), row
+                if values is not None:
+                    rows, columns = min(size[1], shape[0] - row), min(size[2], shape[1] - column)
+                    band[:rows, column : column + columns] = values[0, :rows, :columns]
+            yield _finite(path, band[: shape[0] - top].reshape(-1, *page.shape[1:]))
+    except SurfaceError:
+        raise
+    except Exception as error:  # a damaged TIFF fails in as many ways as it has fields
+        raise SurfaceError(f"{path}: expected a float32 TIFF, it cannot be read ({error})") from error
+
+
+def _finite(path: Path, band: FloatArray) -> FloatArray:
+    if not np.isfinite(band).all():
+        raise SurfaceError(f"{path}: expected finite float32 values, got NaN")
+    return band
 
 
 # --- PNGs ------------------------------------------------------------------------------------------

@@ -33,7 +33,7 @@ from rumu.outputs import whole_folder
 from rumu.surface.array_files import ARRAYS, height_scale, read_pictures, read_tiff, write_png, write_tiff
 from rumu.surface.mesh_files import mesh_bytes
 from rumu.surface.reduction import reduce_surface
-from rumu.values import Surface
+from rumu.values import FloatArray, Surface
 
 MARKER = "surface.json"
 FLOATS = tuple(f"{name}.tif" for name in ARRAYS)
@@ -145,18 +145,26 @@ def read_surface(folder: str | Path) -> Surface:
     Raises SurfaceError naming the file that is missing or damaged.
     """
     folder = Path(folder)
-    metadata = _read_metadata(folder)
+    metadata = read_metadata(folder)
     exact = _with_floats(metadata)
     arrays = {name: read_tiff(folder / f"{name}.tif") for name in ARRAYS if name in exact}
     arrays |= read_pictures(folder, metadata, frozenset(ARRAYS) - exact)
-    mask = _read_mask(folder / "mask.png")
     shape = arrays["height"].shape
     wanted = {"normals": [(*shape, 3)], "albedo": [shape, (*shape, 3)], "confidence": [shape]}
     for name, shapes in wanted.items():
         if arrays[name].shape not in shapes:
             raise SurfaceError(f"{folder / name}.tif: expected shape {shapes[0]}, got {arrays[name].shape}")
-    if mask.shape != shape:
-        raise SurfaceError(f"{folder / 'mask.png'}: expected shape {shape}, got {mask.shape}")
+    return surface_of(arrays, read_mask(folder / "mask.png", shape), metadata, folder=folder)
+
+
+def surface_of(
+    arrays: Mapping[str, FloatArray],
+    mask: npt.NDArray[np.bool_],
+    metadata: Mapping[str, Any],
+    *,
+    folder: Path,
+) -> Surface:
+    """The surface of ARRAYS and a mask, with what its description says; folder: of the description."""
     try:
         return Surface(
             height=arrays["height"],
@@ -183,19 +191,24 @@ def _with_floats(metadata: Mapping[str, Any]) -> frozenset[str]:
     return frozenset(ARRAYS if metadata.get("floats", True) else ())
 
 
-def _read_mask(path: Path) -> npt.NDArray[np.bool_]:
+def read_mask(path: Path, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
+    """The mask of a surface of this shape (H, W). Raises SurfaceError, naming the file, for any other."""
     from PIL import Image
 
     if not path.is_file():
         raise SurfaceError(f"{path}: expected a file of the surface, there is none")
     try:
         with Image.open(path) as picture:
-            return np.asarray(picture.convert("L")) > 127
+            mask = np.asarray(picture.convert("L")) > 127
     except (OSError, SyntaxError, ValueError) as error:
         raise SurfaceError(f"{path}: expected a PNG, it cannot be read ({error})") from error
+    if mask.shape != shape:
+        raise SurfaceError(f"{path}: expected shape {shape}, got {mask.shape}")
+    return np.asarray(mask)
 
 
-def _read_metadata(folder: Path) -> dict[str, Any]:
+def read_metadata(folder: Path) -> dict[str, Any]:
+    """What the description of a surface's folder says. Raises SurfaceError when there is none."""
     path = folder / MARKER
     if not path.is_file():
         raise SurfaceError(f"{path}: expected a surface folder with this file, there is none")
