@@ -93,7 +93,7 @@ function SendForm({ source }: { source: Exclude<Source, "addMuseum"> }) {
     <form onSubmit={(event) => void send(event)}>
       <FileDrop label={source === "addPage" ? ofWhole("pagePicture") : t(source === "addImage" ? "picture" : source === "addCapture" ? "captureZip" : "importZip")} accept={isPicture(source) ? PICTURES : ".zip,application/zip"} file={file} onFile={setFile} />
       {source === "addPage" && <Field label={ofWhole("pageText")} hint={ofWhole("pageTextHint")}><textarea name="text" rows={8} required maxLength={20000} lang="zh-Hant" /></Field>}
-      {source === "addImport" ? <><p class="note">{t("importNote")}</p><CollectionField hint={t("importCollectionHint")} /></> : <FactFields spacing={isPicture(source)}>{source === "addImage" && <Method />}<CollectionField /></FactFields>}
+      {source === "addImport" ? <><p class="note">{t("importNote")}</p><CollectionField hint={t("importCollectionHint")} /></> : <FactFields spacing={isPicture(source)}>{source === "addImage" && <Method />}{source === "addCapture" && <LampsTold />}<CollectionField /></FactFields>}
       <button type="submit" disabled={!file || sending || (job !== null && !FINISHED_STATES.has(job.state))}>{t(sending ? "sending" : "send")}</button>
       {error ? <ErrorMessage error={error} /> : null}
       {job && <JobProgress job={job} />}
@@ -131,6 +131,18 @@ function Method() {
       <select name="method">
         <option value="inflation">{t("inflation")}</option>
         <option value="density">{t("density")}</option>
+      </select>
+    </Field>
+  );
+}
+
+/** Photographs of a phone come without a file of lamps; the card in them tells these. */
+function LampsTold() {
+  return (
+    <Field label={t("lampsTold")}>
+      <select name="lamps">
+        <option value="auto">{t("lampsAuto")}</option>
+        <option value="card">{t("lampsCard")}</option>
       </select>
     </Field>
   );

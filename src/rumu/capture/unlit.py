@@ -15,7 +15,8 @@ from rumu.capture.photographs import FolderImages, capture_error, photographs_wi
 from rumu.image_stack import Progress
 from rumu.values import Bilingual, BoolArray
 
-_FEWEST = 3  # lamps that a surface takes
+FEWEST = 3
+"""Photographs that a surface takes at least, each under another lamp."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,10 +73,10 @@ def find_photographs(
         )
     images = FolderImages(folder)
     paths = photographs_without(folder, images.photographs, leave_out)
-    if len(paths) < _FEWEST:
+    if len(paths) < FEWEST:
         raise capture_error(
             folder,
-            en=f"expected at least {_FEWEST} photographs {show.en}, got {len(paths)}",
-            zh=f"至少要有 {_FEWEST} 張{show.zh}照片，這裡只有 {len(paths)} 張",
+            en=f"expected at least {FEWEST} photographs {show.en}, got {len(paths)}",
+            zh=f"至少要有 {FEWEST} 張{show.zh}照片，這裡只有 {len(paths)} 張",
         )
     return images, paths

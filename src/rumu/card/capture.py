@@ -28,7 +28,7 @@ from rumu.card.finding import CardView, find_card
 from rumu.card.light_fit import LightFit, fit_light
 from rumu.card.samples import CardPlaces, CardSamples, card_places, sample_card
 from rumu.card.window import FlatWindow
-from rumu.image_stack import Photograph, Progress
+from rumu.image_stack import ImageStack, Photograph, Progress
 from rumu.values import Bilingual, Capture, FloatArray
 
 _SHOWN = Bilingual("拍攝卡", "of the capture card")
@@ -75,10 +75,12 @@ class CardCapture:
     lamps: where they stood, and how sure that is. pixel_mm: side of a pixel. off: millimetres by which the
     markers lie beside their places, the most of all photographs. ball: its radius in millimetres; None
     without one. curve: how the photographs differ from sRGB, see `rumu.card.light_fit`. residual: median
-    share by which the card's white contradicts the lamps.
+    share by which the card's white contradicts the lamps. flat: its photographs with the fall-off that is
+    taken out of those of the capture.
     """
 
     capture: Capture
+    flat: ImageStack
     lamps: tuple[CardLamp, ...]
     pixel_mm: float
     off: float
@@ -163,6 +165,7 @@ def read_card_capture(
     )
     return CardCapture(
         capture,
+        stack,
         lamps,
         1 / scale,
         max(view.off for view in views),

@@ -9,14 +9,17 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from rumu.capture.image import read_colours
 from rumu.capture.photographs import capture_error
 from rumu.card.layout import FIRST_MARKER, MARKER_SIDE, MARKERS, CardLayout
+from rumu.errors import ImageError
 from rumu.pages.marker_light import MarkerLight, measure_markers
 from rumu.pages.sheet_layout import Paper
 from rumu.pages.sheet_markers import find_markers
 from rumu.values import FloatArray
 
 _DIAGONAL_35 = 43.2666  # millimetres, of 35-mm film
+_NUMBERS = range(min(FIRST_MARKER.values()), max(FIRST_MARKER.values()) + MARKERS)
 _USUAL_FOCAL = 26.0  # millimetres for 35-mm film, of the main lens of most phones
 
 
@@ -97,6 +100,18 @@ class CardView:
         return -R.T @ shift, R
 
 
+def shows_card(path: Path) -> bool:
+    """Whether a picture shows a capture card, whatever its state. False for what is no picture."""
+    import cv2
+
+    try:
+        picture = read_colours(path)
+    except ImageError:
+        return False
+    gray = np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
+    return len(find_markers(gray, among=_NUMBERS)) >= CardFindingSettings().fewest // 2
+
+
 def find_card(
     picture: npt.NDArray[np.uint8],
     path: Path,
@@ -114,8 +129,7 @@ def find_card(
 
     settings = settings or CardFindingSettings()
     gray = np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
-    numbers = range(min(FIRST_MARKER.values()), max(FIRST_MARKER.values()) + MARKERS)
-    markers = find_markers(gray, among=numbers)
+    markers = find_markers(gray, among=_NUMBERS)
     paper = _paper_of(markers, path)
     layout = CardLayout(paper)
     markers = [(number, corners) for number, corners in markers if number in layout.markers]

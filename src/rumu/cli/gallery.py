@@ -142,6 +142,10 @@ def add(
     licence: Licence = None,
     attribution: Attribution = None,
     collection: Collection = None,
+    card: Annotated[
+        bool,
+        typer.Option("--card", help="Of a folder: the printed card in its photographs tells the lamps."),
+    ] = False,
     spacing: Annotated[float | None, typer.Option(help="Of an image: millimetres per pixel.")] = None,
     method: Annotated[
         Literal["inflation", "density"], typer.Option(help="Of an image: how its height is computed.")
@@ -155,6 +159,8 @@ def add(
         raise typer.BadParameter("expected PATH, or --font with --characters")
     if text is not None and (path is None or path.is_dir() or character):
         raise typer.BadParameter("expected --text with the picture of a page, and without --character")
+    if card and (path is None or not path.is_dir()):
+        raise typer.BadParameter(f"expected --card with a folder of photographs, got {path or font}")
     if spacing is not None and not spacing > 0:
         raise typer.BadParameter(f"expected millimetres per pixel above 0, got {spacing}")
     shared = shared_metadata(
@@ -171,7 +177,8 @@ def add(
         added = add_glyphs(gallery, font, characters or "", metadata=metadata, collection=target)
     elif path is not None and path.is_dir():
         with working("Reconstructing"):
-            added = (add_capture(gallery, path, metadata=_with_title(metadata, path), collection=target),)
+            metadata = _with_title(metadata, path)
+            added = (add_capture(gallery, path, metadata=metadata, collection=target, card=card),)
     else:
         picture = Path(str(path))
         metadata = _with_title(metadata, picture)

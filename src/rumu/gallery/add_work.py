@@ -8,8 +8,6 @@ deletes them.
 from __future__ import annotations
 
 import io
-import json
-import shutil
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
@@ -21,7 +19,6 @@ from rumu.database.tables import Work
 from rumu.errors import GalleryError
 from rumu.gallery.assets import (
     capture_key,
-    folder_digest,
     picture_key,
     store_files,
     store_surface,
@@ -45,7 +42,6 @@ from rumu.workspaces import temporary_folder
 
 if TYPE_CHECKING:
     from rumu.gallery.fonts import Face
-    from rumu.values import Capture
 
 SUFFIXES = (
     ".png", ".jpg", ".jpeg", ".mpo", ".webp", ".heic", ".heif", ".avif", ".tif", ".tiff", ".bmp", ".gif",
@@ -107,45 +103,61 @@ def add_capture(
     solver: str = "robust",
     rectify: str = "none",
     within: Path | None = None,
+    card: bool = False,
 ) -> AddedWork:
     """Reconstruct a capture folder (see `read_capture`) and add photographs, lamps and surface as a work.
 
     The picture of the work is the mean of its photographs. within: the folder of an upload, which alone is
-    read. Raises CaptureError, ImageError or SurfaceError.
+    read. card: whether the photographs show the printed card, which tells lamps, scale and place (see
+    `rumu.card.capture.read_card_capture`); what they show in its window is then kept, laid flat. Raises
+    CaptureError, ImageError or SurfaceError.
     """
     from rumu.capture.folder import read_capture
+    from rumu.card.capture import read_card_capture
+    from rumu.gallery.capture_copy import copy_capture, copy_card_capture, mean_photograph
     from rumu.pipeline import reconstruct
     from rumu.surface.frame_check import exposure_notes
 
     path = Path(path)
-    capture = read_capture(path, within=within)
     folder = path if path.is_dir() else path.parent
+    made = read_card_capture(path) if card else None
+    capture = read_capture(path, within=within) if made is None else made.capture
+    notes, spacing = capture.notes, capture.spacing
     with temporary_folder() as temporary:
         photographs = temporary / "capture"
-        capture_digest = _copy_capture(capture, folder, photographs)
-        surface = reconstruct(read_capture(photographs, within=photographs), solver=solver, rectify=rectify)
+        if made is None:
+            capture_digest = copy_capture(capture, folder, photographs)
+        else:
+            capture_digest = copy_card_capture(made, folder, photographs)
+        picture = mean_photograph(capture)
+        del capture, made  # large photographs are in memory once only
+        capture = read_capture(photographs, within=photographs)
+        surface = reconstruct(capture, solver=solver, rectify=rectify)
+        notes = (*notes, *exposure_notes(capture, surface))
+        del capture
         photographs_key = capture_key(capture_digest)
         reconstructed = surface_key(capture_digest, solver=solver, rectify=rectify)
         with gallery.store.whole_folder(photographs_key):
             store_files(gallery.store, photographs_key, sorted(photographs.iterdir()))
             store_surface(gallery.store, reconstructed, surface)
-    picture = _mean_photograph(capture)
+    height, width = surface.height.shape
+    del surface  # its tiles are made of its files
     key = picture_key(picture, suffix=".png")
     gallery.store.write(key, picture)
     stored = StoredFiles(
         picture=key,
         digest=metadata.digest(PurePosixPath(reconstructed).name),
-        width=surface.height.shape[1],
-        height=surface.height.shape[0],
+        width=width,
+        height=height,
         kind="capture",
-        height_source=surface.source,
+        height_source="photometric",
         surface=reconstructed,
         capture=photographs_key,
-        spacing=capture.spacing,
+        spacing=spacing,
     )
     metadata = replace(metadata, origin=metadata.origin or folder.name)
     added = add_stored_work(gallery, metadata, stored, collection=collection)
-    return replace(added, notes=(*capture.notes, *exposure_notes(capture, surface)))
+    return replace(added, notes=notes)
 
 
 def add_glyphs(
@@ -278,64 +290,3 @@ def _glyph_metadata(metadata: WorkMetadata, face: Face, character: str) -> WorkM
         attribution=metadata.attribution or face.name("copyright"),
         origin=f"{face.path.name} U+{ord(character):04X}",
     )
-
-
-# --- captures --------------------------------------------------------------------------------------
-
-
-def _copy_capture(capture: Capture, folder: Path, target: Path) -> str:
-    """Copy the photographs under plain names, with all that is needed to read them again; the digest of all.
-
-    A capture may name files anywhere and in any script. The copy in the store has photographs, lights.lp (of
-    lamps near the sheet lights.dome, which tells their places), mask.png, ambient and capture.json in one
-    folder; names.json holds the original names.
-    """
-    import numpy as np
-    from PIL import Image
-
-    from rumu.capture.description import description_of
-    from rumu.capture.dome import dome_text
-
-    target.mkdir(parents=True)
-    names, lines = {}, [str(len(capture.names))]
-    told = capture.lights
-    if capture.strengths is not None:
-        told = np.column_stack([told, capture.strengths])
-    for number, (name, values) in enumerate(zip(capture.names, told, strict=True), start=1):
-        plain = f"{number:03d}{Path(name).suffix.lower()}"
-        shutil.copyfile(folder / name, target / plain)
-        names[plain] = Path(name).name
-        lines.append(f"{plain} " + " ".join(f"{value:.9g}" for value in values))
-    if capture.positions is None:
-        (target / "lights.lp").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    else:  # the photographs are numbered in the order of the lamps, which is how a .dome names them
-        spacing, columns = capture.spacing or 1.0, capture.mask.shape[1]
-        text = dome_text(capture.positions, capture.strengths, spacing=spacing, columns=columns)
-        (target / "lights.dome").write_text(text, encoding="utf-8")
-    (target / "names.json").write_text(json.dumps(names, ensure_ascii=False), encoding="utf-8")
-    if not capture.mask.all():
-        Image.fromarray(capture.mask.astype(np.uint8) * 255).save(target / "mask.png")
-    for dark in sorted(folder.glob("[aA]mbient.*")):
-        shutil.copyfile(dark, target / f"ambient{dark.suffix.lower()}")
-    description: dict[str, Any] = {"spacing_mm": capture.spacing, "orientation": capture.orientation}
-    description["lamps_as_given"] = capture.lamps_as_given or None
-    description = {key: value for key, value in description.items() if value is not None}
-    encoding = description_of(folder).encoding
-    description |= {} if encoding is None else {"encoding": encoding}
-    (target / "capture.json").write_text(json.dumps(description), encoding="utf-8")
-    return folder_digest({file.name: file for file in target.iterdir()})
-
-
-def _mean_photograph(capture: Capture) -> bytes:
-    import numpy as np
-    from PIL import Image
-
-    from rumu.surface.mesh import albedo_srgb
-
-    mean = np.zeros(capture.photographs.shape[1:], np.float32)
-    for photograph in capture.photographs:
-        mean += photograph / np.float32(len(capture.photographs))
-    bright = float(np.percentile(mean[capture.mask], 99.5)) or 1.0
-    png = io.BytesIO()
-    Image.fromarray(albedo_srgb(np.clip(mean / bright, 0, 1))).save(png, "PNG", optimize=True)
-    return png.getvalue()

@@ -6,9 +6,12 @@ import os
 import re
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, Literal
 
 from rumu.capture.folder import check_capture_files
+from rumu.capture.photographs import FolderImages
+from rumu.capture.unlit import FEWEST
+from rumu.card.finding import shows_card
 from rumu.errors import DiskFull
 from rumu.gallery.add_page import add_page
 from rumu.gallery.add_work import SUFFIXES, add_capture, add_picture, named_collection
@@ -27,6 +30,9 @@ from rumu.studio.pictures import format_of
 from rumu.studio.unpacking import unpack
 from rumu.values import Bilingual
 from rumu.workspaces import temporary_folder
+
+Content = Literal["works", "capture", "card"]
+"""What a zip holds: works with a table or texts, photographs with their lamps, or those of the card."""
 
 TEXTS = ("title", "hand", "period", "material")
 WORDS = ("character", "script", "dynasty", "source", "licence", "attribution")
@@ -132,10 +138,10 @@ def check_capture(packed: Path) -> None:
     with temporary_folder() as temporary:
         try:
             unpacked = unpack(packed, temporary / "sent", written=_tells_of_a_capture)
-            folder, is_capture = _find_content(unpacked.folder)
+            folder, kind = _find_content(unpacked.folder)
         except (Unusable, DiskFull):
             return
-        if is_capture:
+        if kind == "capture":
             check_capture_files(folder, within=unpacked.folder)
 
 
@@ -163,8 +169,8 @@ def import_zip(
         progress(0, 0, "解開 Unpacking")
         unpacked = unpack(packed, temporary / name)
         assumed = {} if unpacked.assumed is None else {"assumed": unpacked.assumed._asdict()}
-        folder, is_capture = _find_content(unpacked.folder)
-        if not is_capture:
+        folder, kind = _find_content(unpacked.folder, told=facts.get("lamps", ""))
+        if kind == "works":
             progress(0, 0, "收入 Putting in")
             done = import_folder(
                 gallery,
@@ -183,19 +189,27 @@ def import_zip(
         progress(0, 0, "重建表面 Reconstructing")
         collection = find_or_name_collection(gallery, facts.get("collection", ""))
         added = add_capture(
-            gallery, folder, metadata=metadata_of(facts), collection=collection, within=unpacked.folder
+            gallery,
+            folder,
+            metadata=metadata_of(facts),
+            collection=collection,
+            within=unpacked.folder,
+            card=kind == "card",
         )
         notes = [note._asdict() for note in added.notes]
         counts = {"added": int(added.new), "there": int(not added.new)}
         return assumed | {"work": added.id, **counts, "notes": notes}
 
 
-def _find_content(top: Path) -> tuple[Path, bool]:
-    """The folder of a zip that holds what is imported, the outermost one, and whether it is a capture.
+def _find_content(top: Path, *, told: str = "") -> tuple[Path, Content]:
+    """The folder of a zip that holds what is imported, the outermost one, and what it holds.
 
-    Raises Unusable when there is none, or several.
+    told: 'card' where a person said that the printed card lies in the photographs; it is also looked for in
+    photographs with which nothing tells the lamps. Raises Unusable when there is nothing, or several.
     """
-    found: dict[int, list[tuple[Path, bool]]] = {}
+    if told == "card":
+        return _folder_of_photographs(top) or top, "card"
+    found: dict[int, list[tuple[Path, Content]]] = {}
     names: list[str] = []
     for folder, _, files in os.walk(top):
         names += files
@@ -205,9 +219,12 @@ def _find_content(top: Path) -> tuple[Path, bool]:
             Path(folder, table).replace(Path(folder, table.lower()))
         if tables or any(map(_LAMPS.fullmatch, lower)):
             depth = len(Path(folder).relative_to(top).parts)
-            found.setdefault(depth, []).append((Path(folder), not tables))
+            found.setdefault(depth, []).append((Path(folder), "works" if tables else "capture"))
     if not found and find_pages(top, SharedMetadata()):
-        return top, False
+        return top, "works"
+    photographs = None if found else _folder_of_photographs(top)
+    if photographs is not None and shows_card(FolderImages(photographs).photographs[0]):
+        return photographs, "card"
     if not found:
         raise _nothing_to_import(names)
     outermost = found[min(found)]
@@ -219,6 +236,13 @@ def _find_content(top: Path) -> tuple[Path, bool]:
             en=f"The zip holds {len(outermost)} sets ({folders}); send each as a zip of its own.",
         )
     return outermost[0]
+
+
+def _folder_of_photographs(top: Path) -> Path | None:
+    """The outermost folder with as many photographs as a surface takes, None where there is none."""
+    folders = sorted((len(Path(one).parts), one) for one, _, _ in os.walk(top))
+    enough = (Path(one) for _, one in folders if len(FolderImages(Path(one)).photographs) >= FEWEST)
+    return next(enough, None)
 
 
 def _nothing_to_import(names: list[str]) -> Unusable:
@@ -238,12 +262,14 @@ def _nothing_to_import(names: list[str]) -> Unusable:
             zh="zip 檔裡有圖片，卻沒有 labels.csv，"
             "也沒有燈位檔（.lp、light_directions.txt 或 capture.json）或同名的釋文（.txt）。"
             "要收入多件作品，請附上 labels.csv，第一行寫 file,character,script，以下每張圖片一行；"
-            "同一張紙在多盞燈下的照片，請附上燈位檔；整頁的字，請附上與圖片同名的釋文。",
+            "同一張紙在多盞燈下的照片，請附上燈位檔，或在照片裡放印好的拍攝卡（這裡第一張裡沒有）；"
+            "整頁的字，請附上與圖片同名的釋文。",
             en="The zip holds pictures, but no labels.csv, no file of lamps (.lp, light_directions.txt or "
             "capture.json) and no text of the same name (.txt). For many works, add a labels.csv: "
             "file,character,script in its first line, then a line for each picture. For photographs of one "
-            "sheet under several lamps, add the file of lamps. For whole pages, add the text of each, named "
-            "as its picture.",
+            "sheet under several lamps, add the file of lamps, or lay the printed card beside the sheet (the "
+            "first picture here does not show it). For whole pages, add the text of each, named as its "
+            "picture.",
         )
     return Unusable(
         "no_works",

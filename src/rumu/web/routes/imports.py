@@ -43,10 +43,12 @@ def work_facts(
     attribution: LongFormText = "",
     collection: Annotated[ShortText, Form(max_length=100)] = "",
     method: Annotated[Literal["inflation", "density"], Form()] = "inflation",
+    lamps: Annotated[Literal["auto", "card"], Form()] = "auto",
 ) -> dict[str, str]:
     """What is known of the works in an upload.
 
-    collection: its name; empty for works that are added here, and for a zip that names its own.
+    collection: its name; empty for works that are added here, and for a zip that names its own. lamps: of a
+    capture: 'card' where the printed card in its photographs tells them, 'auto' to find out what does.
     """
     return dict(locals())
 
