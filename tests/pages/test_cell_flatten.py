@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from rumu.errors import ImageError
-from rumu.pages.cell_flatten import flatten_cell, refine_corners
+from rumu.pages.cell_flatten import find_cell_around, flatten_cell, refine_corners
 
 SIDE = 400
 
@@ -62,6 +62,15 @@ def test_printed_sides_near_a_square_are_found(photographed):
     found = refine_corners(picture, square)
     assert found is not None and np.hypot(*(found - corners).T).max() < 5
     assert refine_corners(np.full_like(picture, 240), square) is None
+
+
+@pytest.mark.parametrize("half", [110, 150, 200])
+def test_the_printed_cell_around_writing_is_found(photographed, half):
+    picture, corners = photographed
+    square = corners.mean(axis=0) + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    found = find_cell_around(picture, square)
+    assert found is not None and np.hypot(*(found - corners).T).max() < 5
+    assert find_cell_around(np.full_like(picture, 240), square) is None
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import { formatDate } from "../i18n";
 import { t } from "../i18n/account";
 import type { Role } from "../types";
 import { ErrorMessage } from "../ui";
+import "./account.css";
 
 type NewInvitation = { link: string; expires: string };
 

@@ -7,7 +7,7 @@ export const t = translator({
   newPassword: { zh: "新密碼", en: "New password" },
   oldPassword: { zh: "舊密碼", en: "Old password" },
   passwordAgain: { zh: "再輸入一次", en: "Once more" },
-  rules: { zh: "至少 {shortest} 個字元。長比怪好：四個詞連起來就很好。", en: "At least {shortest} characters. Long is better than odd: four words in a row are fine." },
+  rules: { zh: "至少 {shortest} 個字元。不必古怪，夠長就好：四個詞連起來就行。", en: "At least {shortest} characters. Long is better than odd: four words in a row are fine." },
   short: { zh: "密碼至少要 {shortest} 個字元。", en: "A password has at least {shortest} characters." },
   long: { zh: "密碼太長了。", en: "This password is too long." },
   differs: { zh: "兩次輸入的不一樣。", en: "The two are not the same." },
@@ -57,5 +57,5 @@ export const t = translator({
   link: { zh: "邀請連結", en: "Invitation link" },
   copyLink: { zh: "複製", en: "Copy" },
   copied: { zh: "已複製", en: "Copied" },
-  linkNote: { zh: "只能用一次，{until} 前有效。現在就抄下來，之後不會再顯示。", en: "Works once, until {until}. Take it now: it is not shown again." },
+  linkNote: { zh: "只能用一次，{until} 前有效。現在就複製下來，之後不會再顯示。", en: "Works once, until {until}. Take it now: it is not shown again." },
 });

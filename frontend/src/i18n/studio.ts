@@ -3,7 +3,7 @@ import { translator } from "./index";
 export const t = translator({
   // the sheet
   chooseTitle: { zh: "選一個範字", en: "Choose a master" },
-  chooseLead: { zh: "選好範字，在紙上寫一遍，或上傳寫好的照片，隨即得到評分與評語。", en: "Pick a character, write it on the page or send a photo of your sheet, and see a mark with remarks at once." },
+  chooseLead: { zh: "選好範字，在這裡寫一遍，或上傳寫好的照片，隨即得到評分與評語。", en: "Pick a character, write it on the page or send a photo of your sheet, and see a mark with remarks at once." },
   search: { zh: "搜尋範字", en: "Search for a master" },
   searchHint: { zh: "字、書家、碑帖……", en: "Character, hand, work …" },
   script: { zh: "書體", en: "Script" },

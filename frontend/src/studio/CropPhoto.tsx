@@ -136,7 +136,7 @@ function useLook(opened: OpenedPhoto | null, onSkewed: (corners: Corners) => voi
     let current = true;
     const { photo, square, reason } = opened;
     const begun = cornersOf(square);
-    lookAt(photo.blob, reason === "picture" ? null : begun).then(
+    lookAt(photo.blob, reason === "picture" ? null : begun, reason === "ink").then(
       ({ sheet, cell }) => {
         if (!current) return;
         const off = cell?.map(([x, y], k) => Math.hypot(x - begun[k]![0], y - begun[k]![1])) ?? [0];

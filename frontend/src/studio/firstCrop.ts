@@ -3,6 +3,7 @@
 import type { Square } from "./crop";
 import { findCell } from "./gridCell";
 import { type Box, boxOf, findDrawn, findInk, type InkParts, type Raster } from "./photoInk";
+import { onPaperAlone } from "./photoSheet";
 
 /** What the crop was laid on. With `ink`, size and place in the cell are the master's, since the photograph shows no cell. */
 export type CropReason = "grid" | "picture" | "ink";
@@ -17,7 +18,8 @@ const MARGIN = 0.04; // of the crop, on each side of the writing
 const COMMON_SHAPE: MasterShape = { x0: 0.12, y0: 0.12, x1: 0.88, y1: 0.88 }; // while the master's is not known
 
 export function firstCrop(raster: Raster, master: MasterShape | null): FirstCrop {
-  const { cell, ink } = findCell(findInk(raster), findDrawn(raster));
+  const paper = onPaperAlone(raster);
+  const { cell, ink } = findCell(findInk(paper), findDrawn(paper));
   const { width, height } = raster;
   const longer = Math.max(width, height);
   const picture = { x: (width - longer) / 2, y: (height - longer) / 2, side: longer };

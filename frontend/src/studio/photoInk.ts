@@ -95,7 +95,7 @@ function blurred(values: Float32Array, columns: number, rows: number): Float32Ar
 }
 
 /** The value that divides dark from light best (Otsu), of values from 0 to about 1. */
-function valley(share: Float32Array): number {
+export function valley(share: Float32Array): number {
   const bins = 64;
   const histogram = new Float64Array(bins);
   for (const value of share) histogram[Math.min(bins - 1, Math.floor(value * bins))]! += 1;

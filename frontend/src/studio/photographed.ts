@@ -12,9 +12,11 @@ function form(picture: Blob, corners: Corners | null): FormData {
   return sent;
 }
 
-/** Whether a photograph is of a practice sheet, and the corners of the printed cell near some. */
-export async function lookAt(picture: Blob, near: Corners | null): Promise<{ sheet: boolean; cell: Corners | null }> {
-  const seen = await post<Seen>("api/photographs", form(picture, near));
+/** Whether a photograph is of a practice sheet, and the corners of the printed cell near some; around: they are around the writing. */
+export async function lookAt(picture: Blob, near: Corners | null, around: boolean): Promise<{ sheet: boolean; cell: Corners | null }> {
+  const sent = form(picture, near);
+  if (around) sent.set("around", "true");
+  const seen = await post<Seen>("api/photographs", sent);
   return { sheet: seen.sheet, cell: seen.cell as unknown as Corners | null };
 }
 

@@ -5,6 +5,7 @@ import { gunzipSync } from "node:zlib";
 import { describe, expect, it } from "vitest";
 import { cutInk, firstCrop } from "../../src/studio/firstCrop";
 import type { Raster } from "../../src/studio/photoInk";
+import { onPaperAlone } from "../../src/studio/photoSheet";
 
 type Rgb = readonly [number, number, number];
 type Entry = { name: string; width: number; height: number };
@@ -121,6 +122,50 @@ describe("the first crop", () => {
       const { square } = firstCrop(raster, { x0: 0.2, y0: 0.1, x1: 0.8, y1: 0.7 });
       expect(apart(square, [30, 175, 250])).toBeLessThan(6);
     }
+  });
+});
+
+describe("a table around the sheet", () => {
+  const FELT: Rgb = [70, 52, 40];
+  /** A sheet 300 wide and 400 high on a table, its upper left corner at (40, 50), leaning by `lean` over its height. */
+  const onTable = (draw: (raster: Raster) => void, lean = 0): Raster => {
+    const raster = sheet(380, 500);
+    draw(raster);
+    for (let y = 0; y < 500; y++) {
+      const left = 40 + (lean * (y - 50)) / 400;
+      const [from, to] = y < 50 || y >= 450 ? [380, 380] : [left, left + 300];
+      fill(raster, 0, y, from, y + 1, FELT);
+      fill(raster, to, y, 380, y + 1, FELT);
+    }
+    return raster;
+  };
+  const master = { x0: 0.2, y0: 0.1, x1: 0.8, y1: 0.7 };
+
+  for (const lean of [0, 25])
+    it(`is no ink, with the sheet leaning by ${lean} pixels`, () => {
+      const { square, reason, ink } = firstCrop(onTable((raster) => character(raster, 120, 180, 150), lean), master);
+      expect(reason).toBe("ink");
+      expect(apart(square, [120 - 50, 180 - 25, 250])).toBeLessThan(3);
+      expect(ink.parts.length).toBe(2); // the cross and its dot
+    });
+
+  it("leaves the printed cell to be found", () => {
+    const drawn = (raster: Raster) => (grid(raster, 70, 100, 240, RED), character(raster, 110, 140, 150));
+    const { square, reason } = firstCrop(onTable(drawn), null);
+    expect(reason).toBe("grid");
+    expect(apart(square, [70, 100, 240])).toBeLessThan(5);
+  });
+
+  it("is told from a shade, from a rubbing, and from a stroke that leaves the picture", () => {
+    const shaded = sheet(380, 500);
+    character(shaded, 120, 180, 150);
+    for (let k = 0; k < 380 * 500; k++) if (k % 380 < 170) for (let c = 0; c < 3; c++) shaded.data[4 * k + c]! *= 0.7;
+    const rubbing = sheet(380, 500, INK);
+    character(rubbing, 120, 180, 150, PAPER);
+    const cut = sheet(380, 500);
+    fill(cut, 0, 200, 300, 240, INK);
+    fill(cut, 0, 0, 150, 40, INK);
+    for (const raster of [shaded, rubbing, cut]) expect(onPaperAlone(raster).data).toBe(raster.data);
   });
 });
 

@@ -21,6 +21,7 @@ class CellLineSettings:
     near: from a side of the square, and lean: of degrees against it, within which a straight piece may
     belong to the printed side. thick: pieces so near to each other are one line; support: least length of
     the pieces of a line; pieces: the longest so many are looked at. Lengths are shares of the square's side.
+    growth: how many times as large as the square around writing a cell is sought, one after another.
     """
 
     near: float = 0.14
@@ -28,6 +29,7 @@ class CellLineSettings:
     thick: float = 0.012
     support: float = 0.45
     pieces: int = 40
+    growth: tuple[float, ...] = (1.0, 1.15, 1.3, 1.5, 1.75, 2.0)
 
 
 def flatten_cell(picture: Picture, corners: FloatArray, *, most: int = 1200) -> Picture:
@@ -73,16 +75,41 @@ def refine_corners(
     picture: Picture, corners: FloatArray, *, settings: CellLineSettings | None = None
 ) -> FloatArray | None:
     """The corners of the printed cell near the corners (4, 2) of a square; None where no lines show it."""
-    import cv2
+    corners = np.asarray(corners, np.float64)
+    _check_corners(corners)
+    return _corners_near(_straight_pieces(picture), corners, settings or CellLineSettings())
 
+
+def find_cell_around(
+    picture: Picture, corners: FloatArray, *, settings: CellLineSettings | None = None
+) -> FloatArray | None:
+    """The corners of the printed cell around the corners (4, 2) of a square on the writing, or None.
+
+    The smallest that lines show counts: what is larger may be the edge of the sheet.
+    """
     settings = settings or CellLineSettings()
     corners = np.asarray(corners, np.float64)
     _check_corners(corners)
-    gray = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
-    detected = cv2.createLineSegmentDetector().detect(gray)[0]
-    if detected is None:
+    pieces, middle = _straight_pieces(picture), corners.mean(axis=0)
+    for times in settings.growth:
+        found = _corners_near(pieces, middle + times * (corners - middle), settings)
+        if found is not None:
+            return found
+    return None
+
+
+def _straight_pieces(picture: Picture) -> FloatArray:
+    """(n, 2, 2): both ends, x and y, of what is straight in a picture."""
+    import cv2
+
+    detected = cv2.createLineSegmentDetector().detect(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))[0]
+    return np.zeros((0, 2, 2)) if detected is None else np.asarray(detected, float).reshape(-1, 2, 2) + 0.5
+
+
+def _corners_near(pieces: FloatArray, corners: FloatArray, settings: CellLineSettings) -> FloatArray | None:
+    """The corners between the printed lines near the sides of a square."""
+    if not len(pieces):
         return None
-    pieces = np.asarray(detected, np.float64).reshape(-1, 2, 2) + 0.5
     lines = []
     for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         line = _line_near(pieces, start, end, settings)

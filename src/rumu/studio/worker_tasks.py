@@ -78,17 +78,20 @@ def mark_sheet_cells(
     return sheet_cells.mark_cells(masters, character, pictures, calibration=calibration)
 
 
-def look_at_photograph(storage: Storage, *, data: bytes, corners: list[list[float]] | None) -> dict[str, Any]:
-    """Whether a picture is of a practice sheet, and the corners of the printed cell near some."""
+def look_at_photograph(
+    storage: Storage, *, data: bytes, corners: list[list[float]] | None, around: bool = False
+) -> dict[str, Any]:
+    """Whether a picture is of a practice sheet, and the corners of the printed cell near or around some."""
     import numpy as np
 
     from rumu.gallery.assets import decode_picture
-    from rumu.pages.cell_flatten import refine_corners
+    from rumu.pages.cell_flatten import find_cell_around, refine_corners
     from rumu.pages.sheet_reading import is_sheet
 
     picture = np.asarray(decode_picture(data).convert("RGB"))
     sheet = is_sheet(picture)
-    cell = refine_corners(picture, np.array(corners)) if corners is not None and not sheet else None
+    find = find_cell_around if around else refine_corners
+    cell = find(picture, np.array(corners)) if corners is not None and not sheet else None
     return {"sheet": sheet, "cell": None if cell is None else cell.round(2).tolist()}
 
 

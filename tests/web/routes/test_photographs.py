@@ -28,10 +28,9 @@ def picture() -> bytes:
     )
 
 
-def asked(browser, url, picture, corners=None):
-    data = (
-        {} if corners is None else {"corners": corners if isinstance(corners, str) else json.dumps(corners)}
-    )
+def asked(browser, url, picture, corners=None, **data):
+    if corners is not None:
+        data["corners"] = corners if isinstance(corners, str) else json.dumps(corners)
     return browser("POST", url, data=data, files={"picture": ("a.png", picture)})
 
 
@@ -48,6 +47,11 @@ def test_the_printed_cell_near_a_square_is_found(world, picture):
     assert found["sheet"] is False
     assert np.abs(np.array(found["cell"]) - CORNERS).max() < 8
     assert asked(world.browser(), "/api/photographs", picture).json() == {"sheet": False, "cell": None}
+    square = [[220, 200], [400, 200], [400, 380], [220, 380]]  # around the writing
+    for around, told in (("false", None), ("true", found["cell"])):
+        again = asked(world.browser(), "/api/photographs", picture, square, around=around).json()
+        assert (again["cell"] is None) == (told is None)
+        assert told is None or np.abs(np.array(again["cell"]) - CORNERS).max() < 8
 
 
 def test_a_practice_sheet_is_recognised(world):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import partial
 from typing import Annotated, Any, TypeVar
 
 from anyio.to_thread import run_sync
@@ -37,7 +38,8 @@ class PhotographRead(Schema):
     """What a photograph shows.
 
     sheet: whether it is of a practice sheet, whose cells `/api/sheets` marks. cell: corners of the printed
-    cell near those that were sent, clockwise from the upper left; null where no printed sides show it.
+    cell near those that were sent, or around them, clockwise from the upper left; null where no printed
+    sides show it.
     """
 
     sheet: bool
@@ -52,12 +54,15 @@ async def look_at_photograph(
     user: OptionalUser,
     picture: Photograph,
     corners: CornerText = "",
+    around: Annotated[
+        bool, Form(description="The corners are around the writing, the cell around them.")
+    ] = False,
 ) -> dict[str, Any]:
     """Say whether a photograph is of a practice sheet, and where the printed cell near a square is."""
     _count(request, service, user.id if user else None)
     near = _read_corners(corners) if corners else None
-    look = worker_tasks.look_at_photograph
-    return await run_sync(_call, service, look, picture, near, limiter=service.marking_limiter)
+    look = partial(_call, service, worker_tasks.look_at_photograph, picture, near, around=around)
+    return await run_sync(look, limiter=service.marking_limiter)
 
 
 @router.post("/api/photographs/cell", response_class=Response)
@@ -83,12 +88,16 @@ def _count(request: Request, service: Service, person_id: str | None) -> None:
 
 
 def _call(
-    service: Service, work: Callable[..., Answer], picture: UploadFile, corners: list[list[float]] | None
+    service: Service,
+    work: Callable[..., Answer],
+    picture: UploadFile,
+    corners: list[list[float]] | None,
+    **more: bool,
 ) -> Answer:
     """The answer of a worker to a picture, once it is read and known to be one."""
     data = picture.file.read(MAX_BYTES + 1)
     check_picture(data)
-    return service.workers.call(work, data=data, corners=corners)
+    return service.workers.call(work, data=data, corners=corners, **more)
 
 
 def _read_corners(text: str) -> list[list[float]]:
