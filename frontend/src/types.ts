@@ -155,6 +155,8 @@ export type Mark = {
   percentile?: number | null;
   interval: [number, number] | null;
   interval_note: Bilingual | null;
+  /** What was taken off for how the whole stands in its picture; absent in marks of older versions. */
+  deduction_note?: Bilingual | null;
   parts: Part[];
   /** One thing that is good about the copy; absent in marks of older versions. */
   praise?: Bilingual | null;

@@ -367,6 +367,8 @@ class Assessment:
     parts, praise, remarks, untold
         'brushwork', 'structure', 'ink', each 0-100; one thing that is good, or None; what a teacher would
         correct, at most three, the most important first; the faults found besides.
+    deductions
+        The points that were taken off for 'lean', 'offset' or 'size' against the edges of the pictures.
     registration, source
         The pose that the mark rests on; where the heights of copy and master come from. None when refused.
     refused, refused_zh, turned_by
@@ -398,3 +400,4 @@ class Assessment:
     praise: Bilingual | None = None
     percentile: float | None = None
     character: str | None = None
+    deductions: Mapping[str, float] = field(default_factory=dict)

@@ -143,6 +143,8 @@ def test_pose_is_charged_apart_beyond_a_tolerance_up_to_a_cap(pose, points):
     assert sum(Charges().pose_points(features).values()) == pytest.approx(points)
     score, uncharged = panel().score(features), panel().scale.read(features)
     assert score == pytest.approx(max(uncharged - points, 0.0))
+    told = mark_fields(features, terms=MarkingTerms())["deductions"]
+    assert sum(told.values()) == pytest.approx(points) and all(told.values()) and set(told) <= set(pose)
 
 
 def faulty(strokes, *, kind="missing"):

@@ -18,6 +18,7 @@ KEYS = {
     "sim_paper",
     "similarity",
     "parts",
+    "deductions",
     "remarks",
 } | {
     "pose",
@@ -299,3 +300,19 @@ def test_the_level_is_the_same_here_and_on_the_page(rumu, number):
     assert page["level"] == here["level"]
     assert page["score"] == pytest.approx(here["score"], abs=0.3)
     assert page["percentile"] == pytest.approx(here["percentile"], abs=1.0)
+
+
+def test_what_a_small_copy_in_a_large_picture_loses_is_told(rumu, desk, tmp_path):
+    whole = np.asarray(Image.open(desk / "master.png").convert("L"))
+    side = max(whole.shape)
+    page = np.full((3 * side, 3 * side), 255, np.uint8)
+    page[side : side + whole.shape[0], side : side + whole.shape[1]] = whole
+    Image.fromarray(page).save(tmp_path / "loose.png")
+    pair = ("assess", tmp_path / "loose.png", "--reference", desk / "master.png")
+    facts = rumu(*pair, "--json").facts
+    assert facts["deductions"]["size"] > 10
+    ended = rumu(*pair)
+    assert "points for its size" in ended.out and "大小" in ended.out
+    assert not rumu("assess", desk / "copy.png", "--reference", desk / "master.png", "--json").facts[
+        "deductions"
+    ]

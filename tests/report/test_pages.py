@@ -12,7 +12,7 @@ import pytest
 from rumu.gallery.starter import starter_works
 from rumu.report.pages import IndexSample, assessment_page, demo_index, level_zones, surface_page
 from rumu.report.remark_drawing import number_position
-from rumu.report.wording import PARTS, SIMULATED
+from rumu.report.wording import PARTS, SIMULATED, deduction_note
 from rumu.values import Bilingual, Remark
 
 CUTS = {"excellent": 69.0, "good": 55.0, "medium": 40.0}
@@ -115,6 +115,15 @@ def test_a_mark_on_a_teacher_s_terms_says_so(assessment, copy_surface, master_su
     for words in ("Brushwork 50, Structure 25.5, Ink 0", "30 marks <by> a teacher", "Widened 1.5 times."):
         assert words in text and words not in Outline(html).text
     assert "放寬為 1.5 倍。" in text and "自定權重" in text
+
+
+def test_what_was_taken_off_for_the_whole_is_told_from_a_point_on(assessment, copy_surface, master_surface):
+    charged = replace(assessment, deductions={"size": 36.2, "offset": 12.0, "lean": 0.4})
+    text = Outline(page(charged, copy_surface, master_surface)).text
+    assert "36 points for its size, 12 points for its place" in text and "leaning" not in text
+    assert "大小 36 分、偏位 12 分" in text and "裁到格子" in text
+    for less in ({}, {"size": 0.9}):
+        assert deduction_note(replace(assessment, deductions=less)) is None
 
 
 def test_remarks_worst_first_and_drawn_where_they_are(html):

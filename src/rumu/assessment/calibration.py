@@ -350,6 +350,7 @@ def mark_fields(features: Features, *, terms: MarkingTerms, highest: float = 100
         "percentile": None if terms.weights else calibration.percentile_of(score),
         "interval": calibration.interval_of(score, widened=widened),
         "parts": calibration.part_scores(features),
+        "deductions": {name: points for name, points in Charges().pose_points(features).items() if points},
         "script": terms.script,
         "weights": terms.weights,
         "calibration": terms.calibration and terms.calibration.provenance,

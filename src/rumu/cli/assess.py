@@ -224,6 +224,7 @@ def mark_facts(mark: Assessment) -> dict[str, Any]:
         "sim_paper",
         "similarity",
         "parts",
+        "deductions",
         "remarks",
     )
     of_pose = ("angle", "shift", "scale", "overlap", "d_ms", "converged", "iterations")

@@ -196,9 +196,35 @@ def standing(percentile: float) -> Bilingual:
     )
 
 
+def deduction_note(mark: Assessment) -> Bilingual | None:
+    """What was taken off a mark for how the whole stands in its picture; None where that is less than 1."""
+    told = {name: points for name, points in mark.deductions.items() if points >= 1}
+    if not told:
+        return None
+    zh, en = (
+        join.join(pattern.format(_TAKEN_OFF[name][k], points) for name, points in told.items())
+        for k, (join, pattern) in enumerate((("、", "{} {:.0f} 分"), (", ", "{1:.0f} points for {0}")))
+    )
+    return Bilingual(
+        f"整字在圖片裡的位置扣了：{zh}。圖片的邊緣當作格子；不是格子的話，請裁到格子再評。",
+        f"Taken off for how the whole stands in the picture: {en}. The edges of the picture count as the "
+        "cell: where they are not, crop it to the cell.",
+    )
+
+
+_TAKEN_OFF = {
+    "lean": Bilingual("傾斜", "leaning"),
+    "offset": Bilingual("偏位", "its place"),
+    "size": Bilingual("大小", "its size"),
+}
+
+
 def basis(mark: Assessment) -> list[Bilingual]:
-    """What a person must know of a mark: where it stands, another calibration, own weights, the interval."""
+    """What a person must know of a mark: where it stands, what was taken off, other terms, the interval."""
     lines = [] if mark.percentile is None else [standing(mark.percentile)]
+    taken_off = deduction_note(mark)
+    if taken_off:
+        lines.append(taken_off)
     if mark.calibration:
         lines.append(Bilingual(f"另用校準：{mark.calibration}", f"Another calibration: {mark.calibration}"))
     if mark.weights:

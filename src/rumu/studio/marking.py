@@ -16,7 +16,7 @@ from rumu.assessment.calibration import CUT_OFFS, Calibration, load_calibration
 from rumu.pipeline import PreparedMaster
 from rumu.registration.points import RADIUS
 from rumu.report.overlay import OverlaySettings, plane_points
-from rumu.report.wording import LEVELS, PARTS, SOURCES, kind_name
+from rumu.report.wording import LEVELS, PARTS, SOURCES, deduction_note, kind_name
 from rumu.studio.pictures import UprightPicture, normalise_picture
 from rumu.studio.storage import Storage
 from rumu.values import Assessment, FloatArray, IntArray, PointSet, Registration, Remark
@@ -84,6 +84,7 @@ def mark_facts(mark: Assessment, *, seconds: float) -> dict[str, Any]:
         "percentile": _round(mark.percentile, 1),
         "interval": None if mark.interval is None else [_round(bound, 2) for bound in mark.interval],
         "interval_note": _interval_note(mark),
+        "deduction_note": (note := deduction_note(mark)) and note._asdict(),
         "parts": [_part_facts(name, score) for name, score in mark.parts.items()],
         "praise": mark.praise and mark.praise._asdict(),
         "remarks": [_remark_facts(remark) for remark in mark.remarks],

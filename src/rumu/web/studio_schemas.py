@@ -96,6 +96,9 @@ class MarkRead(Schema):
     )
     interval: list[float] | None = Field(examples=[[60.1, 83.0]])
     interval_note: BilingualText | None
+    deduction_note: BilingualText | None = Field(
+        default=None, description="What was taken off for how the whole stands in its picture."
+    )
     parts: list[PartRead]
     praise: BilingualText | None = Field(default=None, description="One thing that is good; told first.")
     remarks: list[RemarkRead]

@@ -77,6 +77,7 @@ function RestsOn({ mark }: { mark: Mark }) {
   return (
     <div class="rests">
       <p class="note">{t("estimate")}</p>
+      {mark.deduction_note && <p class="note">{localize(mark.deduction_note)}</p>}
       {mark.interval_note && <p class="note">{localize(mark.interval_note)}</p>}
       {mark.calibration && <p class="note">{t("calibrated", { by: mark.calibration })}</p>}
       {mark.source_text && <p class="note">{localize(mark.source_text)}</p>}
