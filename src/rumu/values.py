@@ -362,18 +362,15 @@ class Assessment:
         0-100 on the scale of a human panel; the 80 % interval of its mark; 'excellent', 'good', 'medium' or
         'bad'; the share of learners' copies that get less, in per cent, where known. All None when refused.
     sim_paper, similarity
-        The paper's similarity in per cent, as printed, which saturates near 100 and is never the mark; the
-        two-sided similarity: 1 is identical, below about 0.7 unrelated.
-    parts, praise, remarks, untold
-        'brushwork', 'structure', 'ink', each 0-100; one thing that is good, or None; what a teacher would
-        correct, at most three, the most important first; the faults found besides.
-    deductions
-        The points that were taken off for 'lean', 'offset' or 'size' against the edges of the pictures.
+        The paper's, in per cent, which saturates near 100 and is never the mark; two-sided: 1 is identical.
+    parts, deductions, praise, remarks, untold
+        'brushwork', 'structure', 'ink', each 0-100; points taken off for 'lean', 'offset', 'size'; one thing
+        that is good, or None; what to correct, at most three, the worst first; the faults found besides.
     registration, source
         The pose that the mark rests on; where the heights of copy and master come from. None when refused.
     refused, refused_zh, turned_by
-        The reason when the copy cannot be marked, 'code: sentence', else None; the sentence in Chinese; the
-        degrees clockwise (90, 180, 270) that turn the picture upright, where that is what it needs.
+        Why the copy cannot be marked, 'code: sentence', else None; the sentence in Chinese; degrees clockwise
+        (90, 180, 270) that turn the picture upright, where it needs that.
     weights, calibration, script, character, interval_note, interval_note_zh
         A teacher's weights of the parts, else None; what another calibration was fitted on, in words; one of
         SCRIPTS; what the remarks take the master for, given or recognised; what must be said of the interval.

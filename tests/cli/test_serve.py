@@ -18,13 +18,13 @@ def not_run(monkeypatch):
     seen = []
 
     class Stands:
-        def __init__(self, config):
+        def __init__(self, config, *, end_work):
             seen.append(config)
 
         def run(self, sockets):
             assert sockets
 
-    monkeypatch.setattr("uvicorn.Server", Stands)
+    monkeypatch.setattr("rumu.web.connections.GracefulServer", Stands)
     return seen
 
 

@@ -124,13 +124,13 @@ def test_without_its_slash_the_path_leads_to_the_pages(new_world):
 
 def test_the_owner_s_link_is_below_the_path(rumu, monkeypatch):
     class Stands:
-        def __init__(self, config):
+        def __init__(self, config, *, end_work):
             self.config = config
 
         def run(self, sockets):
             assert sockets
 
-    monkeypatch.setattr("uvicorn.Server", Stands)
+    monkeypatch.setattr("rumu.web.connections.GracefulServer", Stands)
     facts = rumu("serve", "--port", 0, "--json", "--root-path", "/calligraphy/").facts
     assert re.fullmatch(r"http://127\.0\.0\.1:\d+/calligraphy/", facts["url"])
     assert facts["owner_link"].startswith(f"{facts['url']}#/join/")
