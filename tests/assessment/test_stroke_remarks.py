@@ -14,6 +14,7 @@ from rumu.assessment.stroke_remarks import find_stroke_faults
 from rumu.assessment.thresholds import RemarkThresholds
 from rumu.assessment.whole_remarks import PoseSeen, find_whole_faults
 from rumu.strokes.correspondence import BluntTips, CopyStrokes, match_strokes
+from rumu.strokes.ink_differences import UNSEEN
 from rumu.strokes.pose import CharacterPose
 
 LIMITS = RemarkThresholds()
@@ -123,7 +124,7 @@ def test_of_an_end_that_sticks_out(itself):
 )  # fmt: skip
 def test_of_one_stroke(*, itself, change, kind, zh, en):
     match, registration = itself
-    good = replace(match.strokes[0], entry=0.0, exit=0.0)
+    good = replace(match.strokes[0], entry=0.0, exit=0.0, ink=UNSEEN)
     changed = replace(match, strokes=(replace(good, **change), *match.strokes[1:]), tips=None)
     strokes = name_all(changed, registration, LIMITS, explained=np.zeros_like(match.places))
     found = [f for f in find_stroke_faults(strokes, changed, LIMITS) if f.cause == "stroke 0"]
@@ -132,13 +133,68 @@ def test_of_one_stroke(*, itself, change, kind, zh, en):
     assert _no_digits(said_en) == f"{_no_digits(strokes[0].en)} {en}"
 
 
+@pytest.mark.parametrize(
+    "change",
+    [{"shift": np.array([0.25, 0.0])}, {"turn": 9.0}, {"length": 0.7}, {"width": 1.5}, {"entry": 0.5}],
+)
+def test_what_the_ink_does_not_show_is_not_told(itself, change):
+    match, registration = itself
+    changed = replace(match, strokes=(replace(match.strokes[0], **change), *match.strokes[1:]), tips=None)
+    strokes = name_all(changed, registration, LIMITS, explained=np.zeros_like(match.places))
+    assert [f for f in find_stroke_faults(strokes, changed, LIMITS) if f.cause == "stroke 0"] == []
+
+
+def test_a_stroke_that_put_back_is_no_more_like_is_not_out_of_place(itself):
+    match, registration = itself
+    ink = replace(UNSEEN, unlike=0.8, moved=0.8)
+    pushed = replace(match.strokes[0], shift=np.array([0.25, 0.0]), ink=ink)
+    changed = replace(match, strokes=(pushed, *match.strokes[1:]), tips=None)
+    strokes = name_all(changed, registration, LIMITS, explained=np.zeros_like(match.places))
+    assert "displaced" not in [f.remark.kind for f in find_stroke_faults(strokes, changed, LIMITS)]
+
+
+@pytest.mark.parametrize(
+    ("width", "fuller", "told"), [(0.35, -0.6, True), (0.35, -0.1, False), (0.6, 0.0, True)]
+)
+def test_a_great_change_of_width_is_believed_where_the_ink_shows_it(itself, width, fuller, told):
+    match, registration = itself
+    thin = replace(match.strokes[0], width=width, ink=replace(UNSEEN, fuller=fuller))
+    changed = replace(match, strokes=(thin, *match.strokes[1:]), tips=None)
+    strokes = name_all(changed, registration, LIMITS, explained=np.zeros_like(match.places))
+    kinds = [f.remark.kind for f in find_stroke_faults(strokes, changed, LIMITS)]
+    assert ("stroke_thin" in kinds) == told
+
+
+@pytest.mark.parametrize(
+    ("length", "lacking", "moved", "change"),
+    [(0.95, 0.3, 0.4, -0.3), (0.95, 0.3, 0.8, -0.05), (1.0, 0.3, 0.4, 0.0), (0.7, 0.1, 0.4, -0.3)],
+)
+def test_ink_that_is_lacking_at_the_ends_shows_a_short_stroke(itself, length, lacking, moved, change):
+    match, registration = itself
+    short = replace(match.strokes[0], length=length, ink=replace(UNSEEN, lacking=lacking, moved=moved))
+    changed = replace(match, strokes=(short, *match.strokes[1:]))
+    strokes = name_all(changed, registration, LIMITS, explained=np.zeros_like(match.places))
+    assert strokes[0].length_change == pytest.approx(change)
+
+
 def _no_digits(text: str) -> str:
     return "".join("#" if c.isdigit() else c for c in text).replace("##", "#")
 
 
 def test_of_most_tips(itself):
     match, registration = itself
-    changed = replace(match, tips=BluntTips(0.8, 0.9, ((0, 1), (1, 1), (2, 0))))
+    unseen = tuple(replace(stroke, ink=UNSEEN) for stroke in match.strokes)
+    tips = BluntTips(0.8, 0.9, ((0, 1), (1, 1), (2, 0)))
+    assert not [
+        f
+        for f in find_stroke_faults(
+            name_all(match, registration, LIMITS, explained=np.zeros_like(match.places)),
+            replace(match, tips=tips),
+            LIMITS,
+        )
+        if f.remark.kind == "exit_blunt"
+    ], "the ink of its tips is the master's"
+    changed = replace(match, strokes=unseen, tips=tips)
     strokes = name_all(changed, registration, LIMITS, explained=np.zeros_like(match.places))
     said = words(find_stroke_faults(strokes, changed, LIMITS), "exit_blunt")
     assert said == ("筆鋒多禿鈍，有 3 處不夠尖。", "The tips are blunt, 3 of them.")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rumu.assessment.ink_measures import measure_ink
+from rumu.strokes.centre_lines import doubled_directions
 from rumu.strokes.correspondence import CopyStrokes, match_strokes
 from rumu.strokes.pose import find_pose
 from rumu_lab.simulation.glyph import Glyph
@@ -66,25 +67,34 @@ def test_a_horizontal_that_leans_is_not_drawn_back_by_its_neighbours(*, found, f
 
 @pytest.fixture
 def ren():
-    """Points of two long strokes, and which stroke each is of."""
+    """Points of two long strokes, which stroke each is of, and their doubled directions."""
     along = np.linspace(0.0, 1.0, 40)[:, None]
     first = np.array([0.2, -1.2]) + along * np.array([-1.3, 2.2])
     second = np.array([-0.1, -0.4]) + along * np.array([1.2, 1.3])
-    return np.concatenate([first, second]), np.repeat([0, 1], 40)
+    double = doubled_directions(first), doubled_directions(second)
+    return np.concatenate([first, second]), np.repeat([0, 1], 40), np.concatenate(double)
 
 
 def test_one_of_two_strokes_that_was_pushed_is_no_pose(ren):
-    points, owner = ren
+    points, owner, double = ren
     pushed = points + np.where(owner[:, None] == 0, [0.09, 0.03], 0.0)
-    pose = find_pose(points, pushed, owner=owner)
+    pose = find_pose(points, pushed, owner=owner, double=double)
     np.testing.assert_array_equal(pose.linear, np.eye(2))
     np.testing.assert_array_equal(pose.shift, 0.0)
 
 
+def test_a_stroke_that_only_slid_along_itself_is_in_its_place(ren):
+    points, owner, double = ren
+    along = np.where(owner == 1, 1.0, 0.0)[:, None] * np.array([1.2, 1.3]) / np.hypot(1.2, 1.3)
+    pushed = points + np.where(owner[:, None] == 0, [-0.12, -0.05], 0.0) - 0.07 * along
+    pose = find_pose(points, pushed, owner=owner, double=double)
+    np.testing.assert_array_equal(pose.shift, 0.0)
+
+
 def test_two_strokes_that_lean_together_are_a_pose(ren):
-    points, owner = ren
+    points, owner, double = ren
     c, s = np.cos(np.radians(6.0)), np.sin(np.radians(6.0))
-    pose = find_pose(points, points @ np.array([[c, s], [-s, c]]), owner=owner)
+    pose = find_pose(points, points @ np.array([[c, s], [-s, c]]), owner=owner, double=double)
     assert pose.angle == pytest.approx(6.0, abs=0.3)
 
 

@@ -175,7 +175,8 @@ def _find_sticking_out(
         owner = int(((match.moved - patch.middle) ** 2).sum(axis=1).argmin())
         named = strokes[int(match.master.points.owner[owner])]
         size = patch.distance * named.cell
-        if named.stroke.present and size >= limits.sticks_out:
+        is_short = named.length_change <= -limits.length  # then the ink is its own, turned or moved
+        if named.stroke.present and size >= limits.sticks_out and not is_short:
             yield _sticking_out(patch, named, size, owner, limits)
 
 

@@ -121,6 +121,13 @@ class NamedStroke:
         return bool(self.legs) and self.stroke.line is self.legs[-1] and is_hook(self.legs)
 
     @property
+    def length_change(self) -> float:
+        """Of its length, relative to the master's: of its line, or of its ink where that lacks more."""
+        change, ink = self.stroke.length - 1.0, self.stroke.ink
+        is_clear = change <= -self.limits.shrunk and ink.moved <= self.limits.put_back
+        return min(change, -ink.lacking) if is_clear else change
+
+    @property
     def slenderness(self) -> float:
         """Length in stroke widths."""
         return self.stroke.line.length / max(self.match.master.width, 1e-9)

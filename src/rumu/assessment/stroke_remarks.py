@@ -45,9 +45,10 @@ def find_stroke_faults(
             yield from find_missing_hook(stroke)
             continue
         if stroke.stroke.present:
-            yield from _find_place_faults(stroke)
-            yield from _find_length_fault(stroke)
-            yield from _find_width_fault(stroke)
+            if stroke.stroke.ink.unlike >= limits.unlike * match.enlargement:
+                yield from _find_place_faults(stroke)
+                yield from _find_length_fault(stroke)
+                yield from _find_width_fault(stroke)
             yield from _find_end_faults(stroke)
         elif len(stroke.legs) > 1:
             yield from find_missing_leg(stroke)
@@ -59,7 +60,8 @@ def _find_place_faults(named: NamedStroke) -> Iterator[Finding]:
     stroke, limits = named.stroke, named.limits
     shift = _sideways_shift(named) * named.cell
     size = float(np.hypot(*shift))
-    if size >= limits.weak * limits.displaced:
+    is_there = stroke.ink.moved <= limits.taken_out * stroke.ink.unlike
+    if is_there and size >= limits.weak * limits.displaced:
         zh = direction_of(shift).zh
         yield named.finding(
             Fault(
@@ -90,7 +92,7 @@ def _sideways_shift(named: NamedStroke) -> FloatArray:
     """The shift of a stroke, without what its length alone does to its middle."""
     stroke = named.stroke
     along = stroke.line.chord / max(float(np.hypot(*stroke.line.chord)), 1e-9)
-    grown = named.limits.stretched * abs(stroke.length - 1.0) * stroke.line.length
+    grown = named.limits.stretched * abs(named.length_change) * stroke.line.length
     return np.asarray(named.shift - np.clip(named.shift @ along, -grown, grown) * along)
 
 
@@ -115,7 +117,7 @@ def _describe_turn(named: NamedStroke, turn: float) -> Bilingual:
 
 
 def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
-    change, limits = named.stroke.length - 1.0, named.limits
+    change, limits = named.length_change, named.limits
     least = limits.length * (1.0 if any(named.stroke.line.free) else limits.length_unsure)
     least *= 1.0 if named.slenderness > limits.short else limits.length_unsure
     error = named.match.width_error(named.stroke.line)
@@ -136,9 +138,12 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
 def _find_width_fault(named: NamedStroke) -> Iterator[Finding]:
     ratio, limits = named.stroke.width / named.match.width, named.limits
     least = limits.stroke + named.match.width_error(named.stroke.line)
-    if not np.isfinite(ratio) or not limits.weak * least <= abs(np.log(ratio)) <= limits.believed:
+    if not np.isfinite(ratio) or abs(np.log(ratio)) < limits.weak * least:
         return
     change, size = ratio - 1.0, float(np.log(ratio))
+    shown = named.stroke.ink.fuller * np.sign(change) >= limits.fuller * abs(change)
+    if abs(size) > limits.believed and not shown:
+        return
     kind, zh, en = ("stroke_heavy", "粗", "heavier") if change > 0 else ("stroke_thin", "細", "thinner")
     yield named.finding(
         Fault(kind, change, "of the master", named.severity("width", size, least), abs(size) / least),
@@ -150,20 +155,27 @@ def _find_width_fault(named: NamedStroke) -> Iterator[Finding]:
 def _find_end_faults(named: NamedStroke) -> Iterator[Finding]:
     limits, entry, end = named.limits, named.stroke.entry, named.stroke.exit
     coarse = named.match.enlargement**3  # an end is small: an enlarged picture shows it blurred
-    cut_short = named.stroke.length < 1.0 - limits.length  # then its ends are where its middle should be
+    cut_short = named.length_change < -limits.length  # then its ends are where its middle should be
     least = coarse * (limits.entry if entry > 0 else limits.faint)
-    if abs(entry) >= limits.weak * least and (entry > 0 or not cut_short):  # not so where it is NaN
+    begins = abs(entry) >= limits.weak * least and _is_end_unlike(named, last=False)  # not so where NaN
+    if begins and (entry > 0 or not cut_short):
         kind, zh, en = ("entry_heavy", "重", "heavily") if entry > 0 else ("entry_light", "輕", "lightly")
         yield named.finding_at_end(
             Fault(kind, entry, "of the master", named.severity("end", entry, least), abs(entry) / least),
             Bilingual(f"起筆太{zh}", f"begins too {en}"),
         )  # fmt: skip
     least = coarse * limits.exit
-    if end >= limits.weak * least and not cut_short:
+    if end >= limits.weak * least and not cut_short and _is_end_unlike(named, last=True):
         yield named.finding_at_end(
             Fault("exit_blunt", end, "of the master", named.severity("end", end, least), end / least),
             Bilingual("收筆禿鈍，鋒沒有收住", "ends bluntly"),
         )  # fmt: skip
+
+
+def _is_end_unlike(named: NamedStroke, *, last: bool) -> bool:
+    """Whether the ink of its exit, or else of its entry, is another than the master's."""
+    unlike = named.stroke.ink.exit if last else named.stroke.ink.entry
+    return unlike >= named.limits.unlike_end * named.match.enlargement
 
 
 def _find_blunt_tips(
@@ -172,8 +184,11 @@ def _find_blunt_tips(
     """Most tips too wide: not one stroke but the hand lets the brush down at its tips."""
     if tips is None or tips.lost < limits.weak * limits.tips or tips.blunted < limits.most_tips:
         return
-    outlines = [strokes[k].end_outline(last=bool(end)) for k, end in tips.ends]
-    masters = [strokes[k].master_outline for k in dict.fromkeys(k for k, _ in tips.ends)]
+    shown = [(k, end) for k, end in tips.ends if _is_end_unlike(strokes[k], last=bool(end))]
+    if len(shown) < limits.most_tips * len(tips.ends):
+        return
+    outlines = [strokes[k].end_outline(last=bool(end)) for k, end in shown]
+    masters = [strokes[k].master_outline for k in dict.fromkeys(k for k, _ in shown)]
     lost = min(tips.lost, 1.0)  # a tip that swells has lost all of its taper, not more
     remark = Remark(
         "exit_blunt", lost, "of the master", severity("tips", tips.lost, limits.tips),

@@ -33,11 +33,17 @@ class RemarkThresholds:
         the eye sees; stretched: share of a stroke's change of length by which its middle may
         have moved along it. turn: degrees, of a stroke `slender` widths long or longer; of a shorter one
         more, up to turn_short times.
+    unlike: share of its ink by which a stroke must differ from the master's, once the whole's size, place and
+        lean are taken out, for its place, turn, length or width to be spoken of; unlike_end: the same of an
+        end; both more where a picture had to be enlarged. taken_out: share of that which may be left when a
+        stroke that is out of place is put back.
+    shrunk: by how much a stroke's line must be shorter for what its ink lacks at its ends to count; put_back:
+        share of its ink that may differ at most then, its own shift and turn taken out.
     length: relative; length_unsure: so many times more for a stroke that joins others at both ends, and for
         one up to `short` widths long. sticks_out: fraction of the cell.
     stroke: logarithm of one stroke's width over that of the whole; believed: the same above which it is an
-        error of measurement; entry, exit: how much wider an end is than in the master, as a share of its
-        stroke; faint: how much thinner an entry is.
+        error of measurement unless its ink shows so large a share, fuller, of the change; entry, exit: how
+        much wider an end is than in the master, as a share of its stroke; faint: how much thinner an entry.
     tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some.
     gap: relative change of the white between strokes; uneven: spread of the changes, over that.
     bare: share of the strokes' inside. tremor: rms radii. torn: see `InkMeasures.torn`. filled: share of its
@@ -68,17 +74,23 @@ class RemarkThresholds:
     blot: float = 0.009
     round: float = 2.6
     off: float = 2.0
-    displaced: float = 0.013
+    unlike: float = 0.15
+    unlike_end: float = 0.1
+    taken_out: float = 0.9
+    displaced: float = 0.014
     stretched: float = 0.55
     turn: float = 3.0
     slender: float = 4.3
     turn_short: float = 2.0
     length: float = 0.08
-    length_unsure: float = 1.6
+    length_unsure: float = 1.3
     short: float = 4.0
+    shrunk: float = 0.03
+    put_back: float = 0.6
     sticks_out: float = 0.05
     stroke: float = 0.2
     believed: float = 0.8
+    fuller: float = 0.5
     entry: float = 0.13
     faint: float = 0.22
     exit: float = 0.19

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -29,26 +28,22 @@ from rumu.strokes.centre_lines import (
     frame_ink,
 )
 from rumu.strokes.edges import EdgeLook, InnerWhite, find_whites, look_at_edge
+from rumu.strokes.ink_differences import InkComparison, InkDifference, MasterStrips, cut_strips
 from rumu.strokes.measures import MatchedStroke, StrokeMeasurer, edge_tremor
 from rumu.strokes.placement import Placement, place_lines
 from rumu.strokes.pose import NO_POSE, CharacterPose, Squeeze, find_pose, find_squeeze, share_in_place
 from rumu.strokes.presence import Compared, find_missing, lay_rest
+from rumu.strokes.uncertainty import ENDS, StrokeUncertainty, relative_to, surely, uncertainty_of
 from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration, Surface
-
-_RATIOS = ("length", "width")
-"""What is measured of a stroke as a ratio to the master's."""
-_ENDS = ("entry", "exit")
-"""What is measured of a stroke as a difference from the master's."""
 
 
 @dataclass(frozen=True, slots=True)
 class StrokeMatchSettings:
-    """How strokes are matched, and which differences are ignored.
+    """How strokes are matched.
 
     perturbations: (scale, resolution) of the pictures of a master that are measured against itself, to see
         how much differs where nothing is at fault; resolution in pixels for each of its own. nudge: pixels
         (x, y) by which they are moved.
-    turn_share: share of a stroke's uncertainty of turn that is subtracted.
     taper: share of a stroke's width by which a tip must be finer than its stroke to be called tapering.
     in_place: share of the strokes in their place above which no second squeeze is tried.
     pixel_share: of a pixel of the coarser picture, by which a width may be wrong.
@@ -56,7 +51,6 @@ class StrokeMatchSettings:
 
     perturbations: tuple[tuple[float, float], ...] = ((0.96, 1.0), (1.03, 0.6), (1.0, 0.8))
     nudge: tuple[float, float] = (0.5, 0.37)
-    turn_share: float = 0.4
     taper: float = 0.05
     in_place: float = 0.9
     pixel_share: float = 0.3
@@ -159,7 +153,12 @@ class MasterStrokes:
         """The uncertainty of each stroke, from small changes of the master's size."""
         changed = [_match_perturbed(self, *change).strokes for change in CORRESPONDENCE.perturbations]
         strokes = zip(self.itself.strokes, *changed, strict=True)
-        return tuple(_uncertainty([_relative_to(own, s) for s in others]) for own, *others in strokes)
+        return tuple(uncertainty_of([relative_to(own, s) for s in others]) for own, *others in strokes)
+
+    @cached_property
+    def strips(self) -> MasterStrips:
+        """Its ink along each stroke."""
+        return cut_strips(self.lines, self.framed)
 
     @cached_property
     def tremor(self) -> float:
@@ -175,20 +174,6 @@ class MasterStrokes:
     def whites(self) -> tuple[InnerWhite, ...]:
         """The white that its ink encloses, in the common frame."""
         return find_whites(self.framed.ink)
-
-
-@dataclass(frozen=True, slots=True)
-class StrokeUncertainty:
-    """Measurement error of a stroke, from small perturbations of the master.
-
-    shift: rms radii; turn: degrees; ratios: logarithm by name of the field, NaN where it was not always
-    seen; ends: by name of the field.
-    """
-
-    shift: float
-    turn: float
-    ratios: dict[str, float]
-    ends: dict[str, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,12 +210,28 @@ def match_strokes(copy: CopyStrokes) -> StrokeMatch:
     if missing:
         framed, lines, laid = lay_rest(copy.compared, missing)
     found = _measure_laid(framed, lines, laid, copy.master, places=itself.moved, missing=missing)
-    known = zip(found.strokes, itself.strokes, copy.master.uncertainties, strict=True)
+    ink = _compare_ink(found, copy.master)
+    known = zip(found.strokes, itself.strokes, copy.master.uncertainties, ink, strict=True)
     return replace(
         found,
-        strokes=tuple(_shrink(_relative_to(own, stroke), doubt) for stroke, own, doubt in known),
+        strokes=tuple(
+            replace(surely(relative_to(own, stroke), doubt), ink=seen) for stroke, own, doubt, seen in known
+        ),
         tips=_blunt_tips(found.strokes, itself.strokes),
     )
+
+
+def _compare_ink(found: StrokeMatch, master: MasterStrokes) -> tuple[InkDifference, ...]:
+    return InkComparison(
+        master.strips,
+        found.master,
+        found.framed_master,
+        found.framed,
+        found.pose,
+        found.squeeze,
+        found.places,
+        found.moved,
+    ).differences()
 
 
 def _blunt_tips(found: tuple[MatchedStroke, ...], itself: tuple[MatchedStroke, ...]) -> BluntTips | None:
@@ -238,7 +239,7 @@ def _blunt_tips(found: tuple[MatchedStroke, ...], itself: tuple[MatchedStroke, .
     tips = [
         (k, end, getattr(a, name) - getattr(b, name), -getattr(b, name))
         for k, (a, b) in enumerate(zip(found, itself, strict=True))
-        for end, name in enumerate(_ENDS)
+        for end, name in enumerate(ENDS)
         if a.present and getattr(b, name) < -CORRESPONDENCE.taper  # not so where it is NaN
     ]
     if len(tips) < 2:
@@ -248,24 +249,6 @@ def _blunt_tips(found: tuple[MatchedStroke, ...], itself: tuple[MatchedStroke, .
     half = int(np.argmax(np.cumsum(taper[order]) >= 0.5 * taper.sum()))
     ends = tuple((k, end) for k, end, gain, _ in tips if gain > 0)
     return BluntTips(float(lost[order][half]), len(ends) / len(tips), ends)
-
-
-def _uncertainty(changed: list[MatchedStroke]) -> StrokeUncertainty:
-    """Uncertainty of a stroke from its perturbed measurements: the sum of the worst two."""
-
-    def worst(values: list[float]) -> float:
-        return float(np.sort(np.abs(values))[-2:].sum())  # NaN where any is
-
-    return StrokeUncertainty(
-        shift=worst([float(np.hypot(*s.shift)) for s in changed]),
-        turn=worst([s.turn for s in changed]),
-        ratios={name: worst([_log(getattr(s, name)) for s in changed]) for name in _RATIOS},
-        ends={name: max(abs(getattr(s, name)) for s in changed) for name in _ENDS},
-    )
-
-
-def _log(ratio: float) -> float:
-    return float(np.log(max(ratio, 1e-6)))
 
 
 def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> StrokeMatch:
@@ -284,31 +267,6 @@ def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> 
     moved = cv2.warpAffine(ink, M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
     changed = replace(master.framed, ink=np.asarray(moved > 127))
     return _match_framed(changed, master, places=master.itself.moved)
-
-
-def _shrink(found: MatchedStroke, doubt: StrokeUncertainty) -> MatchedStroke:
-    """Soft-threshold each difference by its uncertainty."""
-
-    def shrink(value: float, by: float) -> float:
-        return float(np.sign(value) * np.maximum(abs(value) - by, 0.0))  # NaN stays NaN
-
-    away = float(np.hypot(*found.shift))
-    share = max(away - doubt.shift, 0.0) / max(away, 1e-9)
-    ratios: dict[str, Any] = {
-        name: float(np.exp(shrink(_log(getattr(found, name)), by))) for name, by in doubt.ratios.items()
-    }
-    ends: dict[str, Any] = {name: shrink(getattr(found, name), by) for name, by in doubt.ends.items()}
-    turn = shrink(found.turn, CORRESPONDENCE.turn_share * doubt.turn)
-    return replace(found, shift=found.shift * share, turn=turn, **ratios, **ends)
-
-
-def _relative_to(itself: MatchedStroke, found: MatchedStroke) -> MatchedStroke:
-    """Differences from the master measured against itself: ratios of lengths and widths, else differences."""
-    ratios = {
-        name: getattr(found, name) / getattr(itself, name) for name in _RATIOS if getattr(itself, name) > 1e-6
-    }
-    ends: dict[str, Any] = {name: getattr(found, name) - getattr(itself, name) for name in _ENDS}
-    return replace(found, **ratios, **ends)
 
 
 def _match_framed(framed: FramedInk, master: MasterStrokes, *, places: FloatArray | None) -> StrokeMatch:
@@ -369,7 +327,7 @@ def _find_stance(
     own: it is looked for in the copy as it stands too.
     """
     owner, double = points.owner[covered], points.double[covered]
-    pose = find_pose(places, copy, owner=owner)
+    pose = find_pose(places, copy, owner=owner, double=double)
     upright = pose.undo(copy)
     squeeze = find_squeeze(places, upright, owner=owner, double=double)
     if squeeze is None and pose.shift.any():

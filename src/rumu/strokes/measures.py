@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from rumu.strokes.centre_lines import SCALE, CentreLine, CentreLines, FramedInk, pixels_at
+from rumu.strokes.ink_differences import UNSEEN, InkDifference
 from rumu.strokes.matching import LineMatch
 from rumu.strokes.pose import Squeeze
 from rumu.values import BoolArray, FloatArray, IntArray
@@ -79,6 +80,7 @@ class MatchedStroke:
     entry: float
     exit: float
     outline: FloatArray
+    ink: InkDifference = UNSEEN
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,6 +28,9 @@ class PoseSettings:
         small to be spoken of; small_share stands for simpler_share then, so that not every stroke is blamed.
     in_place_share: how well all strokes but one must agree with no pose at all: then that one is out of
         place. The few strokes of a short character could all be explained by a pose that suits none of them.
+    slide_weight: weight of how far a stroke lies along itself, where its place is hardly seen, when it is
+        asked whether it is in its place; out_share: how well one may agree at most that is out of its place
+        by that measure.
     min_scale: scale of a pose at least.
     """
 
@@ -40,6 +43,8 @@ class PoseSettings:
     small_size: float = 0.05
     small_share: float = 0.95
     in_place_share: float = 0.8
+    slide_weight: float = 0.3
+    out_share: float = 0.3
     min_scale: float = 0.2
 
 
@@ -137,12 +142,15 @@ class Squeeze:
         return squeezed
 
 
-def find_pose(master: FloatArray, copy: FloatArray, *, owner: IntArray) -> CharacterPose:
+def find_pose(master: FloatArray, copy: FloatArray, *, owner: IntArray, double: FloatArray) -> CharacterPose:
     """The pose that most points agree upon; (n, 2) points of the master and where the copy has them.
 
-    owner: (n,) number of the stroke.
+    owner: (n,) number of the stroke. double: (n, 2) (cos 2t, sin 2t) of its direction.
     """
-    if len(master) < 4 or _is_one_out_of_place(copy - master, owner):
+    left = copy - master
+    if len(master) < 4 or _is_one_out_of_place(left, owner):
+        return NO_POSE
+    if _is_one_out_of_place(_without_slide(left, double), owner, out_share=POSE.out_share):
         return NO_POSE
     poses = [NO_POSE] + [_fit_robust(master, copy, turn, size) for turn, size in _PARTS]
     agreed = []
@@ -159,8 +167,19 @@ def find_pose(master: FloatArray, copy: FloatArray, *, owner: IntArray) -> Chara
     return next(pose for pose, share in zip(poses, agreed, strict=True) if share >= enough)
 
 
-def _is_one_out_of_place(left: FloatArray, owner: IntArray) -> bool:
-    """Whether, of two strokes or more, all stand in their place but one; a long one counts more."""
+def _without_slide(left: FloatArray, double: FloatArray) -> FloatArray:
+    """(n, 2): how far points are off, less some of what lies along their strokes."""
+    c, s = double.T
+    half = np.arctan2(s, c) / 2
+    along = np.column_stack([np.cos(half), np.sin(half)]) * np.hypot(c, s)[:, None]
+    return np.asarray(left - (1.0 - POSE.slide_weight) * (left * along).sum(axis=1)[:, None] * along)
+
+
+def _is_one_out_of_place(left: FloatArray, owner: IntArray, *, out_share: float = 1.0) -> bool:
+    """Whether, of two strokes or more, all stand in their place but one; a long one counts more.
+
+    left: (n, 2) how far points are off. out_share: how well that one may agree with its place at most.
+    """
     count = np.bincount(owner)
     there = np.bincount(owner, np.exp(-0.5 * (left * left).sum(axis=1) / POSE.agree_distance**2))[count > 0]
     weight = np.sqrt(count[count > 0])
@@ -168,7 +187,7 @@ def _is_one_out_of_place(left: FloatArray, owner: IntArray) -> bool:
         return False
     there = there / weight**2
     rest = ((weight * there).sum() - weight * there) / (weight.sum() - weight)
-    return bool(rest.max() >= POSE.in_place_share)
+    return bool(((rest >= POSE.in_place_share) & (there <= out_share)).any())
 
 
 _PARTS = ((False, False), (True, False), (False, True), (True, True))

@@ -22,37 +22,14 @@ import numpy as np
 from rumu.errors import CalibrationError, RumuError, SurfaceError
 from rumu.pipeline import PreparedMaster
 from rumu.values import BoolArray, Remark
+from rumu_lab.experiments.fault_answers import ANSWERS, can_be_named, find_position, is_seen
 from rumu_lab.experiments.findings import Findings
 from rumu_lab.experiments.marked_copies import FOLDERS, read_templates
 from rumu_lab.experiments.measuring import measure_each
 from rumu_lab.experiments.run_settings import RunSettings
-from rumu_lab.simulation.faults import FaultyGlyph, apply
+from rumu_lab.simulation.faults import apply
 from rumu_lab.simulation.glyph import Glyph
 
-ANSWERS: Mapping[str, tuple[str, ...]] = {
-    "missing": ("missing",),
-    "squeeze": ("squeeze",),
-    "lean": ("lean",),
-    "entry": ("entry_heavy",),
-    "blunt": ("exit_blunt",),
-    "small": ("size",),
-    "shift": ("displaced",),
-    "angle": ("stroke_angle",),
-    "horizontal": ("stroke_angle",),
-    "thick": ("heavy",),
-    "thin": ("thin",),
-    "stroke_thick": ("stroke_heavy",),
-    "stroke_thin": ("stroke_thin",),
-    "short": ("stroke_short",),
-    "extra": ("extra",),
-    "off_centre": ("offset",),
-    "uneven": ("spacing", "displaced"),
-    "wobble": ("rough",),
-    "blot": ("blot",),
-    "pale": ("pale",),
-    "dry": ("dry",),
-}
-"""The kinds of remark that name a fault, the faults that were asked for first."""
 SEVERITIES = (2.0, 3.0, 4.0, 5.0)
 MIDDLE = (3.0,)
 """What `run` puts in unless told otherwise: all four take four times as long."""
@@ -68,10 +45,6 @@ SIDE = 256
 """Pixels of the longer side of a master, at most; a sixteenth of paper is added all round."""
 STELES = 12
 """Samples of masters/regular, spread evenly over the list."""
-SEEN_INK = 0.01
-"""Share of the ink that blunt tips must add to be there at all."""
-NEAR = 0.07
-"""Fraction of the picture within which a remark's outline must keep to the struck stroke's path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +62,8 @@ class FaultTrial:
     """One copy with one fault, and the remarks on it.
 
     position: of the remark that names the fault among the remarks, 0 first; None when none does.
-    kinds: of the remarks. refused: why the copy was not marked.
+    kinds: of the remarks. refused: why the copy was not marked. visible: whether the fault is large enough
+    to be seen, see `fault_answers`.
     """
 
     master: str
@@ -99,6 +73,7 @@ class FaultTrial:
     position: int | None
     kinds: tuple[str, ...]
     refused: str | None = None
+    visible: bool = True
 
 
 def run(
@@ -123,12 +98,13 @@ def run(
 
 def text(facts: Mapping[str, Any]) -> str:
     """The figures as a person reads them."""
-    head = ("fault", "copies", "told back", "told first", "", "on seen masters")
+    head = ("fault", "copies", "told back", "told first", "", "on seen masters", "too small to be seen")
     rows = [head]
     for name, f in facts["faults"].items():
-        held, seen = f["held_out"], f["seen"]
+        held, seen, small = f["held_out"], f["seen"], f["too_small"]
         shares = (f"{held[k]:.0%}" for k in ("told", "first"))
-        rows.append((name, str(held["copies"]), *shares, "", f"{seen['told']:.0%} of {seen['copies']}"))
+        others = (f"{some['told']:.0%} of {some['copies']}" for some in (seen, small))
+        rows.append((name, str(held["copies"]), *shares, "", *others))
     widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
     table = "\n".join(
         "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows
@@ -194,40 +170,19 @@ def try_master(master: RemarkMaster, severities: tuple[float, ...]) -> list[Faul
             copy = apply(glyph.mask, fault, severity=severity, seed=seed)
         except SurfaceError:  # no stroke to leave out, none that lies
             continue
-        if fault == "squeeze" and not has_halves(master.character):
-            continue  # of a character without a left and a right part nothing is said of them
-        if fault == "blunt" and (copy.mask ^ glyph.mask).sum() < SEEN_INK * glyph.mask.sum():
-            continue  # no tip that tapers, as in seal script
-        remarks, refused = _remarks(copy.ink, prepared)
-        right = [r.kind in ANSWERS[fault] and speaks_of(r, copy, glyph) for r in remarks]
-        position = right.index(True) if any(right) else None
-        kinds = tuple(r.kind for r in remarks)
-        trials.append(FaultTrial(master.name, master.seen, fault, severity, position, kinds, refused))
+        if not can_be_named(copy, glyph, master.character):
+            continue
+        remarks, untold, refused = _remarks(copy.ink, prepared)
+        position = find_position(remarks, untold, copy, glyph)
+        kinds, visible = tuple(r.kind for r in remarks), is_seen(copy, glyph)
+        trials.append(
+            FaultTrial(master.name, master.seen, fault, severity, position, kinds, refused, visible)
+        )
     for name, ink in _clean_copies(glyph).items():
-        remarks, refused = _remarks(ink, prepared)
+        remarks, _, refused = _remarks(ink, prepared)
         kinds = tuple(r.kind for r in remarks)
         trials.append(FaultTrial(master.name, master.seen, f"clean {name}", 0.0, None, kinds, refused))
     return trials
-
-
-def speaks_of(remark: Remark, copy: FaultyGlyph, glyph: Glyph) -> bool:
-    """Whether a remark speaks of strokes that the fault struck, or of the place where it is."""
-    if not copy.strokes:
-        return remark.region is None or copy.fault not in ("extra", "blot") or _meet(remark, copy)
-    if not remark.outline:
-        return False
-    if copy.fault == "entry" and not _meet(remark, copy):
-        return False  # a heavy beginning, but of another stroke or at the wrong end
-    points = np.concatenate([np.array(line) for line in remark.outline])
-    size = np.array(glyph.mask.shape, float)
-    paths = np.concatenate([(glyph.strokes[k].points / size)[:, ::-1] for k in copy.strokes])
-    away = np.sqrt(((points[:, None] - paths[None]) ** 2).sum(axis=2)).min(axis=1)
-    return float((away < NEAR).mean()) >= 0.6
-
-
-def _meet(remark: Remark, copy: FaultyGlyph) -> bool:
-    a, b = remark.region or copy.region, copy.region
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def _clean_copies(glyph: Glyph) -> dict[str, np.ndarray]:
@@ -243,23 +198,17 @@ def _clean_copies(glyph: Glyph) -> dict[str, np.ndarray]:
     }
 
 
-def has_halves(character: str | None) -> bool:
-    """Whether a character is made of a left and a right part."""
-    from rumu.assessment.part_measures import AXES
-    from rumu.characters.stroke_data import find_character
-
-    known = find_character(character) if character else None
-    return known is not None and known.structure is not None and AXES.get(known.structure) == "across"
-
-
-def _remarks(ink: np.ndarray, master: PreparedMaster) -> tuple[tuple[Remark, ...], str | None]:
-    """Remarks on a copy with this ink in its cell; or none, and why it cannot be marked."""
+def _remarks(
+    ink: np.ndarray, master: PreparedMaster
+) -> tuple[tuple[Remark, ...], tuple[Remark, ...], str | None]:
+    """Remarks on a copy with this ink in its cell, the faults besides, and why it cannot be marked."""
     from rumu import pipeline
 
     try:
-        return pipeline.assess(_picture(ink), master, framed=True).remarks, None
+        mark = pipeline.assess(_picture(ink), master, framed=True)
     except RumuError as error:
-        return (), str(error)
+        return (), (), str(error)
+    return mark.remarks, mark.untold, None
 
 
 def _picture(ink: np.ndarray) -> np.ndarray:
@@ -300,10 +249,11 @@ def figures(trials: Sequence[FaultTrial]) -> dict[str, Any]:
         "seen_masters": sorted({t.master for t in trials if t.seen}),
         "faults": {
             name: {
-                "held_out": _shares([t for t in some if not t.seen]),
-                "seen": _shares([t for t in some if t.seen]),
+                "held_out": _shares([t for t in some if not t.seen and t.visible]),
+                "too_small": _shares([t for t in some if not t.seen and not t.visible]),
+                "seen": _shares([t for t in some if t.seen and t.visible]),
                 "by_severity": {
-                    f"{s:g}": _shares([t for t in some if not t.seen and t.severity == s])
+                    f"{s:g}": _shares([t for t in some if not t.seen and t.visible and t.severity == s])
                     for s in sorted({t.severity for t in some})
                 },
             }
@@ -332,14 +282,13 @@ def _shares(trials: list[FaultTrial]) -> dict[str, float]:
 
 
 def write_table(trials: Sequence[FaultTrial], path: Path) -> None:
-    """One row a copy: master, whether seen, fault, severity, position of the remark that names it, kinds."""
+    """One row a copy, as of `FaultTrial`; told: position of the remark that names the fault, from 1."""
     from rumu.outputs import whole_file
 
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
-        writer.writerow(["master", "seen", "fault", "severity", "told", "kinds", "refused"])
+        writer.writerow(["master", "seen", "fault", "severity", "told", "kinds", "refused", "visible"])
         for t in trials:
             told = "" if t.position is None else t.position + 1
-            writer.writerow(
-                [t.master, t.seen, t.fault, f"{t.severity:g}", told, " ".join(t.kinds), t.refused or ""]
-            )
+            kinds, severity = " ".join(t.kinds), f"{t.severity:g}"
+            writer.writerow([t.master, t.seen, t.fault, severity, told, kinds, t.refused or "", t.visible])

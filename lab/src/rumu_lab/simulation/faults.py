@@ -58,7 +58,7 @@ class FaultyGlyph:
     size: how large it came out, in `unit`; angles positive clockwise, pixels those of a picture 512 wide.
     strokes: numbers of the strokes that have it, counted from 0 as `Glyph.strokes` does.
     region: (x0, y0, x1, y1) in fractions of the picture, origin top left.
-    description, description_zh: what was done, where and how much.
+    description, description_zh: what was done, where and how much. apart: see `ChangedGlyph`.
     """
 
     mask: BoolArray
@@ -71,6 +71,7 @@ class FaultyGlyph:
     region: Region
     description: str
     description_zh: str
+    apart: float = 0.0
 
 
 def apply(mask: BoolArray, fault: str, *, severity: float, seed: int = 0) -> FaultyGlyph:
@@ -106,4 +107,5 @@ def _with_ink(change: ChangedGlyph, mask: BoolArray, fault: str, severity: float
         region=change.region,
         description=change.en,
         description_zh=change.zh,
+        apart=change.apart,
     )

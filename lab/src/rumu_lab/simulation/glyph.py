@@ -99,7 +99,9 @@ class ChangedGlyph:
 
     depth: (H, W) float32, the ink after the fault. size: of the fault, in the unit of its kind.
     strokes: numbers of those that have the fault. region: where. en, zh: what was done.
-    density: darkness of the ink, one number for all of it; None is 1.
+    density: darkness of the ink, one number for all of it; None is 1. apart: where strokes were pushed each
+    its own way, how far the one that was pushed farthest stands from where all were on average; pixels of a
+    picture 512 wide.
     """
 
     depth: FloatArray
@@ -109,6 +111,7 @@ class ChangedGlyph:
     en: str
     zh: str
     density: float | None = None
+    apart: float = 0.0
 
 
 def region_of(mask: BoolArray) -> Region:

@@ -6,6 +6,8 @@ generator that chooses the side.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from rumu.values import FloatArray
@@ -109,20 +111,23 @@ def uneven(glyph: Glyph, size: float, rng: Random) -> ChangedGlyph:
     turns = rng.uniform(0.0, 2.0 * np.pi, len(glyph.strokes))
     lengths = pixels * rng.uniform(0.5, 1.5, len(glyph.strokes))
     depth = depth_of(glyph.without(*range(len(glyph.strokes))))
-    for stroke, turn, length in zip(glyph.strokes, turns, lengths, strict=True):
-        step = length * np.array([np.sin(turn), np.cos(turn)])
+    steps = lengths[:, None] * np.column_stack([np.sin(turns), np.cos(turns)])
+    long = np.array([stroke.length for stroke in glyph.strokes])
+    apart = np.hypot(*(steps - np.average(steps, axis=0, weights=long)).T).max() / glyph.scale
+    for stroke, step in zip(glyph.strokes, steps, strict=True):
         own = move(depth_of(stroke.ink), matrix=np.eye(2), centre=np.zeros(2), shift=step)
         depth = np.maximum(depth, own)
     # Strokes that touched go on touching, unless they were pushed far apart.
     met = np.sum([stroke.ink for stroke in glyph.strokes], axis=0) > 1
     brush = min(float(np.median(stroke.radius)) for stroke in glyph.strokes)
     depth = close_clefts(depth, gap=min(1.5 * pixels, 0.7 * brush), near=depth_of(met) > -pixels)
-    return _whole(
+    change = _whole(
         depth,
         size,
         en=f"every stroke is pushed its own way by about {size:.1f} px",
         zh=f"各筆各自偏移約 {size:.1f} 像素，間距不勻",
     )
+    return replace(change, apart=float(apart))
 
 
 def _whole(depth: FloatArray, size: float, *, en: str, zh: str) -> ChangedGlyph:
