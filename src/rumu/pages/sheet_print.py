@@ -21,6 +21,7 @@ from rumu.pages.sheet_layout import (
     inner_lines,
 )
 from rumu.pages.sheet_models import DOT_RADIUS, MasterShape
+from rumu.pages.sheet_sharpening import sharpen
 from rumu.values import FloatArray
 
 Colour = tuple[float, float, float]
@@ -33,6 +34,7 @@ DOT: Colour = (0.96, 0.58, 0.52)
 
 _MODELS = {"faint": FAINT, "outlined": OUTLINE, "dots": DOT}
 _LINEAR = 1.6  # exponent: where blur mixes ink and paper half and half, the level is half-way, as in light
+_BRIGHTEST = 1.2  # times the paper around it that paper is at most
 _PLAIN = 0.06  # grayness up to which nothing needs to be taken away
 _MORE = 1.25  # times as much print as expected is taken away: paper stays white, ink stays dark
 _SHIFT = 4  # bits of a fraction of a pixel in OpenCV's drawing
@@ -58,12 +60,15 @@ def take_print_away(
 ) -> npt.NDArray[np.uint8]:
     """(n, n): what was written in a cell, dark on white.
 
-    colours: (n, n, 3), 1 on bare paper. gray: see `grayness`. blur: of the photograph, in millimetres.
+    colours: (n, n, 3), 1 on bare paper. gray: see `grayness`. blur: of the photograph, in millimetres, which
+    is taken back.
     """
     red = colours[:, :, 0]
     if gray > _PLAIN:
         red = red / _printed_light(cell, grid, master, len(red), gray=gray, blur=blur)
-    return np.asarray(255 * np.clip(red, 0, 1) ** _LINEAR, np.uint8)
+    light = np.clip(red, 0, _BRIGHTEST) ** np.float32(_LINEAR)
+    sharp = sharpen(light, smear=blur * len(red) / cell.box.width)
+    return np.asarray(255 * np.clip(sharp, 0, 1), np.uint8)
 
 
 def _printed_light(

@@ -44,7 +44,7 @@ class SheetReadingSettings:
     contrast: float = 45.0
     blur: float = 0.42
     largest: int = 480
-    smallest: int = 160
+    smallest: int = 320
     rim: float = 0.03
     ink: float = 0.35
     written: float = 0.002
