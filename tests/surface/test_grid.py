@@ -12,7 +12,7 @@ from rumu.capture.image import read_image
 from rumu.gallery.starter import find_work, starter_samples
 from rumu.pipeline import PreparedMaster
 from rumu.surface.grid import remove_grid
-from rumu.surface.ink import find_ink
+from rumu.surface.ink import InkMaskSettings, find_ink
 from rumu.surface.paper import PAPER_GRAY
 from rumu_lab.simulation.photographs import GRIDS, Grid, photograph
 
@@ -133,3 +133,12 @@ def test_an_empty_grid_is_a_blank_page():
         with pytest.raises(rumu.RumuError) as refused:
             find_ink(photograph(np.zeros((64, 64), bool), grid=Grid(kind, gray=70)))
         assert refused.value.reason == "blank"
+
+
+def test_no_grid_is_looked_for_where_there_can_be_none(ink):
+    page = photograph(ink, grid=Grid("mi", gray=90))
+    assert find_ink(page).left_out["grid"] > 0
+    without = find_ink(page, settings=InkMaskSettings(grid=False))
+    assert without.left_out["grid"] < find_ink(page).left_out["grid"]
+    clean = photograph(ink)
+    assert (find_ink(clean).mask == find_ink(clean, settings=InkMaskSettings(grid=False)).mask).all()

@@ -28,7 +28,7 @@ from rumu.studio.sheet_inputs import SheetPhoto, read_photo, sheet_photos
 if TYPE_CHECKING:
     from rumu.gallery.sheet_masters import SheetMaster
     from rumu.pipeline import PreparedMaster
-    from rumu.values import Assessment
+    from rumu.values import Assessment, Surface
 
 TABLE, FACTS = "marks.csv", "marks.json"
 CELLS = "cells"
@@ -142,9 +142,28 @@ def assess_cell(task: CellTask) -> tuple[Assessment, SheetMaster]:
 
     prepared, master = _prepared_master(task.masters, task.character)
     mark = pipeline.assess(
-        task.picture, prepared, script=master.script, character=task.character, framed=True, **task.terms
+        _surface_of_cell(task.picture),
+        prepared,
+        script=master.script,
+        character=task.character,
+        framed=True,
+        **task.terms,
     )
     return mark, master
+
+
+def _surface_of_cell(picture: npt.NDArray[np.uint8]) -> Surface | npt.NDArray[np.uint8]:
+    """The surface of a cell's picture, on which no grid is looked for, since the print has been taken away.
+
+    The picture itself where it holds no writing: whoever marks it says why.
+    """
+    from rumu.surface.ink import InkMaskSettings, find_ink
+    from rumu.surface.relief import relief
+
+    try:
+        return relief(find_ink(picture, settings=InkMaskSettings(grid=False)))
+    except RefusedImage:
+        return picture
 
 
 @functools.lru_cache(maxsize=64)
@@ -154,7 +173,8 @@ def _prepared_master(masters: str, character: str) -> tuple[PreparedMaster, Shee
     from rumu.gallery.sheet_masters import open_masters
 
     master = open_masters(masters, character).by_character[character]
-    prepared = pipeline.prepare_master(master.picture, character=character, script=master.script)
+    surface = _surface_of_cell(master.picture)
+    prepared = pipeline.prepare_master(surface, character=character, script=master.script)
     return prepared, master
 
 

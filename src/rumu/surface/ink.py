@@ -94,6 +94,7 @@ class InkMaskSettings:
     fewest_pixels: least number that is not red, for a page to have ink on it.
     red_edge, red_edge_on_dark: side, in pixels, of the neighbourhood that belongs to a red mark.
     cut_width: pixels over which ink is closed where a red mark crossed it.
+    grid: whether a printed grid may be on the page. Looking for one takes half of the time.
     """
 
     clean: float = 12.0
@@ -105,6 +106,7 @@ class InkMaskSettings:
     red_edge: int = 3
     red_edge_on_dark: int = 7
     cut_width: int = 2
+    grid: bool = True
     position: PositionSettings = field(default_factory=PositionSettings)
     colour: ColourSettings = field(default_factory=ColourSettings)
     writing: WritingLimits = field(default_factory=WritingLimits)
@@ -232,7 +234,7 @@ def _separate(
     if off_sheet is not None:
         x[off_sheet], cut = PAPER_GRAY, cut | off_sheet
     grid = 0
-    if paper.polarity == "dark":
+    if paper.polarity == "dark" and settings.grid:
         x, grid = remove_grid(x)
     page = _find_levels(x, cut, settings)
     size = next((side for least, side in settings.smoothing if page.noise > least), settings.noisiest)
