@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
+from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import pytest
 
@@ -54,6 +57,12 @@ async def request(app, method="GET", path="/api/works"):
     return json.loads(sent[-1]["body"])
 
 
+def run(work: Coroutine[Any, Any, None]) -> None:
+    """Run a coroutine in a thread of its own: tests in a browser leave their loop running in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, work).result()
+
+
 def test_many_who_ask_at_once_are_served_from_one():
     async def ask():
         titles = Titles()
@@ -64,7 +73,7 @@ def test_many_who_ask_at_once_are_served_from_one():
         await request(app, "PATCH")
         assert await request(app) == {"title": "new"} and titles.made == 2
 
-    asyncio.run(ask())
+    run(ask())
 
 
 @pytest.mark.parametrize("fails", [False, True])
@@ -85,4 +94,4 @@ def test_what_was_read_before_a_change_is_not_kept(fails):
         assert await slow == {"title": "old"}  # it had been asked before
         assert await request(app) == {"title": "new"}
 
-    asyncio.run(ask())
+    run(ask())
