@@ -44,7 +44,8 @@ _FONT_FOLDERS = (
 )
 _LATIN, _BOLD, _READER_FONT = "Helvetica", "Helvetica-Bold", "MSung-Light"
 _EM = 1000.0
-_DESCENT = 0.12  # of the square of a character of the stroke data, below the line
+DESCENT = 0.12
+"""How far the square of a character of the stroke data reaches below the line, as a share of its side."""
 
 
 def text_width(text: str, size: float, *, bold: bool = False) -> float:
@@ -161,7 +162,7 @@ def _draw_strokes(canvas: Canvas, x: float, y: float, letter: str, size: float) 
     """Draw a character of the stroke data, each stroke by itself: where two cross, ink stays ink."""
     character = find_character(letter)
     for stroke in character.strokes if character else ():
-        outline = (stroke.polygon() * (1, -1) + (0, 1 - _DESCENT)) * size + (x, y)
+        outline = (stroke.polygon() * (1, -1) + (0, 1 - DESCENT)) * size + (x, y)
         path = canvas.beginPath()
         path.moveTo(*outline[0])
         for point in outline[1:]:

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from rumu.characters.stroke_data import CanonicalStroke, find_character
-from rumu.pdf_text import draw_text, text_width
+from rumu.pdf_text import DESCENT, draw_text, text_width
 
-_EM, _DESCENT = 1000, 120  # units of the font, and how far its square reaches below the line
+_EM = 1000  # units of the font
+_DESCENT = round(_EM * DESCENT)
 
 
 class SheetFont:

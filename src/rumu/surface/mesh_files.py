@@ -23,14 +23,12 @@ from rumu.values import FloatArray, Source, Surface
 Format = Literal["glb", "ply", "stl", "usdz"]
 
 FORMATS: tuple[Format, ...] = get_args(Format)
-_STL_HEADERS: dict[Source, str] = {  # 80 ASCII characters at most; "solid" at the start would mean a text
-    "photometric": "rumu mesh in mm; relief measured by photometric stereo",
-    "inflation": "rumu mesh in mm; relief estimated from the outline of the ink, not measured",
-    "density": "rumu mesh in mm; relief estimated from how dark the ink is, not measured",
-}
 _SOURCES: dict[Source, str] = {
-    source: header.removeprefix("rumu mesh in mm; ") for source, header in _STL_HEADERS.items()
+    "photometric": "relief measured by photometric stereo",
+    "inflation": "relief estimated from the outline of the ink, not measured",
+    "density": "relief estimated from how dark the ink is, not measured",
 }
+_STL_HEADER = "rumu mesh in mm; {}"  # 80 ASCII characters at most; "solid" at the start would mean a text
 _TANGENT = "_TANGENT"  # trimesh lets only names with an underscore pass
 _MATT = "KHR_materials_specular"
 _INK_ROUGHNESS = 0.5  # of ink whose relief is estimated: black would show no relief without any gloss
@@ -112,7 +110,7 @@ def stl_bytes(vertices: FloatArray, faces: npt.NDArray[np.int64], *, source: Sou
     import trimesh
 
     data = bytes(trimesh.Trimesh(vertices, faces, process=False).export(file_type="stl"))
-    return _STL_HEADERS[source].encode().ljust(80) + data[80:]
+    return _STL_HEADER.format(_SOURCES[source]).encode().ljust(80) + data[80:]
 
 
 # --- pictures on the sheet -------------------------------------------------------------------------
@@ -253,6 +251,13 @@ def _write_stage(path: str, grid: Grid, surface: Surface) -> None:
         "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex
     )
     places.Set(Vt.Vec2fArray.FromNumpy(grid.uv.astype(np.float32)))
+    UsdShade.MaterialBindingAPI.Apply(sheet.GetPrim()).Bind(_usd_material(stage, surface))
+    stage.GetRootLayer().Save()
+
+
+def _usd_material(stage: Any, surface: Surface) -> Any:
+    """The material of a stage's sheet, with the pictures albedo.jpg and normals.jpg."""
+    from pxr import Gf, Sdf, UsdShade
 
     material = UsdShade.Material.Define(stage, "/Work/Paper")
     shader = UsdShade.Shader.Define(stage, "/Work/Paper/Surface")
@@ -282,5 +287,4 @@ def _write_stage(path: str, grid: Grid, surface: Surface) -> None:
         shader.CreateInput(name, kind).ConnectToSource(picture)
     shown = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
     material.CreateSurfaceOutput().ConnectToSource(shown)
-    UsdShade.MaterialBindingAPI.Apply(sheet.GetPrim()).Bind(material)
-    stage.GetRootLayer().Save()
+    return material
