@@ -198,6 +198,14 @@ def _keep(found: Any, moved: Any, turned: Any, damping: Any, best: Any, bright: 
 
 
 @_kernel
+def _load(values: Any, first: int, count: int, lanes: Any) -> None:
+    """Take the values (N, P) of `count` pixels from `first` on into lanes (N, LANES), the last one again."""
+    for i in range(values.shape[0]):
+        for j in range(LANES):
+            lanes[i, j] = values[i, first + min(j, count - 1)]
+
+
+@_kernel
 def fit(
     values: Any, noise: Any, lamps: Any, starts: Any, kind: int, roughness: Any, share: Any, limits: Any,
         rounds: int,
@@ -220,9 +228,7 @@ def fit(
     damping, sums = np.empty(LANES, np.float32), np.empty(9 * LANES, np.float32)
     for first in range(0, pixels, LANES):
         count = min(LANES, pixels - first)
-        for i in range(n):
-            for j in range(LANES):
-                lanes[i, j] = values[i, first + min(j, count - 1)]
+        _load(values, first, count, lanes)
         for j in range(LANES):
             best[j], damping[j] = _TWO, np.float32(1e-3)
             noise2[j] = noise[first + min(j, count - 1)]
@@ -281,9 +287,7 @@ def doubt(
     dark, within = limits[2], exact * exact
     for first in range(0, pixels, LANES):
         count = min(LANES, pixels - first)
-        for i in range(n):
-            for j in range(LANES):
-                lanes[i, j] = values[i, first + min(j, count - 1)]
+        _load(values, first, count, lanes)
         for j in range(LANES):
             p = first + min(j, count - 1)
             noise2[j], near[j], telling[j] = noise[p], 0, 0

@@ -26,6 +26,7 @@ from rumu.web.service import Service
 
 router = APIRouter(tags=["iiif"])
 PathWord = Annotated[str, Path(max_length=80)]
+SearchWords = Annotated[CleanText, Query(max_length=200)]
 
 
 @router.get("/iiif/works/{work_id}/manifest.json", response_class=JSONResponse)
@@ -40,7 +41,7 @@ def search_in_work(
     request: Request,
     service: ServiceDep,
     work_id: PathId,
-    q: Annotated[CleanText, Query(max_length=200)] = "",
+    q: SearchWords = "",
 ) -> Response:
     """Where words stand in the text of a whole work: the Content Search API 2. q: words, parted by spaces."""
     find_work(service, work_id)
@@ -54,7 +55,7 @@ def search_in_work_1(
     request: Request,
     service: ServiceDep,
     work_id: PathId,
-    q: Annotated[CleanText, Query(max_length=200)] = "",
+    q: SearchWords = "",
 ) -> Response:
     """The same by the Content Search API 1, for viewers that know no other."""
     find_work(service, work_id)
