@@ -68,12 +68,17 @@ class CoverSettings:
         strongest. min_ink: points' worth of ink, from which a point of the master has some of its own.
     min_reach_spacings: reach of a stroke at least, in distances between neighbouring points; beside_factor:
         reach, over the reach of a stroke, within which a point of the copy may belong to it.
+    explained_slope, ink_slope, reach_slope: how far below and above these limits a point counts in part where
+        points are weighed, of the reaches as a share of them.
     """
 
     min_explained: float = 0.4
     min_ink: float = 0.15
     min_reach_spacings: float = 1.6
     beside_factor: float = 1.5
+    explained_slope: float = 0.2
+    ink_slope: float = 0.1
+    reach_slope: float = 0.3
 
 
 COVER = CoverSettings()
@@ -135,6 +140,28 @@ def find_covered(
     covered = (nearest < reach**2) & (P.sum(axis=1) > COVER.min_ink)
     owner = np.where(squared.min(axis=0) < (COVER.beside_factor * reach) ** 2, owner, -1)
     return np.asarray(covered), owner
+
+
+def weigh_cover(
+    found: LineMatch, copy: LinePoints, master: LinePoints, *, near: float
+) -> tuple[FloatArray, FloatArray]:
+    """How far the copy has each of the master's points, and strokes explain each of the copy's: 0 to 1.
+
+    Where `find_covered` says yes or no, a point near a limit counts in part, so that sums of points hardly
+    change when ink hardly does. near: as there.
+    """
+    P, away, c = found.responsibility, np.sqrt(squared_distances(found.moved, copy.xy)), COVER
+    reach = max(near, c.min_reach_spacings * master.spacing)
+    beside = away.min(axis=0) / (c.beside_factor * reach)
+    explained = slope(P.sum(axis=0), c.min_explained, c.explained_slope) * slope(-beside, -1.0, c.reach_slope)
+    own = master.owner[P.argmax(axis=0)][None, :] == master.owner[:, None]
+    near_own = (own * explained * slope(-away / reach, -1.0, c.reach_slope)).max(axis=1)
+    return slope(P.sum(axis=1), c.min_ink, c.ink_slope) * near_own, explained
+
+
+def slope(values: FloatArray, limit: float, width: float) -> FloatArray:
+    """0 below limit - width, 1 above limit + width, and straight between."""
+    return np.asarray(np.clip((values - limit) / (2.0 * width) + 0.5, 0.0, 1.0))
 
 
 def _settle(

@@ -30,7 +30,7 @@ from rumu.strokes.centre_lines import (
     sample_lines,
 )
 from rumu.strokes.correspondence import CopyStrokes
-from rumu.strokes.matching import MatchSettings, find_covered, match_lines
+from rumu.strokes.matching import MatchSettings, find_covered, match_lines, slope, weigh_cover
 from rumu.strokes.placement import stroke_numbers
 from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration
 
@@ -80,6 +80,7 @@ class OmissionSettings:
         second.
     surplus_distance: distance off the master's ink from which unexplained ink is too much. unfound_distance:
         distance off the copy's ink from which a point counts as not found where that is weighed.
+        distance_slope: how far below and above these a point counts in part.
     first_discount, missing_discount, extra_discount: displacement that strokes commonly have, from which
         matching may err; and how much of the ink is then not believed to be missing in the first pass,
         missing in both, or too much, for each rms radius beyond.
@@ -101,6 +102,7 @@ class OmissionSettings:
     presence_share: float = 0.005
     surplus_distance: float = 0.12
     unfound_distance: float = 0.05
+    distance_slope: float = 0.04
     first_discount: tuple[float, float] = (0.08, 1.2)
     missing_discount: tuple[float, float] = (0.08, 0.5)
     extra_discount: tuple[float, float] = (0.1, 1.0)
@@ -147,7 +149,7 @@ def find_regions(
     quick = _lay(ink, ridges, master, points=master.sparse_points, settings=OMISSIONS.quick_match)
     extra, extra_at = (
         quick.extra - _displacement_discount(quick, OMISSIONS.extra_discount),
-        quick.copy.xy[quick.unexplained],
+        quick.copy.xy[quick.unexplained > 0.5],
     )
     first, _ = quick.missing(OMISSIONS.quick, master.lines.lines)
     if strokes is not None and first > OMISSIONS.presence_share and strokes.master.laid:
@@ -299,8 +301,9 @@ class InkCoverage:
     width: of the master's strokes. covered: (n,) which points found ink of their own; ink: (n,) how many
     points' worth; moved_distance, master_distance: (n,) how far off the copy's ink they lie, where matching
     put them and where the master has them. surplus: (m,) which of the copy's points belong to no stroke;
-    surplus_distance: (m,) how far off the master's ink they lie. displacement: by how much covered points
-    commonly moved.
+    surplus_distance: (m,) how far off the master's ink they lie. found, explained: (n,) and (m,), 0 to 1, how
+    far the copy has the master's points, and strokes explain the copy's. displacement: by how much covered
+    points commonly moved.
     """
 
     master: LinePoints
@@ -312,6 +315,8 @@ class InkCoverage:
     master_distance: FloatArray
     surplus: BoolArray
     surplus_distance: FloatArray
+    found: FloatArray
+    explained: FloatArray
     displacement: float
 
     def missing(self, s: MissingSettings, lines: tuple[CentreLine, ...]) -> tuple[float, BoolArray]:
@@ -337,15 +342,17 @@ class InkCoverage:
         return max(share, 0.0), counted > 0
 
     @property
-    def unexplained(self) -> BoolArray:
-        """(m,) which of the copy's points no stroke of the master explains."""
-        return np.asarray(self.surplus & (self.surplus_distance > OMISSIONS.surplus_distance))
+    def unexplained(self) -> FloatArray:
+        """(m,) how far each of the copy's points is one that no stroke of the master explains, 0 to 1."""
+        o = OMISSIONS
+        return (1.0 - self.explained) * slope(self.surplus_distance, o.surplus_distance, o.distance_slope)
 
     @property
     def extra(self) -> float:
         """Share of the copy's ink that is unexplained and not what some stroke did not find."""
-        unfound = ~self.covered & (self.moved_distance > OMISSIONS.unfound_distance)
-        return float(self.unexplained.mean()) - float(_ink_shares(self.master)[unfound].sum())
+        o = OMISSIONS
+        unfound = (1.0 - self.found) * slope(self.moved_distance, o.unfound_distance, o.distance_slope)
+        return float(self.unexplained.mean()) - float(_ink_shares(self.master) @ unfound)
 
 
 def _lay(
@@ -353,7 +360,9 @@ def _lay(
 ) -> InkCoverage:
     """Lay points of the master on lines of the copy, whose ink is given too."""
     found, width = match_lines(points, copy, settings=settings), master.lines.width
-    covered, owner = find_covered(found, copy, points, near=OMISSIONS.own_ink_reach * width)
+    near = OMISSIONS.own_ink_reach * width
+    covered, owner = find_covered(found, copy, points, near=near)
+    has, explained = weigh_cover(found, copy, points, near=near)
     moved_distance, master_distance = (ink.off[pixels_at(at)] for at in (found.moved, points.xy))
     away = np.hypot(*(found.moved - points.xy)[covered].T)
     return InkCoverage(
@@ -366,6 +375,8 @@ def _lay(
         master_distance=master_distance,
         surplus=owner < 0,
         surplus_distance=master.points.off[pixels_at(copy.xy)],
+        found=has,
+        explained=explained,
         displacement=float(np.median(away)) if len(away) else np.inf,
     )
 
