@@ -169,7 +169,7 @@ def test_ctrl_c_while_it_imports():
 def test_ctrl_c_at_any_moment_of_a_command_with_workers(desk, jobs):
     """Before, while and after its processes start; it leaves no more than the rows that were marked.
 
-    Each run goes on where the one before was stopped, so there are more rows than a fast machine marks in all.
+    Each run goes on where the one before was stopped, so there are more rows than fast machines mark in all.
     """
     rows = "copy.png,master.png\n" * 5000
     (desk / "pairs.csv").write_text(f"copy,reference\n{rows}")
