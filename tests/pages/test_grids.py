@@ -122,6 +122,22 @@ def test_rows_that_stand_apart_are_read_row_by_row():
     assert [(cell.column, cell.row) for cell in grid.cells] == [(r, c) for r in range(4) for c in range(6)]
 
 
+@pytest.mark.parametrize("kind", ["plain", "field", "rice"])
+def test_cells_of_a_leaf_that_lies_nearer_to_the_camera_are_found_too(kind):
+    near, near_quads, _ = draw_grid(2, 6, cell=78, kind=kind)
+    far, far_quads, _ = draw_grid(6, 8, cell=64, kind=kind)
+    width = max(near.shape[1], far.shape[1])
+    leaves = [
+        cv2.copyMakeBorder(leaf, 0, 0, 0, width - leaf.shape[1], cv2.BORDER_CONSTANT, value=PAPER)
+        for leaf in (near, far)
+    ]
+    quads = np.concatenate([near_quads, far_quads + np.array([0, len(near)])])
+    grid = find_grid(photograph(np.concatenate(leaves), quads, np.zeros((4, 2)))[0])
+    assert grid is not None
+    assert [cell.register for cell in grid.cells] == [0] * 12 + [1] * 48
+    assert farthest(np.array([cell.polygon for cell in grid.cells]), quads) < 6
+
+
 @pytest.mark.parametrize("colour", [RED, BLACK])
 def test_the_grid_is_taken_away_and_strokes_that_cross_it_stay(colour):
     page, _, ink = draw_grid(4, 4, colour=colour, cell=100)

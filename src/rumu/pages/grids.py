@@ -35,6 +35,8 @@ class PageGridSettings:
         beyond the picture by this share of its side.
     clear: the same over that of places just beside the sides, of a lattice that is large enough, where cells
         have an inner square; beside_side: how far beside, as a share of a cell.
+    sizes: sizes of cells that are looked for, one after the other; leaf: most by which they may differ, as a
+        factor.
     guide: by how much cells of two or three pitches are drawn more strongly where lines within them are
         guides.
     well: from where on a side is drawn well. weakest: over the strongest side of a cell, below which the
@@ -58,6 +60,8 @@ class PageGridSettings:
     further: int = 8
     of_first: float = 0.12
     cut: float = 0.25
+    sizes: int = 2
+    leaf: float = 1.6
     guide: float = 1.07
     well: float = 0.03
     weakest: float = 0.15
@@ -128,11 +132,35 @@ Placed = list[tuple[int, int, FloatArray, float]]
 
 
 def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Placed]:
-    """The lattices of cells in a reduced picture, from top to bottom."""
+    """The lattices of cells in a reduced picture, from top to bottom.
+
+    What lies outside of the lattices of one size is searched again: a second leaf may lie nearer to the
+    camera, so that its cells are of another size.
+    """
     lines = PrintedLineSettings()
     if min(picture.shape[:2]) < 4 * lines.pitch:
         return []
     evidence = find_line_evidence(picture, settings=lines)
+    found: list[tuple[Lattice, LatticeModel]] = []
+    for _ in range(settings.sizes):
+        rest = _beside_lattices(evidence, [lattice for lattice, _ in found], lines)
+        further = _lattices_of_one_size(rest, found, lines=lines, settings=settings)
+        if not further:
+            break
+        found += further
+    found.sort(key=lambda one: float(np.mean([cell[1] for cell in one[0].cells.values()])))
+    placed = [_place(evidence, *one, lines=lines) for one in found]
+    return [cells for cells in placed if _is_even(cells, settings)]
+
+
+def _lattices_of_one_size(
+    evidence: LineEvidence,
+    known: list[tuple[Lattice, LatticeModel]],
+    *,
+    lines: PrintedLineSettings,
+    settings: PageGridSettings,
+) -> list[tuple[Lattice, LatticeModel]]:
+    """The lattices of cells of the likeliest size; beside known ones, of a size like theirs."""
     pitch = line_pitch(evidence.down, settings=lines)
     if pitch is None:
         return []
@@ -148,16 +176,47 @@ def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Place
         if len(lattice.cells) < settings.first or not _stands_out(edges, lattice, settings):
             continue
         filled = fill_lattice(edges, evidence, lattice)
+        all_found = [one for one, _ in (*known, *found)]
         if not (
             _is_grid(filled[0], settings=settings) and _has_four_sides(edges, filled[0], settings)
-        ) or any(_overlap(filled[0], other) for other, _ in found):
+        ) or any(_overlap(filled[0], other) for other in all_found):
             continue
-        if found and len(filled[0].cells) < max(settings.further, settings.of_first * len(found[0][0].cells)):
+        if all_found and len(filled[0].cells) < max(
+            settings.further, settings.of_first * len(all_found[0].cells)
+        ):
+            continue
+        if known and not _is_of_like_size(filled[0], known[0][0], settings.leaf):
             continue
         found.append(filled)
-    found.sort(key=lambda one: float(np.mean([cell[1] for cell in one[0].cells.values()])))
-    placed = [_place(evidence, *one, lines=lines) for one in found]
-    return [cells for cells in placed if _is_even(cells, settings)]
+    return found
+
+
+def _is_of_like_size(lattice: Lattice, other: Lattice, most: float) -> bool:
+    """Whether cells of two lattices are as large but for a factor."""
+    sizes = [np.median(np.array(list(one.cells.values()))[:, 2:], axis=0) for one in (lattice, other)]
+    return bool(np.abs(np.log(sizes[0] / sizes[1])).max() < np.log(most))
+
+
+def _beside_lattices(
+    evidence: LineEvidence, lattices: list[Lattice], lines: PrintedLineSettings
+) -> LineEvidence:
+    """The evidence for lines without that in the boxes around lattices."""
+    across, down, step = evidence.across.copy(), evidence.down.copy(), lines.reduction
+    for lattice in lattices:
+        cells = np.array(list(lattice.cells.values()))
+        low, high = cells[:, :2] - cells[:, 2:], cells[:, :2] + cells[:, 2:]
+        (x0, y0), (x1, y1) = low.min(axis=0).clip(0).astype(int), high.max(axis=0).clip(0).astype(int)
+        across[y0:y1, x0 // step : x1 // step] = 0
+        down[y0 // step : y1 // step, x0:x1] = 0
+    return replace(evidence, across=across, down=down)
+
+
+def _place(
+    evidence: LineEvidence, lattice: Lattice, model: LatticeModel, *, lines: PrintedLineSettings
+) -> Placed:
+    quads = place_edges(evidence, lattice, model, reduction=lines.reduction, enough=lines.enough)
+    cells = [(*place, quad, lattice.fits[place]) for place, quad in zip(lattice.cells, quads, strict=True)]
+    return sorted(cells, key=lambda cell: cell[:2])
 
 
 def _is_even(cells: Placed, settings: PageGridSettings) -> bool:
@@ -172,14 +231,6 @@ def _is_even(cells: Placed, settings: PageGridSettings) -> bool:
         rest = length - terms @ np.linalg.lstsq(terms, length, rcond=None)[0]
         uneven.append(float(np.median(np.abs(rest)) / np.median(length)))
     return max(uneven) <= (settings.few_even if few else settings.uneven) and min(uneven) <= settings.even
-
-
-def _place(
-    evidence: LineEvidence, lattice: Lattice, model: LatticeModel, *, lines: PrintedLineSettings
-) -> Placed:
-    quads = place_edges(evidence, lattice, model, reduction=lines.reduction, enough=lines.enough)
-    cells = [(*place, quad, lattice.fits[place]) for place, quad in zip(lattice.cells, quads, strict=True)]
-    return sorted(cells, key=lambda cell: cell[:2])
 
 
 def _guides_within(
