@@ -4,7 +4,8 @@ Sheets of 24 learners' copies (e3c and e3c-more of RUMU_DATA), of every grid, he
 written on, and photographed by the simulated camera of the laboratory, whose map is known. Printed are: the
 share of cells that are found and right; how far their corners lie from the truth, of photographs of 12
 megapixels; the overlap of the ink; by how much marks differ from those of the unphotographed copies; what was
-refused. With --marks 0 nothing is marked; --time measures one photograph of 24 cells instead, whole and, in
+refused. With --marks 0 nothing is marked; --save FOLDER writes a picture of each cell whose mark differs by
+more than 3 points, beside the copy in it; --time measures one photograph of 24 cells instead, whole and, in
 one process with one thread, by its parts.
 """
 
@@ -99,7 +100,15 @@ def print_and_write(
     return np.clip(flat, 0, 255).astype(np.uint8), written
 
 
-def read_one(number: int, figures: Figures, copies: dict[str, list[Path]], folder: Path, marks: int) -> None:
+def read_one(
+    number: int,
+    figures: Figures,
+    copies: dict[str, list[Path]],
+    folder: Path,
+    marks: int,
+    *,
+    save: Path | None = None,
+) -> None:
     """Print, write, photograph and read one sheet."""
     rng = np.random.default_rng(number)
     text = "".join(rng.choice(sorted(copies), CELLS))
@@ -139,17 +148,23 @@ def read_one(number: int, figures: Figures, copies: dict[str, list[Path]], folde
     for k, one in enumerate(found):
         if (one.cell.row, one.cell.column) in right:
             master = masters.by_character[one.cell.character].picture if k < marks else None
-            _compare(one, written[one.cell.row, one.cell.column], master, figures)
+            off = _compare(one, written[one.cell.row, one.cell.column], master, figures)
+            if save and off > 3:
+                copy = written[one.cell.row, one.cell.column]
+                size = (len(copy), len(copy))
+                pair = np.hstack([cv2.resize(one.picture, size, interpolation=cv2.INTER_CUBIC), copy])
+                save.mkdir(parents=True, exist_ok=True)
+                cv2.imwrite(str(save / f"{number}-{k}.png"), pair)
 
 
-def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figures: Figures) -> None:
-    """Ink and, with a master, mark of a photographed cell against those of the copy in it."""
+def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figures: Figures) -> float:
+    """Ink and, with a master, mark of a photographed cell against its copy; by how much the mark is off."""
     side, character = len(copy), one.cell.character
     try:
         ink = cv2.resize(find_ink(one.picture).mask.astype(np.float32), (side, side)) > 0.5
     except RefusedImage:
         figures.overlaps.append(0.0)
-        return
+        return 0.0
     true = find_ink(copy).mask
     figures.overlaps.append(float(np.count_nonzero(ink & true) / np.count_nonzero(ink | true)))
     if master is not None:
@@ -162,8 +177,11 @@ def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figu
             if figures.off[-1] > 3:
                 pixels = len(one.picture)
                 print(f"{character} {pixels} px: {both[0]:.1f}, unphotographed {both[1]:.1f}", flush=True)
-        elif both[0] != both[1]:
+            return figures.off[-1]
+        if both[0] != both[1]:
             figures.off.append(100.0)
+            return 100.0
+    return 0.0
 
 
 def main() -> None:
@@ -172,6 +190,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=500)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--marks", type=int, default=4, help="cells of each sheet that are marked")
+    parser.add_argument("--save", type=Path, help="folder for pictures of cells whose marks differ")
     parser.add_argument("--time", action="store_true")
     asked = parser.parse_args()
     copies, templates = read_copies()
@@ -186,7 +205,7 @@ def main() -> None:
             return
         figures = Figures()
         for number in range(asked.first, asked.first + asked.count):
-            read_one(number, figures, copies, folder, asked.marks)
+            read_one(number, figures, copies, folder, asked.marks, save=asked.save)
     corners, overlaps, off = (
         np.array(v or [np.nan]) for v in (figures.corners, figures.overlaps, figures.off)
     )
