@@ -62,7 +62,7 @@ def marked(copy: np.ndarray, work: str, **options) -> Assessment:
 
 def points(copy: np.ndarray, work: str, **options) -> float:
     """The score; a refused copy has none, which is less than any."""
-    assessment = marked(copy, work, **options)
+    assessment = marked(copy, work, remarks=False, **options)
     return -1.0 if assessment.score is None else assessment.score
 
 

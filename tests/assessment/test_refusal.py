@@ -138,7 +138,9 @@ def test_learners_copies_are_not_refused(data):
     worst = sorted(rows, key=lambda row: float(row["mean_score"]))[:30]
     refused = {}
     for row in [*worst, *rows[::25]]:
-        mark = rumu.assess(data / "e3c" / row["image"], template(data / "e3c" / row["template"]))
+        mark = rumu.assess(
+            data / "e3c" / row["image"], template(data / "e3c" / row["template"]), remarks=False
+        )
         if mark.refused:
             refused[row["image"]] = mark.refused
     assert refused == {}
@@ -174,9 +176,9 @@ def test_a_reversed_character_is_told(work, kind, why):
 def test_a_photograph_on_its_side_says_how_to_turn_it(work, degrees, name):
     page = picture_of(faults.apply(mask(work), "uneven", severity=2, seed=4).ink)
     turned = np.ascontiguousarray(np.rot90(page, degrees // 90))  # anticlockwise: to be turned back clockwise
-    answer = rumu.assess(turned, master(work))
+    answer = rumu.assess(turned, master(work), remarks=False)
     assert (answer.refused, answer.turned_by) == (f"{name}: {turned_refusal(degrees).en}", degrees)
-    upright = rumu.assess(np.ascontiguousarray(np.rot90(turned, -degrees // 90)), master(work))
+    upright = rumu.assess(np.ascontiguousarray(np.rot90(turned, -degrees // 90)), master(work), remarks=False)
     assert upright.refused is None and upright.turned_by is None
 
 
@@ -197,7 +199,7 @@ def test_a_turned_photograph_whose_border_cuts_it_is_told_to_be_turned(data):
     """Laid wrongly, the master reaches beyond a border; the true reason is that the copy is turned."""
     page = read_image(data / "e3c" / "copies" / "003503.png")
     own = template(data / "e3c" / "templates" / "22.png")
-    answer = rumu.assess(np.ascontiguousarray(np.rot90(page)), own)
+    answer = rumu.assess(np.ascontiguousarray(np.rot90(page)), own, remarks=False)
     assert answer.turned_by == 90
 
 
@@ -223,7 +225,7 @@ def test_an_outline_is_told_and_a_thin_pen_is_not_one(work):
 def test_what_is_no_character_is_refused_or_worth_little(kind, work):
     found = code(impostor(mask(work), kind, seed=5), work)
     assert found in ("another character", "several characters", "mirrored", "upside down", None)
-    mark = rumu.assess(impostor(mask(work), kind, seed=5), master(work))
+    mark = rumu.assess(impostor(mask(work), kind, seed=5), master(work), remarks=False)
     assert mark.refused or mark.score < 40
 
 
@@ -295,7 +297,7 @@ def test_tiny_writing_is_too_small():
 
 def test_a_single_stroke_in_its_place_is_marked_and_low():
     page = impostor(mask("regular-shu"), "one_stroke", seed=1)
-    mark = rumu.assess(page, master("regular-shu"))
+    mark = rumu.assess(page, master("regular-shu"), remarks=False)
     assert mark.refused is None
     assert mark.score < 40
 
@@ -306,7 +308,7 @@ def test_another_character_is_refused_mostly():
     pairs = [(a, b) for a in works for b in works if a.script == b.script and a.character != b.character]
     refused = 0
     for copy, own in pairs[::5]:
-        mark = rumu.assess(master(copy.id), master(own.id))
+        mark = rumu.assess(master(copy.id), master(own.id), remarks=False)
         refused += mark.refused is not None
         assert mark.refused or mark.score < 40, (copy.id, own.id, mark.score)
     assert refused / len(pairs[::5]) > 0.7
