@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import socket
 
+import numpy as np
 import pytest
+from PIL import Image
 
+import rumu
 from rumu import inputs
-from rumu.errors import ImageError
+from rumu.errors import CalibrationError, CaptureError, ImageError, SurfaceError
 from rumu.inputs import open_file, read_file
 
 pytestmark = pytest.mark.timeout(20)
@@ -76,3 +79,45 @@ def test_a_file_replaced_by_a_pipe_meanwhile(tmp_path, monkeypatch):
 
     monkeypatch.setattr(inputs.os, "stat", swap)
     assert "found a pipe" in refusal(tmp_path / "a")
+
+
+NO_PATHS = {
+    "NoneType": None,
+    "PIL.Image.Image": Image.new("L", (40, 40)),
+    "list": [[0, 1]],
+    "int": 3,
+    "bytes": b"a",
+}
+
+
+@pytest.mark.parametrize("door", [rumu.relief, rumu.read_page, lambda thing: rumu.assess(thing, thing)])
+@pytest.mark.parametrize("kind", NO_PATHS)
+def test_what_is_no_picture_is_told_by_its_type(door, kind):
+    expected = f"expected the path of a picture, or a numpy array of shape (H, W) or (H, W, 3), got {kind}"
+    with pytest.raises(ImageError) as caught:
+        door(NO_PATHS[kind])
+    assert str(caught.value) == expected
+
+
+@pytest.mark.parametrize("kind", NO_PATHS)
+@pytest.mark.parametrize("door", [rumu.read_capture, rumu.reconstruct])
+def test_what_is_no_capture_is_told_by_its_type(door, kind):
+    with pytest.raises(CaptureError, match=f"expected the path of a capture folder, got {kind}"):
+        door(NO_PATHS[kind])
+
+
+@pytest.mark.parametrize("terms", [{"levels": "panel"}, {"levels": [1, 2]}, {"weights": 3}, {"weights": [1]}])
+def test_terms_that_are_no_table_are_told(terms):
+    page = np.full((40, 40), 255, np.uint8)
+    with pytest.raises(CalibrationError, match=f"{next(iter(terms))}: expected .* got"):
+        rumu.assess(page, page, **terms)
+
+
+@pytest.mark.parametrize("mask", [None, np.ones((20, 20), bool), np.eye(20, dtype=bool)])
+def test_normals_of_another_convention_are_told(mask):
+    down = np.zeros((20, 20, 3))
+    down[..., 2] = -1
+    with pytest.raises(SurfaceError, match=r"z toward the camera, got (400 of 400|20 of 20) that point away"):
+        rumu.integrate(down, mask=mask)
+    down[:15, :, 2] = 1
+    assert np.isfinite(rumu.integrate(down, mask=mask)).all()

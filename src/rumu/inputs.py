@@ -30,6 +30,17 @@ _KINDS = (
 )
 
 
+def path_of(value: object, *, error_type: type[RumuError], expected: str) -> Path:
+    """The path that somebody gave. Raises `error_type` for what is neither text nor a path."""
+    if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
+        kind = type(value)
+        name = (
+            kind.__qualname__ if kind.__module__ == "builtins" else f"{kind.__module__}.{kind.__qualname__}"
+        )
+        raise error_type(f"expected {expected}, got {name}")
+    return Path(value)
+
+
 def open_file(
     path: str | os.PathLike[str], *, error_type: type[RumuError], expected: str = "a file"
 ) -> BinaryIO:

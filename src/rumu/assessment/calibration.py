@@ -199,26 +199,26 @@ def check_cuts(cuts: Mapping[str, Any], *, name: str) -> Cuts:
     """A teacher's own cut-offs, checked. Raises CalibrationError naming what was expected."""
     expected = tuple(CUT_OFFS["panel"])
     try:
-        values = [float(cuts[level]) for level in expected]
+        given = dict(cuts)
+        values = [float(given[level]) for level in expected]
     except (KeyError, TypeError, ValueError):
-        values = []
-    if len(cuts) != len(expected) or not values or not 100 >= values[0] > values[1] > values[2] >= 0:
-        raise CalibrationError(
-            f"{name}: expected cut-offs 100 >= {' > '.join(expected)} >= 0, got {dict(cuts)}"
-        )
+        given, values = {}, []
+    if len(given) != len(expected) or not values or not 100 >= values[0] > values[1] > values[2] >= 0:
+        raise CalibrationError(f"{name}: expected cut-offs 100 >= {' > '.join(expected)} >= 0, got {cuts!r}")
     return dict(zip(expected, values, strict=True))  # type: ignore[arg-type]
 
 
 def check_weights(weights: Mapping[str, Any], *, name: str) -> Weights:
     """A teacher's own weights of the parts, checked. Raises CalibrationError naming what was expected."""
     try:
-        values = [float(weights[part]) for part in PART_NAMES]
+        given = dict(weights)
+        values = [float(given[part]) for part in PART_NAMES]
     except (KeyError, TypeError, ValueError):
-        values = []
-    if len(weights) != len(PART_NAMES) or not values or not min(values) >= 0 or not 0 < sum(values) < np.inf:
+        given, values = {}, []
+    if len(given) != len(PART_NAMES) or not values or not min(values) >= 0 or not 0 < sum(values) < np.inf:
         raise CalibrationError(
             f"{name}: expected weights of {', '.join(PART_NAMES)}, each at least 0 and not all 0, "
-            f"got {dict(weights)}"
+            f"got {weights!r}"
         )
     return dict(zip(PART_NAMES, values, strict=True))
 

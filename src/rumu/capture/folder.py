@@ -31,6 +31,7 @@ from rumu.capture.masks import mask_file, read_folder_mask
 from rumu.capture.photographs import FolderImages, capture_error, files, photographs_without, place
 from rumu.errors import CaptureError
 from rumu.image_stack import Progress
+from rumu.inputs import path_of
 from rumu.values import Bilingual, Capture, FloatArray
 
 _PAPER_TILTS = {"a": 0.0, "b": 90.0, "c": 180.0, "d": 270.0}
@@ -109,7 +110,8 @@ def read_capture(
     """
     _check_choice("encoding", encoding, ENCODINGS)
     _check_choice("orientation", orientation, ORIENTATIONS)
-    images, description, lamps = _find_files(Path(path), within)
+    folder = path_of(path, error_type=CaptureError, expected="the path of a capture folder")
+    images, description, lamps = _find_files(folder, within)
     lamps = _without(lamps, leave_out)
     folder = images.folder
     chosen = (

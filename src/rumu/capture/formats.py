@@ -26,7 +26,7 @@ from rumu.capture.cut_jpeg import complete_jpeg, fill_missing_end
 from rumu.capture.decoded_size import FULL_SIZE, Header, Reduction, check_header, too_many_pixels
 from rumu.capture.stored import Stored, reduce_stored, split_alpha, turn_upright, valid_orientation
 from rumu.errors import ImageError, RumuError
-from rumu.inputs import is_kernel_file
+from rumu.inputs import is_kernel_file, path_of
 
 Encoding = Literal["auto", "linear", "srgb"]
 ENCODINGS: tuple[Encoding, ...] = get_args(Encoding)
@@ -59,6 +59,7 @@ _AVIF_BRANDS = frozenset({b"avif", b"avis"})
 _SAMPLE_BYTES = {"I": 4, "F": 4}  # by Pillow's mode; 'I;16' and its kin have 2, the others 1
 _DECODER_BYTES = {"WEBP": 8, "AVIF": 8, "HEIF": 8}  # of a pixel, that decoders need besides
 _PIXELS_AT_A_TIME = 4_000_000  # handed over by Pillow
+_PICTURE = "the path of a picture, or a numpy array of shape (H, W) or (H, W, 3)"
 _MAX_SCANS = 100  # of a progressive JPEG; each goes over the whole picture, and cameras write ten
 _SCAN_OF_JPEG = b"\xff\xda"
 
@@ -96,9 +97,10 @@ def decode(
     reduction: a large picture is reduced by area averaging, and a JPEG already while it is decoded.
     floats: whether memory for a float image is counted, too.
     Raises ImageError, naming the file, when it is missing, a folder, empty, cut short, no image, a camera's
-    raw file, smaller than MIN_SIDE, larger than MAX_PIXELS or than RUMU_MAX_DECODED_MB once decoded.
+    raw file, smaller than MIN_SIDE, larger than MAX_PIXELS or than RUMU_MAX_DECODED_MB once decoded; and when
+    `path` is no path.
     """
-    path = Path(path)
+    path = path_of(path, error_type=ImageError, expected=_PICTURE)
 
     def read(head: bytes) -> Stored:
         stored, orientation, profile = _read(path, head, _Wish(reduction, floats))

@@ -66,7 +66,8 @@ def integrate(
     Raises
     ------
     SurfaceError
-        For a wrong shape, an unknown method, an empty mask, NaN inside the mask, a bad focal length.
+        For a wrong shape, an unknown method, an empty mask, NaN inside the mask, normals most of which point
+        away, a bad focal length.
 
     Notes
     -----
@@ -221,18 +222,29 @@ def _check_normals(
         raise SurfaceError(f"expected an integrator among {', '.join(INTEGRATORS)}, got {method!r}")
     if mask is None:
         _check_finite(n)
+        _check_direction(n)
         return n, None
     inside = np.asarray(mask)
     if inside.shape != n.shape[:2] or inside.dtype != np.bool_:
         raise SurfaceError(f"expected a bool mask of shape {n.shape[:2]}, got {inside.dtype} {inside.shape}")
     if not inside.any():
         raise SurfaceError("expected a mask with at least one pixel, got an empty one")
-    if inside.all():
-        _check_finite(n)
-        return n, None
-    n = np.where(inside[..., None], n, np.float32(0))
+    if not inside.all():
+        n = np.where(inside[..., None], n, np.float32(0))
     _check_finite(n)
-    return n, inside
+    _check_direction(n)
+    return n, None if inside.all() else inside
+
+
+def _check_direction(n: FloatArray) -> None:
+    """Raise SurfaceError where most normals point away from the camera: those of another convention."""
+    z = n[..., 2]
+    away, toward = np.count_nonzero(z < 0), np.count_nonzero(z > 0)
+    if away > toward:
+        raise SurfaceError(
+            f"expected normals with z toward the camera, got {away} of {away + toward} that point away: "
+            "turn their sign"
+        )
 
 
 def _check_finite(n: FloatArray) -> None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -120,7 +119,7 @@ def check_choice(value: object, choices: tuple[str, ...], name: str) -> None:
         raise SurfaceError(f"{name}: expected one of {', '.join(choices)}, got {value!r}")
 
 
-def read_with_ink(path: Path) -> tuple[FloatArray, Ink, tuple[int, int]]:
+def read_with_ink(path: str | os.PathLike[str]) -> tuple[FloatArray, Ink, tuple[int, int]]:
     """The picture in a file, as stored, its ink, and the (width, height) that the file has.
 
     A large picture is reduced, see WORKING_SIZE, while it is read. Raises ImageError; RefusedImage names the
@@ -143,7 +142,7 @@ def _ink_and_albedo(
     if isinstance(image, np.ndarray):
         stored = as_image(image)
         return find_ink(stored), partial(_linearise, stored), 1.0
-    stored, ink, whole = read_with_ink(Path(image))
+    stored, ink, whole = read_with_ink(image)
     return ink, partial(_linearise, stored), max(whole) / max(stored.shape[:2])
 
 
