@@ -292,9 +292,9 @@ class ImageStack:
 def each_range(
     work: Callable[[slice], Answer], pixels: int, *, size: int, label: str, progress: Progress | None = None
 ) -> Iterator[Answer]:
-    """What `work` makes of each range of `size` pixels, in order, by threads; it must let others run.
+    """What `work` makes of each range of `size` pixels or rows, in order, by threads; it must let others run.
 
-    label: what is being done, for `progress`.
+    pixels: how many there are, of pixels or rows. label: what is being done, for `progress`.
     """
     parts = [slice(start, min(start + size, pixels)) for start in range(0, pixels, size)]
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:

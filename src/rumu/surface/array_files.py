@@ -18,13 +18,13 @@ import numpy.typing as npt
 
 from rumu.capture.image import to_linear, to_srgb
 from rumu.errors import SurfaceError
+from rumu.surface.png_files import write_png_bands
 from rumu.values import FloatArray, Surface
 
 ARRAYS = ("height", "normals", "albedo", "confidence")
 """The arrays of a surface that are written; each has a .tif and a .png."""
 
 _TILE = 256  # pixels of a side of a tile in a TIFF
-_BAND = 1_000_000  # pixels converted at a time
 _BUFFER = 2**24  # bytes of a compressed TIFF that are read at once
 _LEVELS = 65535
 
@@ -135,12 +135,12 @@ def write_png(path: Path, surface: Surface, name: str) -> None:
     scale, offset = height_scale(surface) if name == "height" else (1.0, 0.0)
     table = _srgb_table() if name == "albedo" else None
     kind = np.uint16 if name in ("height", "normals") else np.uint8
-    samples = np.empty(array.shape, kind)
-    step = max(1, _BAND // array.shape[1])
-    for top in range(0, len(array), step):
-        rows = slice(top, top + step)
-        samples[rows] = _levels(array[rows], name, scale=scale, offset=offset, table=table)
-    _save(path, samples)
+
+    def levels(rows: slice) -> npt.NDArray[Any]:
+        part = _levels(array[rows], name, scale=scale, offset=offset, table=table)
+        return part.astype(kind, copy=False)
+
+    write_png_bands(path, array.shape, kind, levels)
 
 
 def _levels(
@@ -151,11 +151,11 @@ def _levels(
         return part.astype(np.uint8) * 255
     if name == "height":
         return np.asarray(np.round((part.astype(np.float64) - offset) / scale).clip(0, _LEVELS))
-    if name == "normals":  # B, G, R, as the writer wants them
-        return np.asarray(np.round((part[..., ::-1] + np.float32(1)) * np.float32(_LEVELS / 2)))
+    if name == "normals":
+        return np.asarray(np.round((part + np.float32(1)) * np.float32(_LEVELS / 2)))
     if table is not None:
         linear = np.round(part * np.float32(_LEVELS)).clip(0, _LEVELS).astype(np.uint16)
-        return np.asarray(table[linear if part.ndim == 2 else linear[..., ::-1]])
+        return np.asarray(table[linear])
     return np.asarray(np.round(part * 255))
 
 
@@ -163,18 +163,6 @@ def _srgb_table() -> npt.NDArray[np.uint8]:
     """(65536,) the sRGB level of linear light in 16 bits."""
     linear = np.arange(_LEVELS + 1) / _LEVELS
     return np.asarray(np.round(to_srgb(linear) * 255)).astype(np.uint8)
-
-
-def _save(path: Path, samples: npt.NDArray[Any]) -> None:
-    """Write levels, colours in the order B, G, R, with the writer's quickest setting that still packs."""
-    import cv2
-
-    settings = [cv2.IMWRITE_PNG_STRATEGY, cv2.IMWRITE_PNG_STRATEGY_RLE, cv2.IMWRITE_PNG_COMPRESSION, 1]
-    settings += [cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_SUB]
-    with path.open("wb"):  # what cannot be written is said by the system, not by OpenCV
-        pass
-    if not cv2.imwrite(str(path), samples, settings):
-        raise OSError(28, "the picture could not be written, is the disk full?", str(path))
 
 
 def read_pictures(folder: Path, metadata: Mapping[str, Any], names: frozenset[str]) -> dict[str, FloatArray]:

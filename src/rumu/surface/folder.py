@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -44,7 +43,6 @@ MESH = "surface.glb"
 FILES = (*FLOATS, *PICTURES, MESH)
 """All files of a surface besides the marker."""
 _KIND = "rumu surface"
-_WRITERS = 2  # files that are written at the same time; each takes memory for its levels
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,17 +105,14 @@ def write_surface(
 
 
 def _write_arrays(surface: Surface, folder: Path, names: list[str], progress: Progress | None) -> None:
-    def write(name: str) -> None:
+    """Write some files one after the other; each is packed by several threads."""
+    for done, name in enumerate(names, start=1):
         if name in FLOATS:
             write_tiff(folder / name, getattr(surface, Path(name).stem))
         else:
             write_png(folder / name, surface, Path(name).stem)
-
-    _ = surface.normals, surface.albedo  # computed once, not by two threads
-    with ThreadPoolExecutor(_WRITERS) as pool:
-        for done, _ in enumerate(pool.map(write, names), start=1):
-            if progress is not None:
-                progress("Writing files", done, len(names))
+        if progress is not None:
+            progress("Writing files", done, len(names))
 
 
 def _metadata(surface: Surface, files: list[str]) -> dict[str, Any]:

@@ -23,12 +23,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.errors import CaptureError
+from rumu.image_stack import each_range
 from rumu.surface.lamp_order import AS_GIVEN, LampCheckSettings, check_order, unexplained
 from rumu.surface.robust import pixel_scale
 from rumu.surface.stereo import gradients_from_normals
 from rumu.surface.strengths import sample
 from rumu.values import Bilingual, BoolArray, Capture, FloatArray
 
+_PARTS = 4
+"""Parts of the pixels that are kept, of which a thread looks at one at a time."""
 _FITTED = 3000
 """About how many blocks the smooth part of a slope is fitted to."""
 
@@ -136,20 +139,22 @@ def _first_sums(
     while known.size > settings.pixels * 4**halvings:
         halvings += 1
     side, height = 2**halvings, len(known) // 2**halvings * 2**halvings
-    step = max(side, settings.pixels // known.shape[1] // side * side)
-    bands = []
-    for top in range(0, height, step):
-        rows = slice(top, min(top + step, height))
+    step = max(side, settings.pixels // _PARTS // known.shape[1] // side * side)
+
+    def band(rows: slice) -> FloatArray:
         gray = albedo[rows] if albedo.ndim == 2 else albedo[rows].mean(axis=2)
         ink = np.log(np.maximum(gray, 1e-3))
         p, q = gradients_from_normals(normals[rows])
         inside = known[rows]
-        sums = np.stack([inside, *(np.where(inside, one, 0.0) for one in (p, q, ink, ink * ink))])
-        sums = sums.astype(np.float32)
+        sums = np.empty((5, *inside.shape), np.float32)
+        for out, one in zip(sums, (1.0, p, q, ink, ink * ink), strict=True):
+            out[...] = np.where(inside, one, np.float32(0))
         for _ in range(halvings):
             sums = _halve(sums)
-        bands.append(sums)
-    return np.concatenate(bands, axis=1), side
+        return sums
+
+    bands = each_range(band, height, size=step, label="Checking the lamps")
+    return np.concatenate(list(bands), axis=1), side
 
 
 def _halve(sums: FloatArray) -> FloatArray:

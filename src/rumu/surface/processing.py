@@ -7,7 +7,9 @@ SHA-256 of every file that was read, and that of the arrays that came out.
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -64,21 +66,26 @@ def record_processing(
 
 def digest_files(paths: Iterable[Path]) -> dict[str, str]:
     """The SHA-256 of files, by their absolute paths. Raises SurfaceError for one that cannot be read."""
-    found = {}
-    for path in sorted({one.resolve() for one in paths}):
-        digest = hashlib.sha256()
-        with open_file(path, error_type=SurfaceError) as file:
-            while block := file.read(_BLOCK):
-                digest.update(block)
-        found[str(path)] = digest.hexdigest()
-    return found
+    chosen = sorted({one.resolve() for one in paths})
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return dict(zip(map(str, chosen), pool.map(_digest_file, chosen), strict=True))
+
+
+def _digest_file(path: Path) -> str:
+    digest = hashlib.sha256()
+    with open_file(path, error_type=SurfaceError) as file:
+        while block := file.read(_BLOCK):
+            digest.update(block)
+    return digest.hexdigest()
 
 
 def digest_surface(surface: Surface) -> dict[str, str]:
     """The SHA-256 of each array of a surface, by its name, of its bytes in little-endian order."""
     arrays = {name: np.ascontiguousarray(getattr(surface, name), "<f4") for name in ARRAYS}
     arrays["mask"] = np.ascontiguousarray(surface.mask).view(np.uint8)
-    return {name: hashlib.sha256(one.data).hexdigest() for name, one in arrays.items()}
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        digests = pool.map(lambda one: hashlib.sha256(one.data).hexdigest(), arrays.values())
+        return dict(zip(arrays, digests, strict=True))
 
 
 def read_processing(path: str | Path) -> Processing:
