@@ -57,6 +57,18 @@ def test_a_hundred_megapixels_under_sixty_lamps_fit_into_four_gigabytes(monkeypa
         plan_memory(HEADERS, Path("statue"))
 
 
+def test_photographs_lie_on_disk_where_the_surface_needs_their_memory(monkeypatch):
+    """While it is solved for, the surface lies in memory beside them."""
+    headers = [Header("PNG", 6000, 4000, channels=1)] * 20
+    costs = MemoryCosts(pixel=30, fixed=300_000_000, threads=2)  # 1.02 GB, and 0.48 of photographs
+    for free, on_disk in ((1_600_000_000, False), (1_400_000_000, True)):
+        monkeypatch.setattr(memory_plan, "available_memory", lambda free=free: free)
+        assert plan_memory(headers, Path("x"), costs=costs).on_disk is on_disk
+    monkeypatch.setattr(memory_plan, "available_memory", lambda: 1_000_000_000)
+    with pytest.raises(CaptureError, match="at least 1020 MB of free memory"):
+        plan_memory(headers, Path("x"), costs=costs)
+
+
 def test_the_scratch_space_is_counted(monkeypatch):
     monkeypatch.setattr(memory_plan, "available_memory", lambda: 2**40)
     monkeypatch.setattr("shutil.disk_usage", lambda _: type("Usage", (), {"free": 5_999_000_000})())

@@ -7,6 +7,7 @@ import pytest
 
 from rumu.capture.folder import read_capture
 from rumu.errors import CaptureError, SurfaceError
+from rumu.surface import solve as solving
 from rumu.surface.photometric import photometric, surface_normals
 from rumu.surface.robust import SOLVERS
 from rumu.surface.solve import solve
@@ -103,6 +104,24 @@ def test_tiles_do_not_show(solver):
         assert np.allclose(getattr(whole, name), getattr(tiled, name), atol=2e-4)
     assert whole.residual == pytest.approx(tiled.residual, abs=1e-3)
     assert whole.shadow_share == pytest.approx(tiled.shadow_share)
+
+
+def test_few_of_many_residuals_tell_their_median(monkeypatch):
+    """Of a large photograph not all are kept, and those that are come from all over it."""
+    shape = ridges((60, 80), width=14.0, pitch=30.0)
+    capture = capture_of(shape, albedo=0.6, sensor=Sensor(noise=0.01))
+    images = capture.images.copy()
+    images[:, 30:] += np.random.default_rng(5).normal(0, 0.04, images[:, 30:].shape)  # worse below
+    options = {"solver": "least_squares", "tile": 12 * 50}
+    whole = solve(images, capture.lights, **options)
+    upper = solve(images[:, :30], capture.lights, **options)
+    monkeypatch.setattr(solving, "_RESIDUALS", 4000)
+    kept, median = [], np.median
+    monkeypatch.setattr(solving.np, "median", lambda values: kept.append(values.size) or median(values))
+    few = solve(images, capture.lights, **options)
+    assert kept[-1] <= 4000
+    assert few.residual == pytest.approx(whole.residual, rel=0.1) and whole.residual > 1.5 * upper.residual
+    assert few.shadow_share == whole.shadow_share
 
 
 def test_colour_and_mask():

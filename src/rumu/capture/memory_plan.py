@@ -49,21 +49,20 @@ class MemoryPlan:
 def plan_memory(headers: Sequence[Header], folder: Path, *, costs: MemoryCosts | None = None) -> MemoryPlan:
     """How the photographs of a capture are kept. headers: of all that are decoded.
 
-    They stay in memory as far as RUMU_MAX_DECODED_MB allows.
+    They stay in memory as far as that is free and RUMU_MAX_DECODED_MB allows.
     Raises CaptureError, naming the folder and what is needed, where the memory or the scratch space is short.
     """
     costs = costs or MemoryCosts()
     each = [
         header.width * header.height * min(header.channels, 3) * header.sample_bytes for header in headers
     ]
-    on_disk = sum(each) > memory_limit()
     largest = max(header.memory(floats=False) for header in headers)
     threads = max(1, min(costs.threads, len(headers), int(memory_limit() / largest)))
     pixels = max(header.width * header.height for header in headers)
     colour = costs.colour if max(header.channels for header in headers) >= 3 else 0
     surface = pixels * (costs.pixel + colour)
-    needed = costs.fixed + max(threads * largest + (0 if on_disk else sum(each)), surface)
-    free = available_memory()
+    needed, free = costs.fixed + max(threads * largest, surface), available_memory()
+    on_disk = sum(each) > memory_limit() or needed + sum(each) > free
     if needed > free:
         raise CaptureError(
             f"{folder.name}: expected at least {_tell(needed)} of free memory for {len(headers)} photographs "

@@ -175,7 +175,8 @@ def solve_materials(
         if not pixels.size:
             continue
         won = MaterialFit(found.normals[wins], found.brightness[wins], found.contradicted[wins])
-        weights = trusts(seen.chosen(wins), lamps, material, won, settings)
+        shape = reflected(won.normals, lamps, material)
+        weights = trusts(seen.chosen(wins), won.brightness[:, None] * shape, settings)
         normals[pixels] = won.normals
         if material.kind != "metal":
             albedo[pixels] = _albedo(
@@ -184,6 +185,7 @@ def solve_materials(
                 lamps,
                 material,
                 won,
+                shape=shape,
                 weights=weights,
                 settings=settings,
             )
@@ -198,15 +200,15 @@ def _albedo(
     material: Material,
     found: MaterialFit,
     *,
+    shape: FloatArray,
     weights: FloatArray,
     settings: MaterialSettings,
 ) -> FloatArray:
     """(P,), or (P, 3) of values (N, P, 3): brightness of the material; under gloss without the gloss.
 
-    weights: (P, N), the trust in each value.
+    shape: (P, N), what the material shows at brightness 1. weights: (P, N), the trust in each value.
     """
     seen = np.moveaxis(values if values.ndim == 3 else values[..., None], 0, 1) / lamps.strengths[:, None]
-    shape = reflected(found.normals, lamps, material)
     matte = shape if material.kind == "rough" else reflected(found.normals, lamps, LAMBERT)
     trusted = weights * matte
     power = np.maximum((trusted * matte).sum(axis=1), 1e-9)

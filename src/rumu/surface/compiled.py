@@ -248,4 +248,4 @@ def _material_inputs(seen: PixelValues, lamps: Lamps) -> tuple[FloatArray, Float
 def _material_limits(settings: MaterialSettings) -> FloatArray:
     """What `reflectance_kernels` is told of the settings."""
     s = settings
-    return np.array((s.proportional**2, s.width**2, s.dark, s.longest_step), np.float32)
+    return np.array((s.proportional**2, s.width**2, s.dark, s.longest_step, s.settled), np.float32)

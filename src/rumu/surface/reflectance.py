@@ -63,7 +63,8 @@ class MaterialSettings:
         proportional: by how much a formula may be off, as a share of the value. width: a value counts as
         contradicting at this many times both. dark: below it a value says nothing of the brightness at the
         start.
-    rounds: steps of a pixel's search. longest_step: largest turn of the normal in one of them, in radians.
+    rounds: most steps of a pixel's search. longest_step: largest turn of the normal in one of them, settled:
+        turn that ends the search, each in radians.
     pixels: that vote, all over the mask; seen: how bright they must get, in steps. ink: share of the usual
         brightness below which pixels vote by themselves; fewest: that may. most: materials beside
         Lambert's law. gain: share of the contradictions that each must take away over all voters; drop: share
@@ -87,6 +88,7 @@ class MaterialSettings:
     dark: float = 0.03
     rounds: int = 12
     longest_step: float = 0.25
+    settled: float = 2e-4
     pixels: int = 400
     seen: float = 5.0
     ink: float = 0.4
@@ -202,11 +204,12 @@ def fit_material(
     best = rate(seen, lamps, material, starts[:, 0], settings)
     for k in range(1, starts.shape[1]):
         best = _better(best, rate(seen, lamps, material, starts[:, k], settings))
-    damping = np.full(len(seen), 1e-3)
+    damping, moving = np.full(len(seen), 1e-3), np.ones(len(seen), bool)
     for _ in range(settings.rounds):
-        trial = _stepped(seen, lamps, material, best, damping=damping, settings=settings)
+        trial, step = _stepped(seen, lamps, material, best, damping=damping, settings=settings)
         damping = np.where(trial.contradicted < best.contradicted, 0.3 * damping, 10.0 * damping)
-        best = _better(best, trial)
+        best = _better(best, trial, among=moving)
+        moving &= step > settings.settled
     return best
 
 
@@ -228,11 +231,8 @@ def choose_materials(contradicted: FloatArray, *, settings: MaterialSettings) ->
     return chosen
 
 
-def trusts(
-    seen: PixelValues, lamps: Lamps, material: Material, fit: MaterialFit, settings: MaterialSettings
-) -> FloatArray:
-    """(P, N) in [0, 1]: the trust in each value, near 0 for what contradicts the material."""
-    shown = fit.brightness[:, None] * reflected(fit.normals, lamps, material)
+def trusts(seen: PixelValues, shown: FloatArray, settings: MaterialSettings) -> FloatArray:
+    """(P, N) in [0, 1]: the trust in each value, near 0 for what contradicts what is shown, (P, N)."""
     return _agreement(seen, shown, settings)[0] ** 2
 
 
@@ -309,8 +309,11 @@ def _stepped(
     *,
     damping: FloatArray,
     settings: MaterialSettings,
-) -> MaterialFit:
-    """One damped Gauss-Newton step; derivatives are differences over a hundredth of a radian."""
+) -> tuple[MaterialFit, FloatArray]:
+    """One damped Gauss-Newton step, and by how much it turns each normal along the longer of two axes, (P,).
+
+    Derivatives are differences over a hundredth of a radian.
+    """
     apart = 0.01
     u, v = _beside(now.normals)
     shape = reflected(now.normals, lamps, material)
@@ -334,7 +337,8 @@ def _stepped(
     shorter = np.minimum(1.0, settings.longest_step / np.maximum(size, 1e-12))[:, None]
     normals = _turned(now.normals, shorter * (step[:, :1] * u + step[:, 1:2] * v))
     brightness = np.maximum(now.brightness + shorter[:, 0] * step[:, 2], 0.0)
-    return rate(seen, lamps, material, normals, settings, brightness=brightness)
+    turn = shorter[:, 0] * np.abs(step[:, :2]).max(axis=1)
+    return rate(seen, lamps, material, normals, settings, brightness=brightness), turn
 
 
 def _beside(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -352,9 +356,11 @@ def _turned(normals: FloatArray, by: FloatArray) -> FloatArray:
     return np.asarray(moved / np.linalg.norm(moved, axis=1, keepdims=True))
 
 
-def _better(one: MaterialFit, other: MaterialFit) -> MaterialFit:
-    """Pixel by pixel the one that is contradicted less."""
+def _better(one: MaterialFit, other: MaterialFit, *, among: BoolArray | None = None) -> MaterialFit:
+    """Pixel by pixel the one that is contradicted less; of pixels that are not `among`, the first."""
     wins: BoolArray = other.contradicted < one.contradicted
+    if among is not None:
+        wins &= among
     return MaterialFit(
         np.where(wins[:, None], other.normals, one.normals),
         np.where(wins, other.brightness, one.brightness),

@@ -1,8 +1,9 @@
 """The search of `rumu.surface.reflectance`, compiled with numba: the same steps, 32-bit floats, in lanes.
 
 Many pixels are worked on side by side, as in `rumu.surface.kernels`. `limits` is told throughout: squared
-noise, squared proportional error, squared width, darkness at the start, longest step. A kernel's cache
-notices changes of its own file alone, so this file calls none of `rumu.surface.kernels`.
+proportional error, squared width, darkness at the start, longest step, and the step at which a pixel has
+settled. A kernel's cache notices changes of its own file alone, so this file calls none of
+`rumu.surface.kernels`.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ _kernel: Any = njit(nogil=True, cache=True, fastmath=_MATH, error_model="numpy")
 
 _ZERO, _ONE, _TWO = np.float32(0), np.float32(1), np.float32(2)
 _APART = np.float32(0.01)  # radians over which derivatives are taken
+_DAMPING = np.float32(1e-3)  # of the first step
 _EDGE = np.float32(0.05)  # least nz of a normal
 
 
@@ -216,21 +218,30 @@ def fit(
     values: (N, P), -1 where overexposed. noise: (P,) squared. starts: (S, 3, P). normals: (3, P); brightness,
         contradicted: (P,).
     """
+    _rate_starts(
+        values, noise, lamps, starts, kind, roughness, share, limits, normals, brightness, contradicted
+    )
+    _improve(values, noise, lamps, kind, roughness, share, limits, rounds, normals, brightness, contradicted)
+
+
+@_kernel
+def _rate_starts(
+    values: Any, noise: Any, lamps: Any, starts: Any, kind: int, roughness: Any, share: Any, limits: Any,
+    normals: Any, brightness: Any, contradicted: Any,
+) -> None:  # fmt: skip
+    """Write the best of the starts of each pixel, with its brightness and what contradicts it."""
     n, pixels = values.shape
     lanes, shape = np.empty((n, LANES), np.float32), np.empty((n, LANES), np.float32)
-    by_u, by_v = np.empty((n, LANES), np.float32), np.empty((n, LANES), np.float32)
     now, turned = np.empty(3 * LANES, np.float32), np.empty(3 * LANES, np.float32)
     bright, moved = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
     best, found = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
     above, below = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
-    apart, nothing = np.full(LANES, _APART, np.float32), np.zeros(LANES, np.float32)
-    noise2 = np.empty(LANES, np.float32)
-    damping, sums = np.empty(LANES, np.float32), np.empty(9 * LANES, np.float32)
+    noise2, damping = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
     for first in range(0, pixels, LANES):
         count = min(LANES, pixels - first)
         _load(values, first, count, lanes)
         for j in range(LANES):
-            best[j], damping[j] = _TWO, np.float32(1e-3)
+            best[j], damping[j] = _TWO, _ONE
             noise2[j] = noise[first + min(j, count - 1)]
         for k in range(starts.shape[0]):
             for axis in range(3):
@@ -241,25 +252,79 @@ def fit(
             _rescale(lanes, noise2, shape, limits, moved, above, below)
             _contradict(lanes, noise2, shape, limits, moved, found)
             _keep(found, moved, turned, damping, best, bright, now)
-        for j in range(LANES):
-            damping[j] = np.float32(1e-3)
-        for _ in range(rounds):
-            _reflect(kind, roughness, share, now, lamps, shape)
-            _turn(now, apart, nothing, turned)
-            _reflect(kind, roughness, share, turned, lamps, by_u)
-            _turn(now, nothing, apart, turned)
-            _reflect(kind, roughness, share, turned, lamps, by_v)
-            _step(lanes, noise2, shape, by_u, by_v, bright, damping, limits, above, below, moved, sums)
-            _turn(now, above, below, turned)
-            _reflect(kind, roughness, share, turned, lamps, shape)
-            _rescale(lanes, noise2, shape, limits, moved, above, below)
-            _contradict(lanes, noise2, shape, limits, moved, found)
-            _keep(found, moved, turned, damping, best, bright, now)
         for j in range(count):
             p = first + j
             brightness[p], contradicted[p] = bright[j], best[j]
             for axis in range(3):
                 normals[axis, p] = now[axis * LANES + j]
+
+
+@_kernel
+def _improve(
+    values: Any, noise: Any, lamps: Any, kind: int, roughness: Any, share: Any, limits: Any, rounds: int,
+    normals: Any, brightness: Any, contradicted: Any,
+) -> None:  # fmt: skip
+    """Improve on each pixel's normal, until a step is too short to matter; then the next takes its lane."""
+    n, pixels = values.shape
+    lanes, shape = np.ones((n, LANES), np.float32), np.empty((n, LANES), np.float32)
+    by_u, by_v = np.empty((n, LANES), np.float32), np.empty((n, LANES), np.float32)
+    now, turned = np.ones(3 * LANES, np.float32), np.empty(3 * LANES, np.float32)
+    bright, moved = np.ones(LANES, np.float32), np.empty(LANES, np.float32)
+    best, found = np.zeros(LANES, np.float32), np.empty(LANES, np.float32)
+    step_u, step_v = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
+    above, below = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
+    apart, nothing = np.full(LANES, _APART, np.float32), np.zeros(LANES, np.float32)
+    noise2, damping = np.ones(LANES, np.float32), np.ones(LANES, np.float32)
+    sums = np.empty(9 * LANES, np.float32)
+    pixel, age = np.full(LANES, -1, np.int64), np.zeros(LANES, np.int32)
+    busy = min(LANES, pixels) if rounds > 0 else 0
+    following = busy
+    for j in range(busy):
+        pixel[j] = j
+        _take(values, noise, normals, brightness, contradicted, j, j, lanes, noise2, now, bright, best)
+        damping[j] = _DAMPING
+    while busy > 0:
+        _reflect(kind, roughness, share, now, lamps, shape)
+        _turn(now, apart, nothing, turned)
+        _reflect(kind, roughness, share, turned, lamps, by_u)
+        _turn(now, nothing, apart, turned)
+        _reflect(kind, roughness, share, turned, lamps, by_v)
+        _step(lanes, noise2, shape, by_u, by_v, bright, damping, limits, step_u, step_v, moved, sums)
+        _turn(now, step_u, step_v, turned)
+        _reflect(kind, roughness, share, turned, lamps, shape)
+        _rescale(lanes, noise2, shape, limits, moved, above, below)
+        _contradict(lanes, noise2, shape, limits, moved, found)
+        _keep(found, moved, turned, damping, best, bright, now)
+        for j in range(LANES):
+            p = pixel[j]
+            age[j] += 1
+            if p < 0 or (age[j] < rounds and max(abs(step_u[j]), abs(step_v[j])) > limits[4]):
+                continue
+            brightness[p], contradicted[p] = bright[j], best[j]
+            for axis in range(3):
+                normals[axis, p] = now[axis * LANES + j]
+            if following < pixels:
+                pixel[j], age[j], damping[j] = following, 0, _DAMPING
+                _take(
+                    values, noise, normals, brightness, contradicted, following, j, lanes, noise2, now,
+                    bright, best,
+                )  # fmt: skip
+                following += 1
+            else:
+                pixel[j], busy = -1, busy - 1
+
+
+@_kernel
+def _take(
+    values: Any, noise: Any, normals: Any, brightness: Any, contradicted: Any, p: int, j: int, lanes: Any,
+    noise2: Any, now: Any, bright: Any, best: Any,
+) -> None:  # fmt: skip
+    """Put pixel p, as it stands, into lane j."""
+    for i in range(values.shape[0]):
+        lanes[i, j] = values[i, p]
+    noise2[j], bright[j], best[j] = noise[p], brightness[p], contradicted[p]
+    for axis in range(3):
+        now[axis * LANES + j] = normals[axis, p]
 
 
 @_kernel

@@ -22,6 +22,8 @@ from rumu.values import BoolArray, FloatArray, IntArray
 
 _TILE = 400_000
 """Values of brightness that a thread works on at a time: a few MB with all that is derived from them."""
+_RESIDUALS = 4_000_000
+"""Most residuals whose median is taken: those of 100 megapixels under 60 lamps would fill 2 GB."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,10 +66,19 @@ class SolutionArrays:
         self._confidence[pixels] = done.confidence
 
     def whole(self, tiles: Iterable[tuple[FloatArray, int, int]]) -> Solution:
-        """The solution, with the residuals, and the numbers of dark and lit values, of all tiles."""
-        parts = list(tiles)
-        pooled = np.concatenate([residuals for residuals, _, _ in parts]) if parts else np.zeros(0)
-        dark, lit = sum(part[1] for part in parts), sum(part[2] for part in parts)
+        """The solution, with the residuals, and the numbers of dark and lit values, of all tiles.
+
+        Of more than `_RESIDUALS` residuals, every second, fourth... of each tile is looked at.
+        """
+        parts: list[FloatArray] = [np.zeros(0)]
+        count, step, dark, lit = 0, 1, 0, 0
+        for residuals, tile_dark, tile_lit in tiles:
+            parts.append(residuals[::step])
+            count, dark, lit = count + parts[-1].size, dark + tile_dark, lit + tile_lit
+            if count > _RESIDUALS:
+                parts = [np.concatenate(parts)[::2].copy()]
+                count, step = parts[0].size, 2 * step
+        pooled = np.concatenate(parts)
         return Solution(
             self._normals.reshape(*self._shape[:2], 3),
             self._albedo.reshape(self._shape),
