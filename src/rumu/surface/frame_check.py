@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from rumu.image_stack import SATURATION, pixels_of
 from rumu.surface.stereo import SHADOW_FLOOR, enough_lit
 from rumu.values import Bilingual, BoolArray, Capture, FloatArray, Surface
 
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
 _THREADS = 4  # that reduce photographs, each with a whole one in its bits
 
 
@@ -112,13 +115,11 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
     if len(capture.lights) < 4:
         return
     frames, scale = _reduced(capture, settings)
-    details = [_details(frame, settings) for frame in frames]
+    details = _in_threads(lambda frame: _details(frame, settings), frames)
     laid = _laid_on_the_others(frames, details, capture.lights, settings)
-    moved = []
-    for i, here, there, likeness in laid:
-        shift = _shift_of(here, there, likeness, settings)
-        if shift >= settings.least_shift:
-            moved.append((i, shift * scale))
+    shifts = _in_threads(lambda one: _shift_of(*one[1:], settings), laid)
+    far_off = [(one[0], shift) for one, shift in zip(laid, shifts, strict=True)]
+    moved = [(i, shift * scale) for i, shift in far_off if shift >= settings.least_shift]
     if not moved:
         likenesses = np.array([likeness for *_, likeness in laid])
         del laid
@@ -152,11 +153,13 @@ def _laid_on_the_others(
 ) -> list[tuple[int, FloatArray, FloatArray, float]]:
     """Each frame's number, its details, those that the others say it should have, and their correlation."""
     window = _window(frames)
-    found = []
-    for i, wanted in _from_the_others(frames, lights):
+
+    def laid(one: tuple[int, FloatArray]) -> tuple[int, FloatArray, FloatArray, float]:
+        number, wanted = one
         there = _details(wanted, settings)
-        found.append((i, details[i], there, _correlation(details[i], there, window)))
-    return found
+        return number, details[number], there, _correlation(details[number], there, window)
+
+    return _in_threads(laid, list(_from_the_others(frames, lights)))
 
 
 def shift_between(
@@ -274,6 +277,12 @@ def _correlation(a: FloatArray, b: FloatArray, weights: FloatArray) -> float:
     return float(np.dot(a, b)) / max(float(np.sqrt(np.dot(a, a)) * np.sqrt(np.dot(b, b))), 1e-12)
 
 
+def _in_threads(work: Callable[[Item], Answer], items: Iterable[Item], *, most: int = 64) -> list[Answer]:
+    """What `work`, which must let others run, makes of each item; most: threads, if so many cores."""
+    with ThreadPoolExecutor(min(most, os.cpu_count() or 1)) as pool:
+        return list(pool.map(work, items))
+
+
 def _reduced(capture: Capture, settings: FrameCheckSettings) -> tuple[FloatArray, float]:
     """(N, h, w) float32 gray frames of `side` pixels at most, and by what they shrank."""
     h, w = capture.mask.shape
@@ -284,8 +293,7 @@ def _reduced(capture: Capture, settings: FrameCheckSettings) -> tuple[FloatArray
         small = capture.photographs.reduced(number, size)
         return small if small.ndim == 2 else np.asarray(small.mean(axis=2))
 
-    with ThreadPoolExecutor(min(_THREADS, os.cpu_count() or 1)) as pool:
-        return np.stack(list(pool.map(reduced, range(len(capture.photographs))))), scale
+    return np.stack(_in_threads(reduced, range(len(capture.photographs)), most=_THREADS)), scale
 
 
 def _few_pixels(capture: Capture, settings: FrameCheckSettings) -> FloatArray:
