@@ -112,7 +112,7 @@ def test_a_capture_is_added_as_measured(rumu, capture, tmp_path):
         "stones",
     )
     assert "measured from photographs" in rumu("gallery", "show", work["id"]).out
-    assert rumu("gallery", "remove", "--collection", "stones").out == "stones: removed with 1 works\n"
+    assert rumu("gallery", "remove", "--collection", "stones").out == "stones: removed with 1 work\n"
 
 
 def test_glyphs_are_added_from_a_font_that_has_them(rumu, data):

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import typing
 
+import cv2
+import numpy as np
 import pytest
 
+import rumu
 from rumu.report import wording
 from rumu.values import Bilingual, Level, Source
 
@@ -63,3 +66,19 @@ def test_an_unknown_name_is_shown_plainly():
 )
 def test_a_copy_stands_among_learners_copies(percentile: float, zh: str, en: str) -> None:
     assert wording.standing(percentile) == (zh, en)
+
+
+def test_every_figure_of_a_surface_has_words(data):
+    """Of a picture, of a page of many characters and of photographs."""
+    shapes = np.full((900, 900), 255, np.uint8)
+    for k in range(12):
+        row, column = divmod(k, 4)
+        cv2.putText(shapes, "K", (40 + 220 * column, 230 + 290 * row), cv2.FONT_HERSHEY_SIMPLEX, 6, 0, 22)
+    surfaces = (
+        rumu.relief(data / "e3c" / "copies" / "003503.png"),
+        rumu.relief(shapes),
+        rumu.reconstruct(data / "photometric" / "psbox-cat", solver="least_squares"),
+    )
+    said = {name for surface in surfaces for name in surface.quality}
+    assert said - set(wording.QUALITY) == set()
+    assert len(said) > 12

@@ -34,7 +34,7 @@ export const t = translator({
   gatherTitle: { zh: "集字：「{c}」", en: "“{c}” by all hands" },
   gatherLead: { zh: "同一個字，各家各體，依書體與時代排列。", en: "One character by every hand that wrote it, by script and time." },
   gatherNone: { zh: "展廳裡還沒有這個字。", en: "There is no such character in the gallery yet." },
-  gatherCount: { zh: "{hands} 家，{n} 字", en: "{n} by {hands} hands" },
+  gatherCount: { zh: "{hands} 家，{n} 字", en: "Works: {n} · hands: {hands}" },
   pick: { zh: "選兩個並排比較", en: "Choose two to set side by side" },
   chosenOne: { zh: "已選一個，再選一個。", en: "One is chosen; choose another." },
   compare: { zh: "並排看這兩個", en: "Side by side" },

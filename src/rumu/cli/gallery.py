@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from rumu.cli.options import AsJson
-from rumu.cli.terminal import Outcome, bar, print_outcome, working
+from rumu.cli.terminal import Outcome, bar, counted, print_outcome, working
 
 if TYPE_CHECKING:
     from rumu.database.tables import Work
@@ -222,7 +222,7 @@ def export(
 
     with bar("Exporting") as advance:
         count = export_gallery(open_gallery(), out, collections=collection or None, progress=advance)
-    return Outcome({"works": count, "out": out}, f"{count} works in {out}")
+    return Outcome({"works": count, "out": out}, f"{counted(count, 'work')} in {out}")
 
 
 @app.command()
@@ -244,7 +244,7 @@ def remove(
         delete_work(gallery, work_id)
         return Outcome({"removed": 1}, f"{work_id}: removed")
     count = delete_collection(gallery, str(collection))
-    return Outcome({"removed": count}, f"{collection}: removed with {count} works")
+    return Outcome({"removed": count}, f"{collection}: removed with {counted(count, 'work')}")
 
 
 _HEIGHTS = {
@@ -272,7 +272,7 @@ def _add_page(
         added = add_page(gallery, path, text=words, metadata=metadata, collection=collection, spacing=spacing)
     lines = [
         f"{added.id}: {'added' if added.new else 'was there already'}",
-        f"  {added.characters} characters within it, {added.named} of them named by the text",
+        f"  {counted(added.characters, 'character')} within it, {added.named} of them named by the text",
     ]
     work = {"id": added.id, "new": added.new, "characters": added.characters, "named": added.named}
     return Outcome({"works": [work | {"notes": []}]}, "\n".join(lines))

@@ -21,7 +21,7 @@ from rumu.cli.gallery import (
     shared_metadata,
 )
 from rumu.cli.options import AsJson
-from rumu.cli.terminal import Outcome, bar, print_outcome
+from rumu.cli.terminal import Outcome, bar, counted, print_outcome
 
 if TYPE_CHECKING:
     from rumu.gallery.archive import ImportResult
@@ -76,7 +76,10 @@ def import_works(
         )
     else:
         done = _import_folder(Path(source), shared)
-    lines = [f"{done.added} works added, {done.existing} were there already: {', '.join(done.collections)}"]
+    lines = [
+        f"{counted(done.added, 'work')} added, {done.existing} were there already: "
+        + ", ".join(done.collections)
+    ]
     if done.left_out:
         lines.append(
             f"{len(done.left_out)} left out, such as {done.left_out[0][0]}: {done.left_out[0][1].en}"

@@ -12,7 +12,7 @@ import typer
 
 from rumu.cli.options import AsJson, check_writable
 from rumu.cli.sheet import are_sheets, mark_sheet_photos
-from rumu.cli.terminal import Outcome, print_outcome, working
+from rumu.cli.terminal import Outcome, counted, print_outcome, working
 
 if TYPE_CHECKING:
     from rumu.pages.page import Page
@@ -131,8 +131,8 @@ def _describe(found: Page, photo: Path, out: Path, seconds: float) -> str:
     named = sum(one.character is not None for one in found.characters)
     small = sum(one.small is not None for one in found.characters)
     lines = [
-        f"{photo}: {len(found.characters)} characters in {len(columns)} "
-        f"{'columns' if found.direction == 'vertical' else 'rows'}, {seconds:.1f} s",
+        f"{photo}: {counted(len(found.characters), 'character')} in "
+        f"{counted(len(columns), 'column' if found.direction == 'vertical' else 'row')}, {seconds:.1f} s",
         f"  named: {named}" + (f"; in double rows: {small}" if small else ""),
         f"  {out / 'report.html'}",
     ]

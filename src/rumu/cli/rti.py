@@ -19,7 +19,7 @@ from rumu.cli.lighting import (
     read_lit_capture,
 )
 from rumu.cli.options import AsJson, check_writable, finite
-from rumu.cli.terminal import Outcome, print_outcome, stages
+from rumu.cli.terminal import Outcome, counted, print_outcome, stages
 
 Basis = Literal["ptm", "hsh"]
 Channels = Literal["lrgb", "rgb"]
@@ -112,6 +112,6 @@ def rti(
     kind = "polynomial" if chosen == "ptm" else "harmonics"
     text = (
         f"{out}: {width} x {height} pixels, {kind} of {terms} terms, {facts['channels']}, from "
-        f"{len(capture.lights)} photographs\n  residual: {fit.residual:.4f} of white (rms)"
+        f"{counted(len(capture.lights), 'photograph')}\n  residual: {fit.residual:.4f} of white (rms)"
     )
     return Outcome(facts, text + "".join(f"\n  note: {note.en}" for note in notes))

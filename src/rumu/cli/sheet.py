@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import typer
 
 from rumu.cli.options import AsJson, known_script_name
-from rumu.cli.terminal import Outcome, bar, print_outcome, working
+from rumu.cli.terminal import Outcome, bar, counted, print_outcome, working
 
 _TOLD = 20  # photographs that were not read, of which the terminal tells
 
@@ -95,7 +95,7 @@ def sheet(
         "out": out, "sheet": pages[0].sheet, "pages": len(printed), "pupils": names, "master": masters.name,
         "masters": kept, "cells": sum(cell.is_for_writing for page in pages for cell in page.cells),
     }  # fmt: skip
-    lines = [f"{out}: {len(printed)} pages, sheet {pages[0].sheet}"]
+    lines = [f"{out}: {counted(len(printed), 'page')}, sheet {pages[0].sheet}"]
     if kept is not None:
         lines.append(f"  its masters are kept in {kept}; to read it on another machine, copy that file there")
     return Outcome(facts, "\n".join(lines))
@@ -152,7 +152,7 @@ def mark_sheet_photos(
     }  # fmt: skip
     mean = f", mean {fmean(scores):.0f}" if scores else ""
     lines = [
-        f"{len(found)} photographs, {len(refused)} not read; {len(cells)} characters, "
+        f"{counted(len(found), 'photograph')}, {len(refused)} not read; {counted(len(cells), 'character')}, "
         f"{len(scores)} marked{mean}",
         *(f"  {one['photo']}: {one['refused']}" for one in refused[:_TOLD]),
         f"  {out / TABLE}, {FACTS}, {TEACHER}, {len(reports) - 1} PDFs of pupils",

@@ -106,6 +106,11 @@ def plain(value: Any) -> Any:
     return str(value) if isinstance(value, Path) else value
 
 
+def counted(number: int, thing: str) -> str:
+    """A number of things, whose plural ends in s: '1 page', '2 pages'."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
 def speak_plainly() -> None:
     """Warnings as one line; a terminal that lacks a character gets its escape instead of a crash."""
     for stream in (sys.stdout, sys.stderr):

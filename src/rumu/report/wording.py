@@ -158,6 +158,12 @@ QUALITY: dict[str, Bilingual] = {
     "between": Bilingual(
         "每個邊緣像素對應的半墨像素", "Half-dark pixels for each pixel of outline; few is crisp"
     ),
+    "light": Bilingual(
+        "紙邊最暗處與最亮處之比（一為光線均勻）",
+        "Darkest over brightest part of the paper's border; 1 is even light",
+    ),
+    "character": Bilingual("單字邊長（像素）", "Side of one character, in pixels"),
+    "reduced": Bilingual("原圖縮小的倍數", "Times the picture was reduced"),
     "coherence": Bilingual(
         "墨跡成片的程度（一為成片）", "How far the ink hangs together; 1 is solid, 0 is speckle"
     ),
