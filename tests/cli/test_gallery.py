@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from PIL import Image
 
@@ -17,6 +19,10 @@ def test_the_list_for_people(rumu):
     lines = rumu("gallery", "list").out.splitlines()
     assert len(lines) == 39
     assert any("regular-shui" in line and "水" in line for line in lines)
+    assert (
+        len({re.search(r"  (seal|clerical|regular|running|cursive) ", line).start() for line in lines}) == 1
+    )
+    assert next(line for line in lines if "stele" in line).endswith("「入木三分」碑（模擬）")
 
 
 def test_the_list_can_be_narrowed(rumu):

@@ -30,6 +30,7 @@ Source = Annotated[str | None, typer.Option("--source", help="Where the pictures
 Licence = Annotated[str | None, typer.Option(help="Licence of the pictures; 'none stated' without it.")]
 Attribution = Annotated[str | None, typer.Option(help="The credit to give.")]
 
+_WIDE_SPACE = "\u3000"  # as wide as a Chinese character
 
 app = typer.Typer(help="The works of the gallery.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -57,7 +58,7 @@ def list_works(
     limit: Annotated[int, typer.Option(min=0, help="How many works to print; 0 for all.")] = 60,
     as_json: AsJson = False,
 ) -> Outcome:
-    """The works: id, character, script, hand."""
+    """The works: id, character, script, hand; of a work of no single character its title, too."""
     from rumu.gallery.catalog import open_gallery, works
 
     page = works(
@@ -67,8 +68,11 @@ def list_works(
     facts = {"total": page.total, "works": [_facts(work) for work in page.items]}
     if not page.items:
         return Outcome(facts, "no work matches")
+    wide = max(len(work.id) for work in page.items)
     lines = [
-        f"{w.id:<18} {w.character}  {w.script:<9} {_both_names(w.hand_en, w.hand_zh)}" for w in page.items
+        f"{w.id:<{wide}}  {w.character or _WIDE_SPACE}  {w.script:<9} {_both_names(w.hand_en, w.hand_zh)}"
+        + ("" if w.character else f"; {_both_names(w.title_en, w.title_zh)}")
+        for w in page.items
     ]
     if page.total > len(lines):
         lines.append(f"{len(lines)} of {page.total} works; --offset and --limit show others")
