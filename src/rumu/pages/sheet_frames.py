@@ -19,6 +19,8 @@ _REACH = 1.6  # millimetres beside a printed line within which it is sought
 _CLEAREST = 0.10  # darkness by which a line must stand out
 _USUAL = 0.04  # millimetres that a line may be off without counting less
 _SOME = 5  # of the sides of cells, each so many, tell how gray they are
+RED, GREEN_AND_BLUE = slice(0, 1), slice(1, 3)
+"""Channels of a picture: in red only ink is dark, in the others the print is too."""
 _NODES = 8  # pixels between the places that are mapped exactly
 
 
@@ -64,30 +66,20 @@ class FlatSheet:
             cv2.remap(self.paper, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         )
 
-    @cached_property
-    def darkness(self) -> npt.NDArray[np.float32]:
-        """(h, w): how much darker than the paper in green and blue, in which the print is dark."""
-        paper = self._whole_paper
-        shown = self.picture[:, :, 1:].astype(np.float32).sum(axis=2)
-        return np.asarray(1.0 - shown / np.maximum(paper[:, :, 1] + paper[:, :, 2], 1.0), np.float32)
+    def darkness(self, rows: slice, columns: slice, *, channels: slice) -> npt.NDArray[np.float32]:
+        """(h, w): how much darker than the paper a part of the page is, in `RED` or in `GREEN_AND_BLUE`.
 
-    @cached_property
-    def red_darkness(self) -> npt.NDArray[np.float32]:
-        """(h, w): the same in red, in which only ink is."""
-        red = self.red.astype(np.float32) / np.maximum(self._whole_paper[:, :, 0], 1.0)
-        return np.asarray(1.0 - red, np.float32)
-
-    @cached_property
-    def _whole_paper(self) -> npt.NDArray[np.float32]:
+        The print is dark in green and blue, ink in all of them.
+        """
         import cv2
 
         block = round(_BLOCK * self.scale)
-        height, width = self.picture.shape[:2]
-        x, y = ((np.arange(n, dtype=np.float32) + 0.5) / block - 0.5 for n in (width, height))
-        columns, rows = np.meshgrid(x, y)
-        return np.asarray(
-            cv2.remap(self.paper, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        x, y = (
+            (np.arange(at.start, at.stop, dtype=np.float32) + 0.5) / block - 0.5 for at in (columns, rows)
         )
+        paper = cv2.remap(self.paper, *np.meshgrid(x, y), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        shown = self.picture[rows, columns, channels].astype(np.float32).sum(axis=2)
+        return np.asarray(1.0 - shown / np.maximum(paper[:, :, channels].sum(axis=2), 1.0), np.float32)
 
     def cut(self, box: Box) -> npt.NDArray[np.uint8]:
         """The part of the page within a box."""
@@ -175,7 +167,7 @@ def _find_line(
 ) -> float | None:
     """Millimetres by which a printed line lies right of or below its place; None where it is not plain."""
     scale = flat.scale
-    profile, middle = _profile(flat.darkness, scale, start, end, vertical=vertical)
+    profile, middle = _profile(flat, GREEN_AND_BLUE, start, end, vertical=vertical)
     if not len(profile):
         return None
     profile = profile - np.quantile(profile, 0.3)
@@ -189,8 +181,8 @@ def _find_line(
 
 
 def _profile(
-    dark: npt.NDArray[np.float32],
-    scale: float,
+    flat: FlatSheet,
+    channels: slice,
     start: tuple[float, float],
     end: tuple[float, float],
     *,
@@ -200,22 +192,26 @@ def _profile(
 
     Empty where it would leave the page.
     """
-    dark = dark if vertical else dark.T
+    scale = flat.scale
+    height, width = flat.picture.shape[:2] if vertical else flat.picture.shape[1::-1]
     (across, first), (_, last) = (start, end) if vertical else (start[::-1], end[::-1])
     middle = across * scale - 0.5
     low, high = int(np.floor(middle - _REACH * scale)), int(np.ceil(middle + _REACH * scale)) + 1
     top, bottom = int(np.ceil(first * scale)), int(np.floor(last * scale))
-    if low < 0 or top < 0 or high > dark.shape[1] or bottom > dark.shape[0] or bottom - top < 4:
+    if low < 0 or top < 0 or high > width or bottom > height or bottom - top < 4:
         return np.zeros(0, np.float32), 0.0
-    return np.median(dark[top:bottom, low:high], axis=0), middle - low
+    along, beside = slice(top, bottom), slice(low, high)
+    rows, columns = (along, beside) if vertical else (beside, along)
+    dark = flat.darkness(rows, columns, channels=channels)
+    return np.median(dark, axis=0 if vertical else 1), middle - low
 
 
 def frame_grayness(flat: FlatSheet, page: SheetPage) -> float:
     """How gray the frames of the cells were printed, see `grayness`; of a page that was flattened by them."""
     depths: tuple[list[float], list[float]] = ([], [])
     for start, end, vertical in list(_sides(page))[::_SOME]:
-        for depth, dark in zip(depths, (flat.red_darkness, flat.darkness), strict=True):
-            profile, middle = _profile(dark, flat.scale, start, end, vertical=vertical)
+        for depth, channels in zip(depths, (RED, GREEN_AND_BLUE), strict=True):
+            profile, middle = _profile(flat, channels, start, end, vertical=vertical)
             if len(profile):
                 near = slice(max(round(middle) - 1, 0), round(middle) + 2)
                 depth.append(float(profile[near].max() - np.quantile(profile, 0.3)))
