@@ -31,6 +31,7 @@ from rumu.gallery.sheet_masters import SheetMasters, choose_masters
 from rumu.pages.sheet_layout import GRIDS, HELPS, PAPERS, SheetPage, lay_out
 from rumu.pages.sheet_pdf import sheet_pdf
 from rumu.pages.sheet_reading import WrittenCell, locate_sheet, read_cells
+from rumu.studio.sheet_marks import surface_of_cell
 from rumu.surface.ink import find_ink
 from rumu_lab.simulation.camera import Conditions, draw_conditions, take_photograph
 
@@ -170,7 +171,8 @@ def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figu
     if master is not None:
         prepared = pipeline.prepare_master(master, character=character)
         both = [
-            pipeline.assess(each, prepared, framed=True, remarks=False).score for each in (one.picture, copy)
+            pipeline.assess(each, prepared, framed=True, remarks=False).score
+            for each in (surface_of_cell(one.picture), copy)
         ]
         if None not in both:
             figures.off.append(abs(both[0] - both[1]))

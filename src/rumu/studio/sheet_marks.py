@@ -142,7 +142,7 @@ def assess_cell(task: CellTask) -> tuple[Assessment, SheetMaster]:
 
     prepared, master = _prepared_master(task.masters, task.character)
     mark = pipeline.assess(
-        _surface_of_cell(task.picture),
+        surface_of_cell(task.picture),
         prepared,
         script=master.script,
         character=task.character,
@@ -152,7 +152,7 @@ def assess_cell(task: CellTask) -> tuple[Assessment, SheetMaster]:
     return mark, master
 
 
-def _surface_of_cell(picture: npt.NDArray[np.uint8]) -> Surface | npt.NDArray[np.uint8]:
+def surface_of_cell(picture: npt.NDArray[np.uint8]) -> Surface | npt.NDArray[np.uint8]:
     """The surface of a cell's picture, on which no grid is looked for, since the print has been taken away.
 
     The picture itself where it holds no writing: whoever marks it says why.
@@ -173,7 +173,7 @@ def _prepared_master(masters: str, character: str) -> tuple[PreparedMaster, Shee
     from rumu.gallery.sheet_masters import open_masters
 
     master = open_masters(masters, character).by_character[character]
-    surface = _surface_of_cell(master.picture)
+    surface = surface_of_cell(master.picture)
     prepared = pipeline.prepare_master(surface, character=character, script=master.script)
     return prepared, master
 
