@@ -1,18 +1,19 @@
 """Draw learners' copies beside their masters, with the marks and remarks on them, for a teacher's eye.
 
-    .venv/bin/python scripts/look_remarks.py OUT [--set tuning|kept] [--data ../shared/data]
+    .venv/bin/python scripts/look_remarks.py OUT [--set tuning|kept|first|second] [--data ../shared/data]
 
-Half of the E3C copies, by a checksum of their names, are for tuning the remarks; the other half is kept for a
-last look. From each half come the 10 that people marked best, the 10 worst and 20 of the middle, at most
-three of a character. A row shows the master, the copy with what each remark speaks of, the copy laid on the
-master (red where it is off, blue where it is wanting), people's mark, ours, and the remarks. OUT/remarks.txt
-holds the same words, in Chinese too.
+Half of the E3C copies, by a checksum of their names, are for tuning the remarks; the other half is kept for
+looking. From each half come the 10 that people marked best, the 10 worst and 20 of the middle, at most three
+of a character. What is left of the kept half is halved again, by another checksum: `first` and `second` are
+chosen from these quarters in the same way, at most two of a character. A row shows master and copy with what
+each remark speaks of, the copy laid on the master (red where it is off, blue where it is wanting), people's
+mark, ours, and the remarks. OUT/remarks.txt holds the same words.
 """
 
 from __future__ import annotations
 
 import argparse
-import textwrap
+import re
 import zlib
 from collections import Counter
 from functools import lru_cache
@@ -23,24 +24,28 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from rumu import pipeline
+from rumu.assessment.thresholds import Lines
+from rumu.pdf_text import find_chinese_font
 from rumu.report.overlay import OverlaySettings, overlay_picture
 from rumu.values import Assessment
 from rumu_lab.experiments.marked_copies import Copy, read_copies
 
-SIDE, ROWS, WORDS = 300, 5, 640
-ENDS, MIDDLE, OF_A_CHARACTER = 10, 20, 3
+SIDE, ROWS, WORDS, LETTERS = 360, 3, 700, 66
+ENDS, MIDDLE = 10, 20
+QUARTERS = {"first": 0, "second": 1}
+OF_A_CHARACTER = {"tuning": 3, "kept": 3, "first": 2, "second": 2}
 COLOURS = ((200, 30, 30), (20, 90, 190), (20, 130, 60), (160, 90, 0), (120, 40, 140))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path)
-    parser.add_argument("--set", choices=("tuning", "kept"), default="tuning")
+    parser.add_argument("--set", choices=tuple(OF_A_CHARACTER), default="tuning")
     parser.add_argument("--rows", default="0:40", help="only these of the 40, for example 10:20")
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    chosen = choose(read_copies(options.data), kept=options.set == "kept")
+    chosen = choose(read_copies(options.data), options.set)
     first, last = (int(number) for number in options.rows.split(":"))
     words = []
     for start in range(first, min(last, len(chosen)), ROWS):
@@ -51,23 +56,34 @@ def main() -> None:
     (options.out / "remarks.txt").write_text("\n\n".join(words) + "\n", encoding="utf-8")
 
 
-def choose(rows: list[Copy], *, kept: bool) -> list[Copy]:
-    """The best, the worst and the middle of one half, by people's marks."""
-    half = [row for row in rows if (zlib.crc32(row.image.name.encode()) % 2 == 1) == kept]
+def choose(rows: list[Copy], name: str) -> list[Copy]:
+    """The best, the worst and the middle of one half, or of one quarter, by people's marks."""
+    half = [row for row in rows if _checksum(row, "") % 2 == int(name != "tuning")]
+    if name in QUARTERS:
+        looked_at = choose(rows, "kept")
+        half = [
+            row for row in half if row not in looked_at and _checksum(row, "quarter ") % 2 == QUARTERS[name]
+        ]
+    most = OF_A_CHARACTER[name]
     by_mark = sorted(half, key=lambda row: (-row.mark, row.image.name))
     counts: Counter[str] = Counter()
-    best = _first(by_mark, ENDS, counts)
-    worst = _first(by_mark[::-1], ENDS, counts)
+    best = _first(by_mark, ENDS, counts, most)
+    worst = _first(by_mark[::-1], ENDS, counts, most)
     rest = [row for row in by_mark if row not in best and row not in worst]
     nearest = sorted(rest, key=lambda row: abs(row.mark - rest[len(rest) // 2].mark))
-    return [*best, *worst, *_first(nearest, MIDDLE, Counter())]
+    return [*best, *worst, *_first(nearest, MIDDLE, Counter(), most)]
 
 
-def _first(rows: list[Copy], count: int, counts: Counter[str]) -> list[Copy]:
+def _checksum(row: Copy, salt: str) -> int:
+    """Of a copy's name."""
+    return zlib.crc32(f"{salt}{row.image.name}".encode())
+
+
+def _first(rows: list[Copy], count: int, counts: Counter[str], most: int) -> list[Copy]:
     """The first of them, not too many of a character."""
     chosen: list[Copy] = []
     for row in rows:
-        if len(chosen) < count and counts[row.character] < OF_A_CHARACTER:
+        if len(chosen) < count and counts[row.character] < most:
             counts[row.character] += 1
             chosen.append(row)
     return chosen
@@ -94,27 +110,26 @@ def draw(number: int, row: Copy) -> tuple[np.ndarray, str]:
         overlay = overlay_picture(
             mark.registration, master=prepared(row.template, row.character).surface, settings=settings
         )
-    pointed = point_out(copy, mark)
+    pointed = point_out(copy, [remark.outline for remark in mark.remarks])
+    wanted = point_out(master, [remark.master_outline for remark in mark.remarks])
     page = Image.new("RGB", (WORDS, SIDE), "white")
-    pen, font = ImageDraw.Draw(page), ImageFont.truetype("DejaVuSans.ttf", 14)
+    pen, font = ImageDraw.Draw(page), ImageFont.truetype(str(find_chinese_font() or "DejaVuSans.ttf"), 14)
     score = "refused" if mark.score is None else f"{mark.score:.0f}"
     parts = ", ".join(f"{name} {value:.0f}" for name, value in mark.parts.items())
-    lines = [f"{number}. {row.image.name}  people {row.mark:.0f}, rumu {score} ({parts})"]
-    text = [f"{number}. {row.character} {lines[0][len(str(number)) + 2 :]}"]
+    said = [f"{number}. {row.character} {row.image.name}  people {row.mark:.0f}, rumu {score} ({parts})"]
     if mark.refused:
-        lines.append(mark.refused)
+        said.append(mark.refused)
     if mark.praise is not None:
-        lines += textwrap.wrap(f"+ {mark.praise.en}", 84)
-        text.append(f"  + {mark.praise.zh} {mark.praise.en}")
+        said += [f"  + {mark.praise.zh}", f"    {mark.praise.en}"]
     for k, remark in enumerate(mark.remarks, start=1):
-        lines += textwrap.wrap(f"{k} [{remark.kind} {remark.severity:.1f}] {remark.en}", 84)
-        text.append(f"  {k} [{remark.kind} {remark.size:.3f} {remark.severity:.1f}] {remark.zh} {remark.en}")
-    for k, line in enumerate(lines):
-        pen.text((8, 6 + 19 * k), line, fill="black", font=font)
+        said.append(f"  {k} [{remark.kind} {remark.size:.3f} {remark.severity:.1f}] {remark.zh}")
+        said.append(f"    {remark.en}")
+    for k, line in enumerate(part for whole in said for part in _wrapped(whole)):
+        pen.text((8, 6 + 20 * k), line, fill="black", font=font)
     rule = np.full((SIDE, 2, 3), 120, np.uint8)
-    strip = np.concatenate([master, rule, pointed, rule, overlay, rule, np.asarray(page)], axis=1)
+    strip = np.concatenate([wanted, rule, pointed, rule, overlay, rule, np.asarray(page)], axis=1)
     strip[-1] = 120
-    return strip, "\n".join(text)
+    return strip, "\n".join(said)
 
 
 def picture(path: Path) -> np.ndarray:
@@ -124,14 +139,26 @@ def picture(path: Path) -> np.ndarray:
         return np.asarray(gray.resize((SIDE, SIDE), Image.Resampling.BILINEAR))
 
 
-def point_out(copy: np.ndarray, mark: Assessment) -> np.ndarray:
-    """The copy, paler, with the lines and numbers of its remarks."""
-    drawn = np.ascontiguousarray(255 - (255 - copy) // 2)
-    for k, remark in enumerate(mark.remarks):
+def _wrapped(text: str) -> list[str]:
+    """The lines of a text; a Chinese character is as wide as two letters."""
+    lines, line, used = [], "", 0
+    for word in re.findall(r"[\u2e80-\uffef]|[^\s\u2e80-\uffef]+\s*|\s+", text):
+        wide = sum(1 + (letter >= "\u2e80") for letter in word)
+        if used + wide > 1.3 * LETTERS:
+            lines, line, used = [*lines, line], "      ", 6
+        line, used = line + word, used + wide
+    return [*lines, line]
+
+
+def point_out(shown: np.ndarray, outlines: list[Lines]) -> np.ndarray:
+    """A picture, paler, with the lines that its remarks speak of and their numbers."""
+    drawn = np.ascontiguousarray(255 - (255 - shown) // 2)
+    for k, outline in enumerate(outlines):
         colour, at = COLOURS[k % len(COLOURS)], None
-        for line in remark.outline:
+        for line in outline:
             points = np.round(np.array(line) * SIDE).astype(np.int32)
             cv2.polylines(drawn, [points.reshape(-1, 1, 2)], False, colour, 2, cv2.LINE_AA)
+            cv2.circle(drawn, tuple(points[0].tolist()), 4, colour, -1, cv2.LINE_AA)
             at = tuple(points[len(points) // 2].tolist()) if at is None else at
         if at is not None:
             cv2.putText(drawn, str(k + 1), at, cv2.FONT_HERSHEY_SIMPLEX, 0.6, colour, 2, cv2.LINE_AA)
