@@ -1,13 +1,13 @@
 """Draw learners' copies beside their masters, with the marks and remarks on them, for a teacher's eye.
 
-    .venv/bin/python scripts/look_remarks.py OUT [--set tuning|kept|first|second] [--data ../shared/data]
+    .venv/bin/python scripts/look_remarks.py OUT [--set tuning|kept|first|second|third] [--data DATA]
 
 Half of the E3C copies, by a checksum of their names, are for tuning the remarks; the other half is kept for
 looking. From each half come the 10 that people marked best, the 10 worst and 20 of the middle, at most three
-of a character. What is left of the kept half is halved again, by another checksum: `first` and `second` are
-chosen from these quarters in the same way, at most two of a character. A row shows master and copy with what
-each remark speaks of, the copy laid on the master (red where it is off, blue where it is wanting), people's
-mark, ours, and the remarks. OUT/remarks.txt holds the same words.
+of a character; `first` to `third` are chosen in the same way from what is left of that half, one after the
+other, at most two of a character. A row shows master and copy with what each remark speaks of, the copy laid
+on the master (red where it is off, blue where it is wanting), people's mark, ours, and the remarks.
+OUT/remarks.txt holds the same words.
 """
 
 from __future__ import annotations
@@ -30,10 +30,9 @@ from rumu.report.overlay import OverlaySettings, overlay_picture
 from rumu.values import Assessment
 from rumu_lab.experiments.marked_copies import Copy, read_copies
 
-SIDE, ROWS, WORDS, LETTERS = 360, 3, 700, 66
+SIDE, ROWS, WORDS, LETTERS = 360, 4, 700, 66
 ENDS, MIDDLE = 10, 20
-QUARTERS = {"first": 0, "second": 1}
-OF_A_CHARACTER = {"tuning": 3, "kept": 3, "first": 2, "second": 2}
+OF_A_CHARACTER = {"tuning": 3, "kept": 3, "first": 2, "second": 2, "third": 2}
 COLOURS = ((200, 30, 30), (20, 90, 190), (20, 130, 60), (160, 90, 0), (120, 40, 140))
 
 
@@ -57,26 +56,18 @@ def main() -> None:
 
 
 def choose(rows: list[Copy], name: str) -> list[Copy]:
-    """The best, the worst and the middle of one half, or of one quarter, by people's marks."""
-    half = [row for row in rows if _checksum(row, "") % 2 == int(name != "tuning")]
-    if name in QUARTERS:
-        looked_at = choose(rows, "kept")
-        half = [
-            row for row in half if row not in looked_at and _checksum(row, "quarter ") % 2 == QUARTERS[name]
-        ]
+    """The best, the worst and the middle, by people's marks, of one half without what was looked at."""
+    names = list(OF_A_CHARACTER)
+    half = [row for row in rows if zlib.crc32(row.image.name.encode()) % 2 == int(name != "tuning")]
+    before = [row for other in names[1 : names.index(name)] for row in choose(rows, other)]
+    by_mark = sorted((row for row in half if row not in before), key=lambda row: (-row.mark, row.image.name))
     most = OF_A_CHARACTER[name]
-    by_mark = sorted(half, key=lambda row: (-row.mark, row.image.name))
     counts: Counter[str] = Counter()
     best = _first(by_mark, ENDS, counts, most)
     worst = _first(by_mark[::-1], ENDS, counts, most)
     rest = [row for row in by_mark if row not in best and row not in worst]
     nearest = sorted(rest, key=lambda row: abs(row.mark - rest[len(rest) // 2].mark))
     return [*best, *worst, *_first(nearest, MIDDLE, Counter(), most)]
-
-
-def _checksum(row: Copy, salt: str) -> int:
-    """Of a copy's name."""
-    return zlib.crc32(f"{salt}{row.image.name}".encode())
 
 
 def _first(rows: list[Copy], count: int, counts: Counter[str], most: int) -> list[Copy]:

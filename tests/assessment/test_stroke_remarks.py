@@ -101,8 +101,14 @@ def test_of_an_end_that_sticks_out(itself):
     match, registration = itself
     strokes = name_all(match, registration, LIMITS, explained=np.zeros_like(match.places))
     foot = match.moved[np.flatnonzero(match.master.points.owner == 0)[-1]]
-    ink = replace(NO_FAULT, sticking_out=(StickingOut(0.1 / strokes[0].cell, foot, SQUARE),))
-    zh, en = words(find_ink_faults(ink, strokes, match, LIMITS), "sticks_out")
+
+    def said_of_ink_at(tip):
+        ink = replace(NO_FAULT, sticking_out=(StickingOut(0.1 / strokes[0].cell, tip, foot, SQUARE),))
+        return [f for f in find_ink_faults(ink, strokes, match, LIMITS) if f.remark.kind == "sticks_out"]
+
+    zh, en = words(said_of_ink_at(foot + np.array([0.0, 0.2])), "sticks_out")
+    assert not said_of_ink_at(foot + np.array([0.2, 0.0]))  # beside the foot: a stroke out of its place
+    assert not said_of_ink_at(foot - np.array([0.0, 0.2]))
     assert zh == f"{strokes[0].name.zh}下端出頭約 10% 格。"
     assert en == f"{strokes[0].en} sticks out at its foot by about 10% of the cell."
 
@@ -167,7 +173,13 @@ def test_a_great_change_of_width_is_believed_where_the_ink_shows_it(itself, widt
 
 @pytest.mark.parametrize(
     ("length", "lacking", "moved", "change"),
-    [(0.95, 0.3, 0.4, -0.3), (0.95, 0.3, 0.8, -0.05), (1.0, 0.3, 0.4, 0.0), (0.7, 0.1, 0.4, -0.3)],
+    [
+        (0.8, 0.3, 0.4, -0.3),
+        (0.95, 0.3, 0.4, -0.1),
+        (0.95, 0.3, 0.8, -0.05),
+        (1.0, 0.3, 0.4, 0.0),
+        (0.7, 0.1, 0.4, -0.3),
+    ],
 )
 def test_ink_that_is_lacking_at_the_ends_shows_a_short_stroke(itself, length, lacking, moved, change):
     match, registration = itself
@@ -175,6 +187,28 @@ def test_ink_that_is_lacking_at_the_ends_shows_a_short_stroke(itself, length, la
     changed = replace(match, strokes=(short, *match.strokes[1:]))
     strokes = name_all(changed, registration, LIMITS, explained=np.zeros_like(match.places))
     assert strokes[0].length_change == pytest.approx(change)
+
+
+def test_size_and_place_are_what_strokes_and_edges_both_say(itself):
+    """A pose that the edges of the writing contradict is not told, one that they exceed is told as it is."""
+    match, registration = itself
+    posed = replace(match, pose=CharacterPose(1.25 * np.eye(2), np.array([0.0, -0.5])))
+    assert PoseSeen(posed, registration, True).size == 0.0  # the edges stand where the master's do
+    assert np.all(PoseSeen(posed, registration, True).offset == 0.0)
+    wider = replace(posed, in_cell=match.in_cell * 1.1 + np.array([0.0, -0.9]))
+    assert PoseSeen(wider, registration, True).size == pytest.approx(0.1, abs=0.02)
+
+
+def test_a_line_that_leads_over_bare_paper_is_not_spoken_of(itself):
+    match, registration = itself
+    kinds = {}
+    for inked in (1.0, 0.5):
+        long = replace(match.strokes[0], length=1.4, turn=12.0, inked=inked, ink=UNSEEN)
+        changed = replace(match, strokes=(long, *match.strokes[1:]), tips=None)
+        strokes = name_all(changed, registration, LIMITS, explained=np.zeros_like(match.places))
+        kinds[inked] = {f.remark.kind for f in find_stroke_faults(strokes, changed, LIMITS)}
+    assert {"stroke_long", "stroke_angle"} <= kinds[1.0]
+    assert not {"stroke_long", "stroke_angle"} & kinds[0.5]
 
 
 def _no_digits(text: str) -> str:
@@ -214,7 +248,8 @@ def test_of_the_whole_in_its_cell(*, itself, size, degrees, shift, kind, zh, en)
     match, registration = itself
     a = np.radians(degrees)
     linear = size * np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
-    posed = replace(match, pose=CharacterPose(linear, np.array(shift)))
+    in_cell = match.in_cell @ linear.T + np.array(shift)
+    posed = replace(match, pose=CharacterPose(linear, np.array(shift)), in_cell=in_cell)
     said_zh, said_en = words(find_whole_faults(PoseSeen(posed, registration, True), LIMITS), kind)
     if "#" in zh:
         said_zh, said_en = _no_digits(said_zh), _no_digits(said_en)

@@ -21,8 +21,8 @@ def said(status, before=SHORT, after=SHORT, character="水"):
 
 def test_the_stroke_has_its_number_and_name():
     text = said("smaller", after=replace(SHORT, size=-0.09))
-    assert text.zh == "第三筆「撇」：仍太短，但好些了：18 % → 9 %。"
-    assert text.en == "Stroke 3, left-falling stroke: still too short, but less so: 18 % → 9 %."
+    assert text.zh == "第三筆「撇」：仍太短，但好些了：18% → 9%。"
+    assert text.en == "Stroke 3, left-falling stroke: still too short, but less so: 18% → 9%."
 
 
 @pytest.mark.parametrize("character", ["", "水水", "𰻞"])
@@ -54,7 +54,7 @@ def test_a_stroke_that_was_missing_is_written_now():
 
 def test_from_too_short_to_too_long():
     text = said("turned", after=replace(SHORT, kind="stroke_long", size=0.12))
-    assert text.en.endswith("too short last time (18 %), now too long (12 %).")
+    assert text.en.endswith("too short last time (18%), now too long (12%).")
     lean = replace(SHORT, kind="lean", unit="degrees", size=5.0, outline=(), master_outline=(), stroke=None)
     text = said("turned", lean, replace(lean, size=-4.0))
     assert text.en == "The whole: still leaning, but to the other side: 5.0° → 4.0°."
@@ -67,3 +67,10 @@ def test_a_mark_that_hardly_changed_is_called_the_same():
         "Better as a whole: 50 → 70.",
     )
     assert "不如上一張" in describe_mark(NumberChange(50, 30, "worse")).zh
+
+
+def test_two_parts_are_told_as_two_parts():
+    parts = replace(SHORT, kind="part_place", unit="of the cell", size=0.083, stroke=None, outline=LINE * 2)
+    text = said("same", parts, replace(parts, size=0.04))
+    assert text.zh == "兩部：仍位置不合，與上次差不多（4%）。"
+    assert text.en == "The two parts: still not in place beside each other, about as before (4%)."

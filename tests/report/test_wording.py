@@ -40,10 +40,10 @@ def test_every_level_and_source_has_words():
     ("size", "unit", "shown"),
     [
         (3.24, "deg", "3.2°"),
-        (12.3, "%", "12 %"),
+        (12.3, "%", "12%"),
         (0.44, "mm", "0.4 mm"),
         (-15, "degrees", "15°"),
-        (0.124, "of the ink", "12 %"),
+        (0.124, "of the ink", "12%"),
         (2, "", "2.0"),
     ],
 )

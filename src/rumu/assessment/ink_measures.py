@@ -84,11 +84,12 @@ class FilledWhite:
 class StickingOut:
     """Ink that joins the copy's strokes and lies far from all of the master's.
 
-    distance: of its farthest point, rms radii. middle: (2,) of it in the common frame. outline: (n, 2) its
-    edge on the copy's picture, closed.
+    distance: of its farthest point, rms radii. tip, middle: (2,) that point, and the middle of all of it, in
+    the common frame. outline: (n, 2) its edge on the copy's picture, closed.
     """
 
     distance: float
+    tip: FloatArray
     middle: FloatArray
     outline: FloatArray
 
@@ -189,10 +190,11 @@ def _find_sticking_out(framed: FramedInk, master: BoolArray) -> tuple[StickingOu
         own = labels == k
         around = cv2.dilate(own.view(np.uint8), np.ones((5, 5), np.uint8)) > 0
         if (around & framed.ink & ~far).any():
-            row, column = np.argwhere(own).mean(axis=0)
-            middle = from_pixels(np.array([[column, row]]))[0]
+            pixels = np.argwhere(own)
+            farthest = pixels[int(away[own].argmax())]
+            tip, middle = from_pixels(np.array([farthest, pixels.mean(axis=0)])[:, ::-1])
             distance = float(away[own].max()) / SCALE
-            found.append(StickingOut(distance, middle, _outline_of(own, framed)))
+            found.append(StickingOut(distance, tip, middle, _outline_of(own, framed)))
     return tuple(sorted(found, key=lambda patch: -patch.distance))
 
 

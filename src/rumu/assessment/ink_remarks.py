@@ -15,6 +15,8 @@ from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.naming import place_of
 from rumu.values import Bilingual, Remark
 
+_AHEAD = 0.6
+"""Least cotangent of the angle between a stroke's way and that to the ink which sticks out at its end."""
 _WINDOW = 0.12
 """Half the side of the box about the worst place of an edge, fractions of the picture."""
 
@@ -176,8 +178,26 @@ def _find_sticking_out(
         named = strokes[int(match.master.points.owner[owner])]
         size = patch.distance * named.cell
         is_short = named.length_change <= -limits.length  # then the ink is its own, turned or moved
-        if named.stroke.present and size >= limits.sticks_out and not is_short:
+        runs_on = _runs_on(patch, named, owner)
+        if named.is_on_ink and size >= limits.sticks_out and not is_short and runs_on:
             yield _sticking_out(patch, named, size, owner, limits)
+
+
+def _runs_on(patch: StickingOut, named: NamedStroke, nearest: int) -> bool:
+    """Whether ink lies beyond an end of the master's stroke, and not beside it or at a corner.
+
+    nearest: the one of the master's points that lies next to it. What lies beside is a stroke out of place.
+    """
+    points = named.match.master.points
+    own = np.flatnonzero(points.owner == named.position)
+    last = bool(np.searchsorted(own, nearest) * 2 >= len(own))
+    line = named.stroke.line
+    if len(own) < 2 or any(line is leg for leg in (named.legs[:-1] if last else named.legs[1:])):
+        return False
+    path = points.xy[own] if last else points.xy[own][::-1]
+    way = path[-1] - path[max(len(path) - 4, 0)]
+    off = patch.tip - path[-1]
+    return bool(off @ way >= _AHEAD * abs(off[0] * way[1] - off[1] * way[0]))
 
 
 def _sticking_out(

@@ -125,7 +125,12 @@ class NamedStroke:
         """Of its length, relative to the master's: of its line, or of its ink where that lacks more."""
         change, ink = self.stroke.length - 1.0, self.stroke.ink
         is_clear = change <= -self.limits.shrunk and ink.moved <= self.limits.put_back
-        return min(change, -ink.lacking) if is_clear else change
+        return min(change, max(-ink.lacking, self.limits.exaggerated * change)) if is_clear else change
+
+    @property
+    def is_on_ink(self) -> bool:
+        """Whether it was found, and does not lie across bare paper, from one stroke's ink to another's."""
+        return self.stroke.present and self.stroke.inked >= self.limits.on_ink
 
     @property
     def slenderness(self) -> float:
@@ -141,7 +146,9 @@ def name_all(
     lines = match.master.lines
     character = None if match.laid is None else match.laid.character
     names = name_strokes(lines, character)
-    kinds = [(character and canonical_kind(line, character)) or kind_of(line, width=width) for line in lines]
+    kinds = [
+        (character and canonical_kind(line, lines, character)) or kind_of(line, width=width) for line in lines
+    ]
     squeezed = 0.0 if match.squeeze is None else match.squeeze.apply(match.places) - match.places
     left = squeezed - explained  # the strokes were measured against a squeezed master
     owner = match.master.points.owner

@@ -113,11 +113,11 @@ def measure_parts(
 def _widening(places: FloatArray, copy: FloatArray, owner: IntArray) -> float:
     """Width of a part over the master's; places, copy: (n,) its points along the axis, by stroke.
 
-    One stroke that is too long does not make its part wide: of the widths without any one of the strokes the
-    one counts that is nearest to the master's.
+    One stroke that is too long does not make its part wide: of the widths without any one of the strokes, and
+    of that from edge to edge, the one counts that is nearest to the master's.
     """
     whole = float(np.std(places))
-    logs = []
+    logs = [float(np.log(np.ptp(copy) / max(float(np.ptp(places)), 1e-6) + 1e-9))]
     for left_out in (-1, *np.unique(owner)):
         kept = owner != left_out
         if kept.any() and np.std(places[kept]) >= PARTS.spread * whole:

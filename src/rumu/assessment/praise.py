@@ -102,7 +102,7 @@ def _of_the_whole(seen: Praised) -> Iterator[PossiblePraise]:
     if pose.framed:
         offset = float(np.hypot(*pose.offset))
         yield PossiblePraise(
-            max(abs(pose.size) / s.size, offset / s.offset, abs(pose.lean) / s.lean),
+            max(*(abs(size) / s.size for size in pose.sizes), offset / s.offset, abs(pose.lean) / s.lean),
             Bilingual(
                 "大小合度，位置居中，重心也正。", "Its size, its place in the cell and its axis are right."
             ),

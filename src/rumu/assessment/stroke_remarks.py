@@ -23,7 +23,10 @@ from rumu.assessment.thresholds import (
 )
 from rumu.strokes.correspondence import BluntTips, StrokeMatch
 from rumu.strokes.naming import (
+    FOLD,
     HORIZONTAL,
+    LEFT_FALLING,
+    RIGHT_FALLING,
     RING,
     VERTICAL,
     direction_of,
@@ -44,13 +47,13 @@ def find_stroke_faults(
         if stroke.is_hook:
             yield from find_missing_hook(stroke)
             continue
-        if stroke.stroke.present:
+        if stroke.is_on_ink:
             if stroke.stroke.ink.unlike >= limits.unlike * match.enlargement:
                 yield from _find_place_faults(stroke)
                 yield from _find_length_fault(stroke)
                 yield from _find_width_fault(stroke)
             yield from _find_end_faults(stroke)
-        elif len(stroke.legs) > 1:
+        elif not stroke.stroke.present and len(stroke.legs) > 1:
             yield from find_missing_leg(stroke)
     yield from _find_spacing_fault(find_gaps(match), every, limits)
     yield from _find_blunt_tips(every, match.tips, limits)
@@ -103,11 +106,17 @@ def _describe_turn(named: NamedStroke, turn: float) -> Bilingual:
             if turn > 0
             else Bilingual("右端太高", "its right end is too high")
         )
-    if named.kind == VERTICAL:
+    if named.kind in (VERTICAL, FOLD):
         return (
             Bilingual("下端偏左", "its foot is too far left")
             if turn > 0
             else Bilingual("下端偏右", "its foot is too far right")
+        )
+    if named.kind in (LEFT_FALLING, RIGHT_FALLING):
+        return (
+            Bilingual("太平", "it is too flat")
+            if (turn > 0) == (named.kind == LEFT_FALLING)
+            else Bilingual("太陡", "it is too steep")
         )
     return (
         Bilingual("順時針轉了", "turned clockwise")
@@ -123,7 +132,7 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
     error = named.match.width_error(named.stroke.line)
     least += 2.0 * error / max(named.slenderness, 1e-9)  # a pixel of the coarser picture
     least *= named.match.enlargement**2
-    if abs(change) < limits.weak * least or named.kind == RING:
+    if abs(change) < limits.weak * least or change > limits.longest or named.kind == RING:
         return
     kind, zh, en = ("stroke_long", "長", "too long") if change > 0 else ("stroke_short", "短", "too short")
     yield named.finding(
@@ -203,7 +212,7 @@ def _find_blunt_tips(
 
 def _is_straight(named: NamedStroke) -> bool:
     """Whether it is level or upright; of the white beside a dot nobody speaks."""
-    return named.kind.zh[:1] in ("橫", "豎")
+    return named.kind in (HORIZONTAL, VERTICAL)
 
 
 def _find_spacing_fault(

@@ -23,6 +23,8 @@ class RemarkThresholds:
         stands off the other. inner: relative size of what is enclosed; inner_place: fraction of the
         cell by which it is off its place.
     confident: share of a canonical stroke that must have been found in the master for it to be spoken of.
+    on_ink: share of a stroke's line that must lie on ink of the copy: a line that leads over bare paper, from
+        one stroke to another, is neither.
     hook_bare: share of a hook that must be bare paper, and hook_covered: that may have found ink, for it not
         to have been flicked out. leg_found: share of a part of a bent stroke that may have found ink, or lie
         on any, for it to be missing; leg_share: of the ink that it must hold.
@@ -37,6 +39,8 @@ class RemarkThresholds:
         lean are taken out, for its place, turn, length or width to be spoken of; unlike_end: the same of an
         end; both more where a picture had to be enlarged. taken_out: share of that which may be left when a
         stroke that is out of place is put back.
+    exaggerated: how many times what its line lacks the ink at its ends may lack, to be believed.
+    longest: change of length above which it is not believed: the line was laid on another stroke's ink too.
     shrunk: by how much a stroke's line must be shorter for what its ink lacks at its ends to count; put_back:
         share of its ink that may differ at most then, its own shift and turn taken out.
     length: relative; length_unsure: so many times more for a stroke that joins others at both ends, and for
@@ -65,6 +69,7 @@ class RemarkThresholds:
     inner: float = 0.12
     inner_place: float = 0.03
     confident: float = 0.5
+    on_ink: float = 0.75
     hook_bare: float = 0.6
     hook_covered: float = 0.3
     leg_found: float = 0.25
@@ -85,6 +90,8 @@ class RemarkThresholds:
     length: float = 0.08
     length_unsure: float = 1.3
     short: float = 4.0
+    exaggerated: float = 2.0
+    longest: float = 1.0
     shrunk: float = 0.03
     put_back: float = 0.6
     sticks_out: float = 0.05

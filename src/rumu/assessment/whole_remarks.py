@@ -48,24 +48,37 @@ class PoseSeen:
         return self.match.pose.angle
 
     @property
+    def sizes(self) -> tuple[float, float]:
+        """Of the copy over the master's, less 1: by what its strokes agree upon, and by its extent."""
+        match, extent = self.match, 1.0
+        if match.covered.any():
+            master, copy = (np.ptp(at[match.covered], axis=0) for at in (match.places, match.in_cell))
+            extent = float(np.sqrt(np.prod(copy) / max(float(np.prod(master)), 1e-9)))
+        return match.pose.scale - 1.0, extent - 1.0
+
+    @property
     def size(self) -> float:
-        """Of the copy over the master's, less 1."""
-        return self.match.pose.scale - 1.0
+        """What is sure of them: the lesser, where both are on the same side."""
+        strokes, extent = self.sizes
+        return min(strokes, extent, key=abs) if strokes * extent > 0 else 0.0
 
     @property
     def offset(self) -> FloatArray:
-        """(x right, y DOWN), fractions of the cell: how far its middle is from the master's."""
+        """(x right, y DOWN), fractions of the cell: how far its middle is from the master's.
+
+        What is sure of it: by what its strokes agree upon and by its edges, the lesser each way.
+        """
         match = self.match
         master = match.places[match.covered]
         if len(master) == 0:
             return np.zeros(2)
-        middle = (master.min(axis=0) + master.max(axis=0)) / 2
-        if match.squeeze is None:
+        copy = match.in_cell[match.covered]
+        away = (copy.min(axis=0) + copy.max(axis=0) - master.min(axis=0) - master.max(axis=0)) / 2
+        if match.squeeze is None:  # a squeeze keeps the outer edges and moves all between them
             middle = master.mean(axis=0)
-            away = match.pose.linear @ middle + match.pose.shift - middle
-        else:  # a squeeze keeps the outer edges and moves all between them
-            copy = match.in_cell[match.covered]
-            away = (copy.min(axis=0) + copy.max(axis=0)) / 2 - middle
+            agreed = match.pose.linear @ middle + match.pose.shift - middle
+            lesser = np.minimum(np.abs(agreed), np.abs(away))
+            away = np.where(agreed * away > 0, np.sign(away) * lesser, 0.0)
         return np.asarray(away) * self.registration.reference.radius
 
     @property

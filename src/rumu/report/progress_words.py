@@ -32,7 +32,7 @@ FAULTS: Mapping[str, Bilingual] = {
     "heavy": Bilingual("筆畫偏粗", "too heavy"),
     "thin": Bilingual("筆畫偏細", "too thin"),
     "squeeze": Bilingual("比例不合", "out of proportion"),
-    "part_place": Bilingual("兩部位置不合", "of parts that do not stand right"),
+    "part_place": Bilingual("位置不合", "not in place beside each other"),
     "inner": Bilingual("裡面大小不合", "wrong in the size of what is enclosed"),
     "sticks_out": Bilingual("出頭", "sticking out"),
     "filled": Bilingual("留白糊住", "with white run shut"),
@@ -42,6 +42,9 @@ FAULTS: Mapping[str, Bilingual] = {
     "dry": Bilingual("枯筆", "dry"),
 }
 """What is wrong, so that it can follow the name of a stroke."""
+
+_OF_PARTS = ("squeeze", "part_place")
+"""Kinds of remark that speak of one part beside the other."""
 
 _SENTENCES: Mapping[str, Bilingual] = {
     "gone": Bilingual(
@@ -106,9 +109,7 @@ def fault_words(remark: Remark) -> Bilingual:
 
 
 def size_words(remark: Remark) -> str:
-    """Its size with its unit; of the cell to a tenth of a per cent, since faults of place are small."""
-    if remark.unit == "of the cell":
-        return f"{100 * abs(remark.size):.1f} %"
+    """Its size with its unit, as remarks print it."""
     return with_unit(remark.size, remark.unit)
 
 
@@ -121,6 +122,8 @@ def stroke_name(remark: Remark, *, character: str) -> Bilingual:
     lines = remark.master_outline or remark.outline
     if not lines:
         return Bilingual("整字", "The whole")
+    if remark.kind in _OF_PARTS:
+        return Bilingual("兩部", "The two parts")
     if len(lines) > 1:
         return Bilingual("幾筆", "Several strokes")
     xy = np.array(lines[0], dtype=float)

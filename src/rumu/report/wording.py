@@ -182,12 +182,12 @@ def kind_name(kind: str) -> Bilingual:
 
 
 def with_unit(size: float, unit: str) -> str:
-    """'3.2°', '12 %' (a share 'of the ink'), '0.4 mm': one decimal under ten, none above."""
+    """'3.2°', '12%' (a share 'of the ink'), '0.4 mm': one decimal under ten, none above."""
     if unit.startswith("of the"):
-        return f"{100 * abs(size):.0f} %"
+        return f"{abs(size):.0%}"
     number = f"{abs(size):.1f}" if abs(size) < 10 else f"{abs(size):.0f}"
     sign = UNITS.get(unit, unit)
-    return f"{number}{sign}" if sign == "°" else f"{number} {sign}".rstrip()
+    return f"{number}{sign}" if sign in ("°", "%") else f"{number} {sign}".rstrip()
 
 
 def standing(percentile: float) -> Bilingual:

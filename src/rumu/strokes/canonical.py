@@ -8,8 +8,9 @@ number. A master that is written otherwise than copybooks print it is not named 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from rumu.strokes.centre_lines import (
     sample_lines,
 )
 from rumu.strokes.matching import LineMatch, MatchSettings, find_covered, match_lines
-from rumu.strokes.naming import PLAIN_KINDS
+from rumu.strokes.naming import HORIZONTAL, PLAIN_KINDS, VERTICAL
 from rumu.strokes.placement import claimed_twice, unevenness
 from rumu.values import BoolArray, FloatArray, IntArray
 
@@ -63,6 +64,8 @@ class LayingSettings:
     longest_tail: by which an end is carried on to the end of its ink; tail_depth: share of its half-width
         that the ink must be deep there.
     near: distance to another line within which an end joins it, and a half-width is not that of one line.
+    beside: share of the shorter of two horizontals, or verticals, that must lie beside the other for them to
+        have changed places.
     shortest_spare: length of a run of the master's ink from which it becomes a line without a number.
     confident: sum of the shares of the canonical lines and of the master's ink that may be left over in a
         master whose strokes are named; even: mean square, rms radii, by which its lines may leave one affine
@@ -80,6 +83,7 @@ class LayingSettings:
     longest_tail: float = 1.0
     tail_depth: float = 0.35
     near: float = 0.75
+    beside: float = 0.5
     shortest_spare: float = 1.0
     confident: float = 0.2
     even: float = 0.04
@@ -132,6 +136,8 @@ def lay_character(character: CanonicalCharacter, framed: FramedInk) -> LaidChara
     left_over, at, covered, owner = best
     numbers = np.array([line.number for line in lines])[points.owner]
     named = _lines_on_ink(lines, points, at, framed, ink.width)
+    crossed = _crossed_pairs(character, lines, named, ink.width)
+    named = _exchange(named, crossed)
     beside = ((ink.points.xy[:, None] - at) ** 2).sum(axis=2).min(axis=1) < (LAYING.near * ink.width) ** 2
     spare = _spare_lines(ink, (owner < 0) & ~beside)
     every = _with_neighbours((*named, *spare), ink.width)
@@ -140,6 +146,10 @@ def lay_character(character: CanonicalCharacter, framed: FramedInk) -> LaidChara
         own = numbers == number
         shared = claimed_twice(points, at, points.xy, own=own, width=ink.width)
         confidence[number - 1] = (covered[own] & ~shared).mean()
+    for a, b in crossed:
+        confidence[[lines[a].number - 1, lines[b].number - 1]] = confidence[
+            [lines[b].number - 1, lines[a].number - 1]
+        ]
     return LaidCharacter(
         character=character,
         lines=CentreLines(every, sample_lines(every), ink.width),
@@ -147,6 +157,45 @@ def lay_character(character: CanonicalCharacter, framed: FramedInk) -> LaidChara
         unevenness=unevenness(points, at, np.ones(len(at), bool)),
         confidence=confidence,
     )
+
+
+def _crossed_pairs(
+    character: CanonicalCharacter, before: Sequence[CentreLine], laid: Sequence[CentreLine], width: float
+) -> list[tuple[int, int]]:
+    """Two horizontals, the upper of which came to lie below the other, or two verticals, by their positions.
+
+    before, laid: the lines as copybooks print them, and on the master. In 寧 the long horizontal of 丁 lies
+    where the copybook's 皿 has one as long, and each found the other's ink.
+    """
+    whole = [sum(line.number == other.number for other in before) == 1 for line in before]
+    kinds = [character.strokes[line.number - 1].name.zh for line in before]
+    found: list[tuple[int, int]] = []
+    for kind, k in ((HORIZONTAL.zh, 1), (VERTICAL.zh, 0)):
+        alike = [i for i, own in enumerate(kinds) if own == kind and whole[i]]
+        for a, b in combinations(alike, 2):
+            was, now = (
+                lines[b].points[:, k].mean() - lines[a].points[:, k].mean() for lines in (before, laid)
+            )
+            beside = _overlap(laid[a].points[:, 1 - k], laid[b].points[:, 1 - k]) >= LAYING.beside
+            free = all(a not in pair and b not in pair for pair in found)
+            if was * now < 0 and min(abs(was), abs(now)) > width and beside and free:
+                found.append((a, b))
+    return found
+
+
+def _overlap(a: FloatArray, b: FloatArray) -> float:
+    """Share of the shorter of two stretches, given by points on them, that lies in the other."""
+    both = min(a.max(), b.max()) - max(a.min(), b.min())
+    return float(both / max(min(np.ptp(a), np.ptp(b)), 1e-9))
+
+
+def _exchange(lines: list[CentreLine], pairs: Sequence[tuple[int, int]]) -> list[CentreLine]:
+    """The lines with those of each pair in each other's place and of each other's number."""
+    changed = list(lines)
+    for a, b in pairs:
+        changed[a] = replace(lines[b], number=lines[a].number)
+        changed[b] = replace(lines[a], number=lines[b].number)
+    return changed
 
 
 def _canonical_lines(character: CanonicalCharacter, ink: LinePoints) -> tuple[CentreLine, ...]:

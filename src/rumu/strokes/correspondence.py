@@ -235,13 +235,18 @@ def _compare_ink(found: StrokeMatch, master: MasterStrokes) -> tuple[InkDifferen
 
 
 def _blunt_tips(found: tuple[MatchedStroke, ...], itself: tuple[MatchedStroke, ...]) -> BluntTips | None:
-    """What the tips have lost; uncertainty is not subtracted, since it averages out over many tips."""
-    tips = [
-        (k, end, getattr(a, name) - getattr(b, name), -getattr(b, name))
-        for k, (a, b) in enumerate(zip(found, itself, strict=True))
-        for end, name in enumerate(ENDS)
-        if a.present and getattr(b, name) < -CORRESPONDENCE.taper  # not so where it is NaN
-    ]
+    """What the tips have lost; uncertainty is not subtracted, since it averages out over many tips.
+
+    Beside the master's middle and beside their own stroke, the lesser: a thin stroke with a sharp tip has
+    lost nothing, nor has a heavy one whose tip is as fine as the master's.
+    """
+    tips = []
+    for k, (a, b) in enumerate(zip(found, itself, strict=True)):
+        for end, name in enumerate(ENDS):
+            now, own = getattr(a, name), getattr(b, name)
+            if a.present and own < -CORRESPONDENCE.taper:  # not so where it is NaN
+                lesser = min(now, now / a.width) if a.width > 0 else now
+                tips.append((k, end, lesser - own, -own))
     if len(tips) < 2:
         return None
     lost, taper = np.array([tip[2] / tip[3] for tip in tips]), np.array([tip[3] for tip in tips])

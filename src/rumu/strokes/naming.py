@@ -18,6 +18,8 @@ LEFT_FALLING = Bilingual("撇", "left-falling stroke")
 RIGHT_FALLING = Bilingual("捺", "right-falling stroke")
 RISING = Bilingual("提", "rising stroke")
 RING = Bilingual("圈", "ring")
+FOLD = Bilingual("折", "fold")
+SLANTED = Bilingual("斜", "slant")
 PLAIN_KINDS = (DOT, HORIZONTAL, VERTICAL, LEFT_FALLING, RIGHT_FALLING, RISING)
 """Strokes that do not bend."""
 _SLANTED_HOOKS = ("臥鉤", "斜鉤", "彎鉤")
@@ -27,7 +29,11 @@ _LEGS = {
     LEFT_FALLING: Bilingual("撇段", "left-falling"),
     RIGHT_FALLING: Bilingual("斜段", "slanting"),
     RISING: Bilingual("提段", "rising"),
+    DOT: Bilingual("點段", "dotted"),
+    FOLD: Bilingual("折段", "downward"),
+    SLANTED: Bilingual("斜段", "slanting"),
 }
+_FIRST_LEGS = {kind.zh: kind for kind in (HORIZONTAL, VERTICAL, LEFT_FALLING)}
 
 _NUMBERS = "一二三四五六七八九十"
 _ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
@@ -48,7 +54,8 @@ class NamingSettings:
     dot: length below which a stroke that joins no other at one end is a dot; corner: below which any is.
     rising, level, upright: degrees, y downward, up to which a stroke rises; up to which it is level; and
         between which it is upright.
-    hook_share: of its stroke's longest leg, up to which a last leg is a hook.
+    hook_share: of its stroke's longest leg, up to which a last leg is a hook. whole_share: of a stroke
+        without its hook, from which a leg is the whole of it: its corner was not seen.
     """
 
     ring: float = 0.35
@@ -59,6 +66,7 @@ class NamingSettings:
     level: float = 18.0
     upright: tuple[float, float] = (72.0, 108.0)
     hook_share: float = 0.6
+    whole_share: float = 0.85
 
 
 NAMING = NamingSettings()
@@ -107,14 +115,41 @@ def name_strokes(lines: Sequence[CentreLine], character: CanonicalCharacter | No
     return tuple(names)
 
 
-def canonical_kind(line: CentreLine, character: CanonicalCharacter) -> Bilingual | None:
-    """The kind of a canonical stroke of one piece, but for its hook; None for a part of one that bends."""
+def canonical_kind(
+    line: CentreLine, lines: Sequence[CentreLine], character: CanonicalCharacter
+) -> Bilingual | None:
+    """The kind of a canonical stroke, or of a part of one that bends; None where it is none.
+
+    lines: all of the character. What to do depends on it: a part that slants and goes on into a hook has no
+    tip as a left-falling stroke has one, and no foot as a right-falling one.
+    """
     if not line.number:
         return None
     name = character.strokes[line.number - 1].name
-    if name.zh in _SLANTED_HOOKS:
-        return name
-    return next((kind for kind in PLAIN_KINDS if kind.zh == name.zh), None)
+    plain = next((kind for kind in PLAIN_KINDS if kind.zh == name.zh), None)
+    legs = [other for other in lines if other.number == line.number]
+    if plain is not None or name.zh in _SLANTED_HOOKS or _is_whole(line, legs, name):
+        return plain or (_FIRST_LEGS.get(name.zh[:1], name) if name.zh[1:] in ("鉤", "提") else name)
+    return _leg_kind(line, legs, name)
+
+
+def _leg_kind(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> Bilingual:
+    """What a part of a stroke that bends is: the first as the name says, the others by their direction."""
+    if line is legs[0]:
+        return _FIRST_LEGS.get(name.zh[:1], _kind_by_direction(*line.chord.tolist()))
+    seen = _kind_by_direction(*line.chord.tolist())
+    if seen not in (LEFT_FALLING, RIGHT_FALLING):
+        return seen
+    if line is legs[-1] and name.zh[-1:] in (LEFT_FALLING.zh, DOT.zh):
+        return LEFT_FALLING if name.zh[-1:] == LEFT_FALLING.zh else DOT
+    return FOLD if "折" in name.zh else SLANTED
+
+
+def _is_whole(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> bool:
+    """Whether a leg is all of its stroke but for a hook and a little."""
+    hook = legs[-1] if "鉤" in name.zh and is_hook(legs) else None
+    others = [leg for leg in legs if leg is not hook]
+    return line is not hook and line.length >= NAMING.whole_share * sum(leg.length for leg in others)
 
 
 def stroke_title(number: int, name: Bilingual) -> Bilingual:
@@ -129,9 +164,9 @@ def _name_leg(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> 
     hook = legs[-1] if "鉤" in name.zh and is_hook(legs) else None
     if line is hook:
         return Bilingual(f"{title.zh}的鉤", f"the hook of {title.en}")
-    if len([leg for leg in legs if leg is not hook]) == 1:
+    if _is_whole(line, legs, name):
         return title
-    part = _LEGS[_kind_by_direction(*line.chord.tolist())]
+    part = _LEGS[_leg_kind(line, legs, name)]
     return Bilingual(f"{title.zh}的{part.zh}", f"the {part.en} part of {title.en}")
 
 

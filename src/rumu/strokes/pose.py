@@ -32,6 +32,9 @@ class PoseSettings:
         asked whether it is in its place; out_share: how well one may agree at most that is out of its place
         by that measure.
     min_scale: scale of a pose at least.
+    lean_share: share of a pose's turn by which level strokes, and upright ones, must each have turned, too;
+        lean_ink: share of the points that such strokes must hold to be asked. Where the horizontals climb and
+        the verticals stand plumb, or the other way round, the character does not lean.
     """
 
     reach: float = 0.15
@@ -46,6 +49,8 @@ class PoseSettings:
     slide_weight: float = 0.3
     out_share: float = 0.3
     min_scale: float = 0.2
+    lean_share: float = 0.4
+    lean_ink: float = 0.12
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +162,10 @@ def find_pose(master: FloatArray, copy: FloatArray, *, owner: IntArray, double: 
     for pose in poses:
         left = pose.undo(copy) - master
         agreed.append(float(np.exp(-0.5 * (left * left).sum(axis=1) / POSE.agree_distance**2).mean()))
+    turns = _turns_by_direction(master, copy, owner, double)
+    agreed = [
+        share if _is_lean(pose.angle, turns) else 0.0 for pose, share in zip(poses, agreed, strict=True)
+    ]
     best = poses[int(np.argmax(agreed))]
     is_small = (
         float(np.hypot(*best.shift)) < POSE.small_shift
@@ -165,6 +174,33 @@ def find_pose(master: FloatArray, copy: FloatArray, *, owner: IntArray, double: 
     )
     enough = (POSE.small_share if is_small else POSE.simpler_share) * max(agreed)
     return next(pose for pose, share in zip(poses, agreed, strict=True) if share >= enough)
+
+
+def _turns_by_direction(
+    master: FloatArray, copy: FloatArray, owner: IntArray, double: FloatArray
+) -> tuple[float, ...]:
+    """Degrees, clockwise, by which most level strokes have turned, and most upright ones, where there are."""
+    level, turns, weight = [], [], []
+    for k in np.unique(owner):
+        a, b = (at[owner == k] - at[owner == k].mean(axis=0) for at in (master, copy))
+        cross, dot = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()
+        level.append(float(double[owner == k, 0].mean()))
+        turns.append(float(np.degrees(np.arctan2(cross, dot))))
+        weight.append(float(len(a)))
+    found = []
+    for chosen in (np.array(level) > 0.5, np.array(level) < -0.5):
+        own, w = np.array(turns)[chosen], np.array(weight)[chosen]
+        if w.sum() >= POSE.lean_ink * len(master):
+            order = np.argsort(own)
+            found.append(float(own[order][np.argmax(np.cumsum(w[order]) >= 0.5 * w.sum())]))
+    return tuple(found)
+
+
+def _is_lean(angle: float, turns: tuple[float, ...]) -> bool:
+    """Whether a pose hardly turns, or the strokes of each direction turn with it."""
+    return abs(angle) < POSE.small_turn or all(
+        turn * np.sign(angle) >= POSE.lean_share * abs(angle) for turn in turns
+    )
 
 
 def _without_slide(left: FloatArray, double: FloatArray) -> FloatArray:

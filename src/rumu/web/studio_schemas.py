@@ -147,8 +147,8 @@ class FaultChangeRead(Schema):
     kind: str = Field(examples=["stroke_short"])
     stroke: int | None
     remark: int | None
-    zh: str = Field(examples=["第三筆「橫」：仍太短，但好些了：18 % → 9 %。"])
-    en: str = Field(examples=["Stroke 3, horizontal: still too short, but less so: 18 % → 9 %."])
+    zh: str = Field(examples=["第三筆「橫」：仍太短，但好些了：18% → 9%。"])
+    en: str = Field(examples=["Stroke 3, horizontal: still too short, but less so: 18% → 9%."])
 
 
 class EarlierAttempt(Schema):
