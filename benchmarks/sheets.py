@@ -215,10 +215,11 @@ def main() -> None:
     print(f"cells found and right {figures.right} of {figures.cells}, wrong {figures.wrong}")
     print(f"corners at 12 MP: median {np.median(corners):.2f} px, 99 % {np.quantile(corners, 0.99):.2f}")
     print(f"overlap of ink: median {np.median(overlaps):.3f}, 5 % {np.quantile(overlaps, 0.05):.3f}")
-    print(
-        f"marks: median difference {np.median(off):.2f}, within 3 points {np.mean(off <= 3):.3f} "
-        f"of {len(off)}, largest {off.max():.1f}"
-    )
+    if figures.off:
+        print(
+            f"marks: median difference {np.median(off):.2f}, within 3 points {np.mean(off <= 3):.3f} "
+            f"of {len(off)}, largest {off.max():.1f}"
+        )
     print(f"finding and cutting: median {np.median(figures.seconds):.2f} s")
 
 
