@@ -7,6 +7,7 @@ centroid, x right and y DOWN as on the page. The registration brings the copy's 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -52,7 +53,7 @@ class LineSettings:
 LINES = LineSettings()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class FramedInk:
     """Ink in the common frame.
 
@@ -63,6 +64,11 @@ class FramedInk:
     ink: BoolArray
     to_picture: FloatArray
     enlargement: float
+
+    @cached_property
+    def skeleton(self) -> Skeleton:
+        """The skeleton of the ink, in pixels of the frame."""
+        return skeletonise(self.ink)
 
     def on_picture(self, points: FloatArray) -> FloatArray:
         """(n, 2) of the frame -> (n, 2) fractions of the picture, origin top left."""
@@ -171,7 +177,7 @@ def pixels_at(points: FloatArray) -> tuple[IntArray, IntArray]:
 
 def find_strokes(framed: FramedInk) -> CentreLines:
     """The strokes of a master, longest first, cut at corners; spurs at corners are dropped."""
-    skeleton = skeletonise(framed.ink)
+    skeleton = framed.skeleton
     pieces = [piece for stroke in strokes(skeleton) for piece in _cut_at_corners(stroke, skeleton)]
     least = LINES.shortest * skeleton.width
     longest = max(pieces, key=lambda piece: piece.length)
@@ -191,7 +197,7 @@ def find_strokes(framed: FramedInk) -> CentreLines:
 
 def find_segments(framed: FramedInk) -> CentreLines:
     """All lines of a copy, from fork to fork: which strokes they belong to is what matching finds out."""
-    skeleton = skeletonise(framed.ink)
+    skeleton = framed.skeleton
     lines = tuple(_centre_line(segment, (False, False), skeleton) for segment in skeleton.segments)
     return CentreLines(lines, sample_lines(lines), skeleton.width / SCALE)
 
