@@ -260,3 +260,13 @@ def test_copies_without_a_horizontal_are_told_so(data: Path, image: str) -> None
 )
 def test_numbers_of_strokes_in_words(number: int, zh: str, en: str) -> None:
     assert stroke_title(number, HORIZONTAL) == (f"第{zh}筆「橫」", f"the {en} stroke (horizontal)")
+
+
+def test_two_horizontals_that_found_each_others_ink_are_exchanged(data: Path) -> None:
+    """The long horizontal of 丁 in 寧, the 13th stroke, lies below that of 皿."""
+    master = PreparedMaster(rumu.relief(data / "e3c" / "templates" / "14.png"), "寧")
+    laid = master.stroke_model.laid
+    assert laid is not None
+    down = {line.number: float(line.points[:, 1].mean()) for line in laid.lines.lines}
+    assert down[12] < down[13] - master.stroke_model.lines.width
+    assert laid.confidence[[11, 12]].min() > 0.8

@@ -155,6 +155,14 @@ def test_blunt_tips_have_lost_the_taper_that_was_taken_and_a_perfect_copy_none(f
     assert perfect is not None and perfect.lost == 0.0
 
 
+@pytest.mark.parametrize("fault_of_width", ["thin", "thick"])
+def test_strokes_thinner_or_heavier_all_along_have_lost_little_of_their_tips(
+    found, fault, mask, fault_of_width
+):
+    tips = found(fault("regular-shui", fault_of_width, 3).mask, mask("regular-shui")).tips
+    assert tips is not None and tips.lost < 0.25
+
+
 def test_even_strokes_have_no_taper_to_lose(found, mask):
     assert found(mask("seal-tian"), mask("seal-tian")).tips is None
 
