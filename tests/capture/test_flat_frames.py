@@ -129,8 +129,8 @@ def test_factors_lie_between_the_cells():
 @pytest.mark.parametrize(
     ("light", "words"),
     [
-        (0.02, "too dark for a flat field: 2.0 % of white"),
-        (1.0, "overexposed: 100.0 %"),
+        (0.02, "too dark for a flat field: 2.0% of white"),
+        (1.0, "overexposed: 100.0%"),
         ("half", "overexposed: 50"),
         ("small", "of 150 x 120 pixels"),
         ("writing", "expected a blank, even sheet"),

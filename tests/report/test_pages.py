@@ -87,7 +87,7 @@ def test_the_mark_and_what_it_rests_on(html):
         "44–69",  # 44.5 rounds to even
         "良 good",
         "not measured relief",
-        "99.987 %",
+        "99.987%",
         "is not the mark",
         "0.913",
         "anticlockwise",

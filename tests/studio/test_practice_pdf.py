@@ -56,7 +56,7 @@ def text_of(pdf: bytes) -> str:
 
 def test_english_is_set_and_can_be_read(sheet):
     text = text_of(practice_pdf(sheet(language="en", name="Lin")))
-    for words in ("Practice", "Ten, regular script", "Lin", "80 % interval", "leans 12°", "not marked"):
+    for words in ("Practice", "Ten, regular script", "Lin", "80% interval", "leans 12°", "not marked"):
         assert words in text
 
 

@@ -73,7 +73,7 @@ def test_overexposed_frames_are_named() -> None:
     images = capture_of().images.copy()
     images[2] = 1.0
     error = refused(replace(capture_of(), images=images))
-    assert str(error).startswith("p2.png: overexposed, 100 %") and "p2.png：曝光過度" in str(error.zh)
+    assert str(error).startswith("p2.png: overexposed, 100%") and "p2.png：曝光過度" in str(error.zh)
 
 
 def test_the_case_of_white_frames(cases: Path) -> None:

@@ -235,7 +235,7 @@ def test_a_light_of_the_room_is_named_where_the_lamps_can_tell() -> None:
     capture = rig(UNEVEN["six"], (30, 55, 40, 60, 35, 50))
     lit = capture.images + np.float32(0.35)
     with pytest.raises(
-        CaptureError, match=r"a light is on in all photographs: it makes \d\d %.*named ambient"
+        CaptureError, match=r"a light is on in all photographs: it makes \d\d%.*named ambient"
     ) as found:
         solved(replace(capture, images=lit / lit.max()))
     assert "每張照片裡都有別的燈光" in str(found.value.zh)

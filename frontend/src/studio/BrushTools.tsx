@@ -28,10 +28,10 @@ export function BrushTools({ settings, onChange }: Props) {
         <span>{t("ghost")}</span>
         <input
           type="range" min="0" max="1" step="0.05" value={settings.ghost}
-          aria-valuetext={`${Math.round(100 * settings.ghost)} %`}
+          aria-valuetext={`${Math.round(100 * settings.ghost)}%`}
           onInput={(event) => onChange({ ghost: Number(event.currentTarget.value) })}
         />
-        <span class="number">{Math.round(100 * settings.ghost)} %</span>
+        <span class="number">{Math.round(100 * settings.ghost)}%</span>
       </label>
       <fieldset class="choices">
         <legend>{t("ink")}</legend>

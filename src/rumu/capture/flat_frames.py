@@ -170,17 +170,17 @@ def _light_of(
     if light.min() < limits.uneven * light.max():
         raise capture_error(
             path,
-            en=f"too uneven for a flat field: its darkest place has {100 * light.min() / light.max():.0f} % "
+            en=f"too uneven for a flat field: its darkest place has {100 * light.min() / light.max():.0f}% "
             "of the brightest",
-            zh=f"太不均勻，不能作平場：最暗處只有最亮處的 {100 * light.min() / light.max():.0f} %",
+            zh=f"太不均勻，不能作平場：最暗處只有最亮處的 {100 * light.min() / light.max():.0f}%",
         )
     around = cv2.GaussianBlur(cells, (0, 0), limits.around, borderType=cv2.BORDER_REPLICATE)
     detail = float(np.quantile(np.abs(cells / around - 1), 0.95))
     if detail > limits.detail:
         raise capture_error(
             path,
-            en=f"expected a blank, even sheet as flat field, got one with detail of {100 * detail:.0f} %",
-            zh=f"平場照片應是空白均勻的紙，這張卻有 {100 * detail:.0f} % 的明暗變化",
+            en=f"expected a blank, even sheet as flat field, got one with detail of {100 * detail:.0f}%",
+            zh=f"平場照片應是空白均勻的紙，這張卻有 {100 * detail:.0f}% 的明暗變化",
         )
     return light
 
@@ -195,17 +195,17 @@ def _check_exposure(path: Path, photograph: Photograph, limits: FlatFrameLimits)
     if white > limits.saturated * count:
         raise capture_error(
             path,
-            en=f"overexposed: {100 * white / count:.1f} % of this flat-field frame is white, which says "
+            en=f"overexposed: {100 * white / count:.1f}% of this flat-field frame is white, which says "
             "nothing of the light there",
-            zh=f"過曝：這張平場照片有 {100 * white / count:.1f} % 是全白，看不出那裡的光",
+            zh=f"過曝：這張平場照片有 {100 * white / count:.1f}% 是全白，看不出那裡的光",
         )
     middle = float(np.median(medians))
     if middle < limits.darkest:
         raise capture_error(
             path,
-            en=f"too dark for a flat field: {100 * middle:.1f} % of white in the median, expected "
-            f"{100 * limits.darkest:.0f} % or more",
-            zh=f"太暗，不能作平場：中位數只有白的 {100 * middle:.1f} %，至少要 {100 * limits.darkest:.0f} %",
+            en=f"too dark for a flat field: {100 * middle:.1f}% of white in the median, expected "
+            f"{100 * limits.darkest:.0f}% or more",
+            zh=f"太暗，不能作平場：中位數只有白的 {100 * middle:.1f}%，至少要 {100 * limits.darkest:.0f}%",
         )
 
 

@@ -201,8 +201,8 @@ def _look_at(
         if seen.burnt > limits.burnt:
             raise capture_error(
                 one,
-                en=f"burnt out: {100 * seen.burnt:.0f} % of the card's white says nothing; expose shorter",
-                zh=f"過曝：卡上的白紙有 {100 * seen.burnt:.0f} % 全白；請縮短曝光",
+                en=f"burnt out: {100 * seen.burnt:.0f}% of the card's white says nothing; expose shorter",
+                zh=f"過曝：卡上的白紙有 {100 * seen.burnt:.0f}% 全白；請縮短曝光",
             )
         frames.append(kept(frame, on_disk=plan.on_disk))
         views.append(view)
@@ -311,8 +311,8 @@ def _notes(
     if light.room > limits.room:
         notes.append(
             Bilingual(
-                f"約有 {100 * light.room:.0f} % 的光來自四周；關燈、拉上窗簾，起伏才不會偏小。",
-                f"about {100 * light.room:.0f} % of the light comes from all sides, which makes relief look "
+                f"約有 {100 * light.room:.0f}% 的光來自四周；關燈、拉上窗簾，起伏才不會偏小。",
+                f"about {100 * light.room:.0f}% of the light comes from all sides, which makes relief look "
                 "flatter; darken the room",
             )
         )

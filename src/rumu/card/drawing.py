@@ -15,7 +15,7 @@ from rumu.pages.sheet_layout import Paper
 from rumu.pages.sheet_markers import marker_modules
 
 _TITLE = ("拍攝卡", "capture card")
-_FIRST = ("原大列印，不縮放", "Print at 100 %, no scaling.")
+_FIRST = ("原大列印，不縮放", "Print at 100%, no scaling.")
 _STEPS = (
     ("貼平；字放在窗內，或剪下窗口放在字上", "Lay flat; writing in the window, or cut it out"),
     ("亮球放在圓圈裡（可不放）", "A shiny ball in the ring, if there is one"),

@@ -206,7 +206,7 @@ def _describe(fit: TeacherFit, left_out: LeftOut, table: Table, out: Path) -> st
             *(
                 []
                 if fit.inside is None
-                else [f"  {fit.inside:.0%} of the marks lie in the default's 80 % interval"]
+                else [f"  {fit.inside:.0%} of the marks lie in the default's 80% interval"]
             ),
             f"{fit.why} {fit.why_zh}",
             ending,

@@ -32,6 +32,6 @@ def card(
     facts = {"out": out, "paper": paper, "window_mm": [window.width, window.height]}
     text = (
         f"{out}: {paper}, a window of {window.width:.0f} x {window.height:.0f} mm for the writing\n"
-        "  print it at 100 %, without scaling; its line must measure 100 mm"
+        "  print it at 100%, without scaling; its line must measure 100 mm"
     )
     return Outcome(facts, text)

@@ -17,7 +17,7 @@ _WORDS: dict[str, tuple[str, str]] = {
     "albedo": ("反照率", "Albedo"),
     "height": ("高度", "Height"),
     "normals": ("法線", "Normals"),
-    "residual": ("殘差：淺為合，深紅為 {} % 以上", "Residual: pale agrees, dark red {} % or more"),
+    "residual": ("殘差：淺為合，深紅為 {}% 以上", "Residual: pale agrees, dark red {}% or more"),
     "confidence": ("可信度：白為可信", "Confidence: white is sure"),
     "sections": ("剖面", "Sections"),
     "across": ("橫過中央，左到右", "Across the middle, left to right"),

@@ -210,7 +210,7 @@ def _found_column(characters: list[PageCharacter], in_rows: bool) -> dict[str, A
                 "x": f"{one.box[2] - 0.1 * size:.0f}",
                 "y": f"{one.box[1] + 0.5 * size:.0f}",
                 "size": f"{0.8 * size:.0f}",
-                "title": f"{one.character or '〓'} {one.row + 1} · {100 * one.certainty:.0f} %",
+                "title": f"{one.character or '〓'} {one.row + 1} · {100 * one.certainty:.0f}%",
             }
             for one in characters
         ],
@@ -289,7 +289,7 @@ def _overlay(registration: Registration, master: Surface) -> dict[str, Any]:
         "full": settings.full,
         "missing": settings.missing,
         "missing_colour": "rgb({} {} {})".format(*MISSING),
-        "uncovered": f"{100 * uncovered_share(registration, settings=settings):.0f} %",
+        "uncovered": f"{100 * uncovered_share(registration, settings=settings):.0f}%",
     }
 
 

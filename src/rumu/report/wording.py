@@ -89,7 +89,7 @@ MEANS: tuple[Bilingual, ...] = (
     ),
     Bilingual(
         "區間是八成區間：同樣的臨作，十次裡約有八次，評委的平均分會落在其中。",
-        "The interval is an 80 % one: for about eight in ten such copies the panel's mean lies inside it.",
+        "The interval is an 80% one: for about eight in ten such copies the panel's mean lies inside it.",
     ),
     Bilingual(
         "傾斜、位置和大小先取出、單獨列出；只有超出容許的部分才扣分。",

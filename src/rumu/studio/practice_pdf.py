@@ -23,11 +23,11 @@ _CELL, _GAP, _MAX_PRINTED, _MAX_ROWS, _MAX_CHANGES = 92.0, 9.75, 4, 10, 4
 _WORDS: dict[str, tuple[str, str]] = {
     "title": ("臨帖練習", "Practice"),
     "master": ("範字", "Master"),
-    "curve": ("進步曲線（豎線為八成區間）", "Marks so far (bars: 80 % intervals)"),
+    "curve": ("進步曲線（豎線為八成區間）", "Marks so far (bars: 80% intervals)"),
     "none": ("還沒有得分的臨作", "No copy has been marked yet"),
     "date": ("日期", "Date"),
     "score": ("分數", "Mark"),
-    "interval": ("八成區間", "80 % interval"),
+    "interval": ("八成區間", "80% interval"),
     "level": ("等級", "Level"),
     "kind": ("方式", "Written with"),
     "pen": ("筆", "pen"),

@@ -73,9 +73,9 @@ def check_exposure(capture: Capture, *, settings: FrameCheckSettings | None = No
         over = white >= min(settings.white, float(white.max()))
         which = _listed(names, over)
         raise CaptureError(
-            f"{which.en}: overexposed, {100 * white[over].min():.0f} % of the pixels or more are white; take "
+            f"{which.en}: overexposed, {100 * white[over].min():.0f}% of the pixels or more are white; take "
             "the photographs again with a shorter exposure",
-            zh=f"{which.zh}：曝光過度，至少 {100 * white[over].min():.0f} % 的像素全白；請縮短曝光重拍。",
+            zh=f"{which.zh}：曝光過度，至少 {100 * white[over].min():.0f}% 的像素全白；請縮短曝光重拍。",
         )
     if usable < settings.usable:
         raise CaptureError(

@@ -220,7 +220,7 @@ def _wrong_lamps(capture: Capture, fit: _Fit, order: Bilingual | None) -> Captur
                 'the photographs carry an EXIF orientation, see "orientation" of capture.json',
             )
         )
-    share = f"{100 * fit.best / fit.given:.0f} %"
+    share = f"{100 * fit.best / fit.given:.0f}%"
     return CaptureError(
         f"the lamps do not fit the photographs: {'; '.join(cause.en for cause in causes)}. As they are, "
         f"the slopes are those of no surface; then, their curl falls to {share}. {AS_GIVEN.en}",

@@ -110,10 +110,10 @@ def check_order(capture: Capture, strengths: FloatArray, settings: LampCheckSett
             raise _wrong_order(capture, order, before=given, after=fitted)
     if given > 2.5 * settings.residual and least < settings.free_ratio * given:
         raise CaptureError(
-            f"the lamps do not fit the photographs: {100 * given:.0f} % of the brightness contradicts them, "
+            f"the lamps do not fit the photographs: {100 * given:.0f}% of the brightness contradicts them, "
             "and other lamps would explain it. Are they those of another capture, or in another order? "
             f"{AS_GIVEN.en}",
-            zh=f"燈的方向與照片不合：亮度有 {100 * given:.0f} % 與它們矛盾，換成別的方向就說得通。"
+            zh=f"燈的方向與照片不合：亮度有 {100 * given:.0f}% 與它們矛盾，換成別的方向就說得通。"
             f"是不是別組照片的燈，或順序不同？{AS_GIVEN.zh}",
         )
 
@@ -134,12 +134,12 @@ def _check_room_light(
     share = float(np.median(constant / rows.mean(axis=1)))
     if after > settings.residual_ratio * before or share < settings.room_light:
         return
-    shares = f"{100 * before:.0f} % / {100 * after:.0f} %"
+    shares = f"{100 * before:.0f}% / {100 * after:.0f}%"
     raise CaptureError(
-        f"a light is on in all photographs: it makes {100 * share:.0f} % of their brightness, and explains "
+        f"a light is on in all photographs: it makes {100 * share:.0f}% of their brightness, and explains "
         f"what contradicts the lamps ({shares} without and with it). Photograph in the dark, or add a "
         f"photograph named ambient with all lamps off. {AS_GIVEN.en}",
-        zh=f"每張照片裡都有別的燈光，占亮度的 {100 * share:.0f} %；不算它和算它，與燈矛盾的亮度是 {shares}。"
+        zh=f"每張照片裡都有別的燈光，占亮度的 {100 * share:.0f}%；不算它和算它，與燈矛盾的亮度是 {shares}。"
         f"請在暗處重拍，或加一張關掉所有燈拍的 ambient。{AS_GIVEN.zh}",
     )
 
@@ -176,10 +176,10 @@ def _wrong_order(capture: Capture, order: list[int], *, before: float, after: fl
     moved = [i for i, k in enumerate(order) if i != k]
     first = ", ".join(f"{names[i]} -> {names[order[i]]}" for i in moved[:3])
     more = ", ..." if len(moved) > 3 else ""
-    shares = f"{100 * before:.0f} % / {100 * after:.0f} %"
+    shares = f"{100 * before:.0f}% / {100 * after:.0f}%"
     return CaptureError(
         "the lamps are in another order than the photographs: what contradicts them falls from "
-        f"{100 * before:.0f} to {100 * after:.0f} % of the brightness when each photograph takes the lamp of "
+        f"{100 * before:.0f} to {100 * after:.0f}% of the brightness when each photograph takes the lamp of "
         f"another one ({first}{more}). {AS_GIVEN.en}",
         zh=f"燈的順序與照片不同：照片改配別張的燈（{first}{more}）時，矛盾的亮度大減（{shares}）。{AS_GIVEN.zh}",
     )

@@ -136,7 +136,7 @@ def _detail(frame: FloatArray) -> float:
 
 
 def _with_faults(row: PhotographRow, usual: float, limits: PhotographLimits) -> PhotographRow:
-    share = f"{100 * row.residual:.1f} %"
+    share = f"{100 * row.residual:.1f}%"
     tests = (
         (
             row.residual > max(limits.least_residual, limits.residual * usual),
@@ -152,9 +152,7 @@ def _with_faults(row: PhotographRow, usual: float, limits: PhotographLimits) -> 
         ),
         (
             row.saturated > limits.saturated,
-            Bilingual(
-                f"{100 * row.saturated:.0f} % 過曝", f"{100 * row.saturated:.0f} % of it is overexposed"
-            ),
+            Bilingual(f"{100 * row.saturated:.0f}% 過曝", f"{100 * row.saturated:.0f}% of it is overexposed"),
         ),
     )
     return replace(row, faults=tuple(words for holds, words in tests if holds))
@@ -188,8 +186,8 @@ def table_text(rows: Sequence[PhotographRow]) -> str:
     was_aligned = any(row.aligned is not None for row in rows)
     head = f"  {'':<{width}}  strength  residual  shadow  white  sharpness  moved" + "  aligned" * was_aligned
     lines = [
-        f"  {row.name:<{width}}{row.strength:10.2f}{100 * row.residual:8.1f} %{100 * row.shadow:6.0f} %"
-        f"{100 * row.saturated:5.0f} %"
+        f"  {row.name:<{width}}{row.strength:10.2f}{100 * row.residual:8.1f}%{100 * row.shadow:6.0f}%"
+        f"{100 * row.saturated:5.0f}%"
         f"{row.sharpness:11.2f}{row.moved:7.1f}" + (f"{row.aligned:9.2f}" if row.aligned is not None else "")
         for row in rows
     ]

@@ -340,8 +340,8 @@ def _note(unsure: float, sign: Sign) -> Bilingual:
     }[sign]
     return Bilingual(
         "沒有燈的資料：方向由照片本身推得，以紙面平整、紙色均勻為準；"
-        f"陡度約準到 {100 * unsure:.0f} %（標準誤差）；{told.zh}。",
+        f"陡度約準到 {100 * unsure:.0f}%（標準誤差）；{told.zh}。",
         "no lamps were given: their directions come from the photographs alone, for a sheet that is flat on "
-        f"the whole and paper of one white; how steep all is, to about {100 * unsure:.0f} % (standard "
+        f"the whole and paper of one white; how steep all is, to about {100 * unsure:.0f}% (standard "
         f"error); {told.en}",
     )
