@@ -1,10 +1,10 @@
 """From two picture files to a score: `rumu.assess` beside the same job built on Open3D's ICP, in one run.
 
-`python benchmarks/assess.py` prints medians of processor time, which other work on the machine moves less
-than the clock, with and without remarks, the ratio, and the pose error of both, so that neither is quick by
-being wrong. The peer reads the same pictures with Pillow, separates ink from paper by Otsu's threshold,
-takes heights from OpenCV's distance transform, and starts Open3D's point-to-point ICP from the same five
-angles.
+`OMP_NUM_THREADS=1 python benchmarks/assess.py`, with one thread as workers have it, prints medians of
+processor time, which other work on the machine moves less than the clock, with and without remarks, the
+ratio, and the pose error of both, so that neither is quick by being wrong. The peer reads the same pictures
+with Pillow, separates ink from paper by Otsu's threshold, takes heights from OpenCV's distance transform, and
+starts Open3D's point-to-point ICP from the same five angles.
 """
 
 from __future__ import annotations
