@@ -113,9 +113,14 @@ def test_work_that_cannot_be_read_by_a_worker_says_so():
 @pytest.fixture(scope="module")
 def cluster():
     """A scheduler and two workers of a thread each, processes of their own."""
+    import dask
     from distributed import LocalCluster
 
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    # work is given to another worker once, and not three times: starting them again takes most of the time
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 1}),
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+    ):
         yield cluster
 
 
