@@ -139,6 +139,20 @@ def test_of_one_stroke(*, itself, change, kind, zh, en):
     assert _no_digits(said_en) == f"{_no_digits(strokes[0].en)} {en}"
 
 
+@pytest.mark.parametrize(("edge", "kinds"), [(0.2, {"stroke_short", "exit_blunt"}), (0.0, set())])
+def test_a_stroke_that_the_picture_cuts_off_is_neither_short_nor_blunt(itself, edge, kinds):
+    match, registration = itself
+    outline = match.strokes[0].outline.copy()
+    outline[:, 0] += edge - outline[:, 0].min()
+    said = set()
+    for change in ({"length": 0.7}, {"exit": 0.5}):
+        good = replace(match.strokes[0], entry=0.0, exit=0.0, ink=UNSEEN, outline=outline)
+        changed = replace(match, strokes=(replace(good, **change), *match.strokes[1:]), tips=None)
+        strokes = name_all(changed, registration, LIMITS, explained=np.zeros_like(match.places))
+        said |= {f.remark.kind for f in find_stroke_faults(strokes, changed, LIMITS) if f.cause == "stroke 0"}
+    assert said == kinds
+
+
 @pytest.mark.parametrize(
     "change",
     [{"shift": np.array([0.25, 0.0])}, {"turn": 9.0}, {"length": 0.7}, {"width": 1.5}, {"entry": 0.5}],

@@ -128,6 +128,12 @@ class NamedStroke:
         return min(change, max(-ink.lacking, self.limits.exaggerated * change)) if is_clear else change
 
     @property
+    def is_cut_off(self) -> bool:
+        """Whether it reaches the border of the copy's picture: there may have been more of it."""
+        at = self.stroke.outline
+        return float(min(at.min(), 1.0 - at.max())) < self.limits.border
+
+    @property
     def is_on_ink(self) -> bool:
         """Whether it was found, and does not lie across bare paper, from one stroke's ink to another's."""
         return self.stroke.present and self.stroke.inked >= self.limits.on_ink

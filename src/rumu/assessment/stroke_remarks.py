@@ -134,6 +134,8 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
     least *= named.match.enlargement**2
     if abs(change) < limits.weak * least or change > limits.longest or named.kind == RING:
         return
+    if change < 0 and named.is_cut_off:
+        return
     kind, zh, en = ("stroke_long", "長", "too long") if change > 0 else ("stroke_short", "短", "too short")
     yield named.finding(
         Fault(
@@ -174,7 +176,8 @@ def _find_end_faults(named: NamedStroke) -> Iterator[Finding]:
             Bilingual(f"起筆太{zh}", f"begins too {en}"),
         )  # fmt: skip
     least = coarse * limits.exit
-    if end >= limits.weak * least and not cut_short and _is_end_unlike(named, last=True):
+    is_whole = not cut_short and not named.is_cut_off
+    if end >= limits.weak * least and is_whole and _is_end_unlike(named, last=True):
         yield named.finding_at_end(
             Fault("exit_blunt", end, "of the master", named.severity("end", end, least), end / least),
             Bilingual("收筆禿鈍，鋒沒有收住", "ends bluntly"),

@@ -23,6 +23,7 @@ class RemarkThresholds:
         stands off the other. inner: relative size of what is enclosed; inner_place: fraction of the
         cell by which it is off its place.
     confident: share of a canonical stroke that must have been found in the master for it to be spoken of.
+    border: fraction of the picture, from the border of the copy, within which a stroke is cut off by it.
     on_ink: share of a stroke's line that must lie on ink of the copy: a line that leads over bare paper, from
         one stroke to another, is neither.
     hook_bare: share of a hook that must be bare paper, and hook_covered: that may have found ink, for it not
@@ -69,6 +70,7 @@ class RemarkThresholds:
     inner: float = 0.12
     inner_place: float = 0.03
     confident: float = 0.5
+    border: float = 0.01
     on_ink: float = 0.75
     hook_bare: float = 0.6
     hook_covered: float = 0.3
