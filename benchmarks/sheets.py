@@ -149,9 +149,9 @@ def read_one(
     for k, one in enumerate(found):
         if (one.cell.row, one.cell.column) in right:
             master = masters.by_character[one.cell.character].picture if k < marks else None
-            off = _compare(one, written[one.cell.row, one.cell.column], master, figures)
+            copy = written[one.cell.row, one.cell.column]
+            off = _compare(one, copy, master, figures)
             if save and off > 3:
-                copy = written[one.cell.row, one.cell.column]
                 size = (len(copy), len(copy))
                 pair = np.hstack([cv2.resize(one.picture, size, interpolation=cv2.INTER_CUBIC), copy])
                 save.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ on characters held out.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -195,27 +195,28 @@ def level_of(score: float, *, cuts: Cuts | None = None) -> Level:
     return "bad"
 
 
+def _numbers_of(table: Mapping[str, Any], names: Sequence[str]) -> list[float]:
+    """The numbers of a table that has these names and no others; none of anything else."""
+    try:
+        given = dict(table)
+        return [float(given[name]) for name in names] if len(given) == len(names) else []
+    except (KeyError, TypeError, ValueError):
+        return []
+
+
 def check_cuts(cuts: Mapping[str, Any], *, name: str) -> Cuts:
     """A teacher's own cut-offs, checked. Raises CalibrationError naming what was expected."""
     expected = tuple(CUT_OFFS["panel"])
-    try:
-        given = dict(cuts)
-        values = [float(given[level]) for level in expected]
-    except (KeyError, TypeError, ValueError):
-        given, values = {}, []
-    if len(given) != len(expected) or not values or not 100 >= values[0] > values[1] > values[2] >= 0:
+    values = _numbers_of(cuts, expected)
+    if not values or not 100 >= values[0] > values[1] > values[2] >= 0:
         raise CalibrationError(f"{name}: expected cut-offs 100 >= {' > '.join(expected)} >= 0, got {cuts!r}")
     return dict(zip(expected, values, strict=True))  # type: ignore[arg-type]
 
 
 def check_weights(weights: Mapping[str, Any], *, name: str) -> Weights:
     """A teacher's own weights of the parts, checked. Raises CalibrationError naming what was expected."""
-    try:
-        given = dict(weights)
-        values = [float(given[part]) for part in PART_NAMES]
-    except (KeyError, TypeError, ValueError):
-        given, values = {}, []
-    if len(given) != len(PART_NAMES) or not values or not min(values) >= 0 or not 0 < sum(values) < np.inf:
+    values = _numbers_of(weights, PART_NAMES)
+    if not values or not min(values) >= 0 or not 0 < sum(values) < np.inf:
         raise CalibrationError(
             f"{name}: expected weights of {', '.join(PART_NAMES)}, each at least 0 and not all 0, "
             f"got {weights!r}"

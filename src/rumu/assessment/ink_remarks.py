@@ -190,7 +190,7 @@ def _runs_on(patch: StickingOut, named: NamedStroke, nearest: int) -> bool:
     """
     points = named.match.master.points
     own = np.flatnonzero(points.owner == named.position)
-    last = bool(np.searchsorted(own, nearest) * 2 >= len(own))
+    last = named.is_nearer_exit(nearest)
     line = named.stroke.line
     if len(own) < 2 or any(line is leg for leg in (named.legs[:-1] if last else named.legs[1:])):
         return False

@@ -94,9 +94,12 @@ class NamedStroke:
 
     def end_word(self, point: int) -> Bilingual:
         """What the end of it is called that is nearer to one of the master's points."""
+        return _ENDS.get(self.kind, _OTHER_ENDS)[int(self.is_nearer_exit(point))]
+
+    def is_nearer_exit(self, point: int) -> bool:
+        """Whether one of the master's points lies in the second half of the stroke."""
         own = np.flatnonzero(self.match.master.points.owner == self.position)
-        last = bool(np.searchsorted(own, point) * 2 >= len(own))
-        return _ENDS.get(self.kind, _OTHER_ENDS)[int(last)]
+        return bool(np.searchsorted(own, point) * 2 >= len(own))
 
     @property
     def en(self) -> str:

@@ -110,8 +110,7 @@ def read_capture(
     """
     _check_choice("encoding", encoding, ENCODINGS)
     _check_choice("orientation", orientation, ORIENTATIONS)
-    folder = path_of(path, error_type=CaptureError, expected="the path of a capture folder")
-    images, description, lamps = _find_files(folder, within)
+    images, description, lamps = _find_files(path, within)
     lamps = _without(lamps, leave_out)
     folder = images.folder
     chosen = (
@@ -156,12 +155,15 @@ def check_capture_files(path: str | os.PathLike[str], *, within: Path | None = N
 
     No image is read, so that an upload can be refused at once. Arguments: see `read_capture`.
     """
-    images, description, _ = _find_files(Path(path), within)
+    images, description, _ = _find_files(path, within)
     mask_file(images, description)
 
 
-def _find_files(path: Path, within: Path | None) -> tuple[FolderImages, Description, _Lamps]:
-    folder, named = _split_path(path)
+def _find_files(
+    path: str | os.PathLike[str], within: Path | None
+) -> tuple[FolderImages, Description, _Lamps]:
+    whole = path_of(path, error_type=CaptureError, expected="the path of a capture folder")
+    folder, named = _split_path(whole)
     images = FolderImages(folder, within=within)
     images.check_links()
     description = description_of(folder)

@@ -277,7 +277,7 @@ def write_result(
     files: which, and REPORT. beside: more files by name. processing: how it was made, for surface.json.
     """
     from rumu.report.pages import surface_page
-    from rumu.report.wording import QUALITY, SOURCES
+    from rumu.report.wording import SOURCES, quality_meaning
     from rumu.surface.folder import write_surface
 
     report = {REPORT: surface_page(surface, title=title, notes=notes)} if REPORT in files else {}
@@ -298,10 +298,9 @@ def write_result(
     }
     rows, columns = surface.height.shape
     low, high = float(surface.height.min()), float(surface.height.max())
-    figures = (
-        (QUALITY[name].en if name in QUALITY else name, value) for name, value in surface.quality.items()
+    quality = "".join(
+        f"\n  {quality_meaning(name).en}: {value:.4g}" for name, value in surface.quality.items()
     )
-    quality = "".join(f"\n  {words}: {value:.4g}" for words, value in figures)
     text = (
         f"{out}: {columns} x {rows} pixels, height {low:.3g} to {high:.3g} {surface.unit}\n"
         f"  {SOURCES[surface.source].en}{quality}" + (f"\n  report: {out / REPORT}" if report else "")

@@ -145,9 +145,14 @@ def _leg_kind(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> 
     return FOLD if "折" in name.zh else SLANTED
 
 
+def _hook_of(legs: Sequence[CentreLine], name: Bilingual) -> CentreLine | None:
+    """The last of a stroke's legs, where it is a hook by its name and its length."""
+    return legs[-1] if "鉤" in name.zh and is_hook(legs) else None
+
+
 def _is_whole(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> bool:
     """Whether a leg is all of its stroke but for a hook and a little."""
-    hook = legs[-1] if "鉤" in name.zh and is_hook(legs) else None
+    hook = _hook_of(legs, name)
     others = [leg for leg in legs if leg is not hook]
     return line is not hook and line.length >= NAMING.whole_share * sum(leg.length for leg in others)
 
@@ -161,8 +166,7 @@ def stroke_title(number: int, name: Bilingual) -> Bilingual:
 def _name_leg(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> Bilingual:
     """The name of a line of a stroke that is made of `legs`, which may be this one alone."""
     title = stroke_title(line.number, name)
-    hook = legs[-1] if "鉤" in name.zh and is_hook(legs) else None
-    if line is hook:
+    if line is _hook_of(legs, name):
         return Bilingual(f"{title.zh}的鉤", f"the hook of {title.en}")
     if _is_whole(line, legs, name):
         return title
