@@ -239,6 +239,16 @@ def test_the_older_ptm_with_the_colour_behind_each_pixel(tmp_path):
     assert np.array_equal(read.coefficients, image.coefficients) and np.array_equal(read.colour, image.colour)
 
 
+@pytest.mark.parametrize("terms", [4, 9])
+def test_a_rti_may_tell_the_order_for_the_number_of_its_terms(tmp_path, terms):
+    order = {4: 1, 9: 2}[terms]
+    write_rti(fit_rti(photographs(lamps(12)), basis="hsh", order=order).image, tmp_path / "a.rti")
+    data = (tmp_path / "a.rti").read_bytes()
+    (tmp_path / "b.rti").write_bytes(data.replace(b"\n%d 2 1" % terms, b"\n%d 2 1" % order, 1))
+    first, second = read_rti(tmp_path / "a.rti"), read_rti(tmp_path / "b.rti")
+    assert second.terms == terms and np.array_equal(first.coefficients, second.coefficients)
+
+
 @pytest.fixture
 def written(tmp_path):
     """A .ptm, a .rti and a folder of planes."""
@@ -252,7 +262,7 @@ def written(tmp_path):
     ("name", "old", "new", "words"),
     [
         ("a.ptm", b"PTM_1.2", b"PTM_9.9", "expected a polynomial texture map"),
-        ("a.ptm", b"LRGB", b"JPEG_LRGB", "got PTM_FORMAT_JPEG_LRGB"),
+        ("a.ptm", b"LRGB", b"JPEGLS_LRGB", "got PTM_FORMAT_JPEGLS_LRGB"),
         ("a.ptm", b"\n29\n", b"\n2900\n", "bytes behind the header"),
         ("a.ptm", b"\n29\n", b"\n0\n", "bytes behind the header"),
         ("a.rti", b"#HSH1.2\r\n3", b"#HSH1.2\r\n1", "got type 1"),

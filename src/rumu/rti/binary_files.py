@@ -4,11 +4,12 @@
         Lines of text: PTM_1.2; PTM_FORMAT_LRGB or PTM_FORMAT_RGB; width and height; six scales; six biases.
         Then bytes, rows from the bottom: of LRGB all coefficients, then all colours; of RGB the
         coefficients of red, then of green, then of blue. A coefficient is scale * (byte - bias), and 255 is
-        white.
+        white. JPEG_LRGB and JPEG_RGB hold a JPEG of each, see `rumu.rti.compressed_ptm`.
 .rti    Cultural Heritage Imaging's universal RTI, hemispherical harmonics (type 3). Lines of text: #HSH1.2;
-        3; width, height and 3 channels; terms, 2 and 1. Then float32 scales and biases, one for each term,
-        and bytes, rows from the top: for each pixel the coefficients of red, green and blue. A coefficient
-        is byte / 255 * scale + bias, and 1 is white.
+        3; width, height and 3 channels; terms, 2 and 1. For 4, 9 and 16 terms their order may stand, as
+        RTIViewer reads it. Then float32 scales and biases, one for each term, and bytes, rows from the top:
+        for each pixel the coefficients of red, green and blue. A coefficient is byte / 255 * scale + bias,
+        and 1 is white.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy as np
 from rumu.errors import ImageError
 from rumu.inputs import read_file
 from rumu.outputs import whole_file
+from rumu.rti.compressed_ptm import read_jpeg_planes
 from rumu.rti.image import TERMS, Bytes, RtiImage
 from rumu.values import FloatArray
 
@@ -30,6 +32,8 @@ _PTM = re.compile(
 )
 _HSH = re.compile(rb"(?:#[^\n]*\n)+\s*(\d+)\s+(\d+)\s+(\d+)\s+(\d+)\s+(\d+)\s+(\d+)\s+(\d+)[ \t]*\r?\n")
 _LONGEST_HEADER = 4096
+_PTM_KINDS = ("LRGB", "RGB", "JPEG_LRGB", "JPEG_RGB")
+_TERMS_OF_ORDER = {1: 4, 2: 9, 3: 16}
 _LINES = "\r\n"  # of .rti, as the first program that wrote it; .ptm has \n
 
 
@@ -85,6 +89,8 @@ def write_hsh(image: RtiImage, path: str | Path) -> None:
 def read_ptm(path: str | Path) -> RtiImage:
     """A .ptm of version 1.1 or 1.2 with one luminance and a colour (LRGB), or three channels (RGB).
 
+    Packed as JPEGs (JPEG_LRGB, JPEG_RGB) or not.
+
     Raises ImageError naming the file and what is wrong with it.
     """
     data = read_file(path, error_type=ImageError, expected="a .ptm file")
@@ -92,24 +98,45 @@ def read_ptm(path: str | Path) -> RtiImage:
     if header is None:
         raise ImageError("expected a polynomial texture map, PTM_1.2, with its header", name=path)
     version, kind, wide, high, *numbers = (one.decode("ascii") for one in header.groups())
-    if kind not in ("LRGB", "RGB"):
-        raise ImageError(f"expected PTM_FORMAT_LRGB or PTM_FORMAT_RGB, got PTM_FORMAT_{kind}", name=path)
+    if kind not in _PTM_KINDS:
+        raise ImageError(
+            f"expected PTM_FORMAT_{', PTM_FORMAT_'.join(_PTM_KINDS)}, got PTM_FORMAT_{kind}", name=path
+        )
     width, height = int(wide), int(high)
     scale, bias = _levels(numbers, path)
-    each = 9 if kind == "LRGB" else 18
-    body = _body(data, header.end(), width * height * each, path)
-    if kind == "RGB":
-        planes = body.reshape(3, height, width, 6)[:, ::-1]
-        stored, colour = np.ascontiguousarray(planes.transpose(1, 2, 0, 3)), None
-    elif version == "1.1":  # the colour stands behind the coefficients of each pixel
-        pixels = body.reshape(height, width, 9)[::-1]
-        stored, colour = pixels[:, :, None, :6].copy(), pixels[:, :, 6:].copy()
+    of_channels = kind.endswith("_RGB") or kind == "RGB"
+    if kind.startswith("JPEG"):
+        count = 18 if of_channels else 9
+        planes = read_jpeg_planes(data, header.end(), count, (height, width), path)
+        stored, colour = _of_planes(planes[:, ::-1], of_channels=of_channels)
     else:
-        first = body[: 6 * width * height].reshape(height, width, 1, 6)[::-1]
-        last = body[6 * width * height :].reshape(height, width, 3)[::-1]
-        stored, colour = first.copy(), last.copy()
+        body = _body(data, header.end(), width * height * (18 if of_channels else 9), path)
+        stored, colour = _of_pixels(body, (height, width), of_channels=of_channels, version=version)
     channels = stored.shape[2]
     return RtiImage("ptm", stored, np.tile(scale / 255, (channels, 1)), np.tile(bias, (channels, 1)), colour)
+
+
+def _of_planes(planes: Bytes, *, of_channels: bool) -> tuple[Bytes, Bytes | None]:
+    """Coefficients (H, W, C, 6) and the colour (H, W, 3) of planes, (9 or 18, H, W)."""
+    channels = 3 if of_channels else 1
+    sixes = planes[: 6 * channels].reshape(channels, 6, *planes.shape[1:])
+    colour = None if of_channels else np.ascontiguousarray(planes[6:].transpose(1, 2, 0))
+    return np.ascontiguousarray(sixes.transpose(2, 3, 0, 1)), colour
+
+
+def _of_pixels(
+    body: Bytes, shape: tuple[int, int], *, of_channels: bool, version: str
+) -> tuple[Bytes, Bytes | None]:
+    """Coefficients (H, W, C, 6) and the colour (H, W, 3) of a .ptm without JPEGs, rows from the top."""
+    if of_channels:
+        planes = body.reshape(3, *shape, 6)[:, ::-1]
+        return np.ascontiguousarray(planes.transpose(1, 2, 0, 3)), None
+    if version == "1.1":  # the colour stands behind the coefficients of each pixel
+        pixels = body.reshape(*shape, 9)[::-1]
+        return pixels[:, :, None, :6].copy(), pixels[:, :, 6:].copy()
+    split = 6 * shape[0] * shape[1]
+    first, last = body[:split].reshape(*shape, 1, 6)[::-1], body[split:].reshape(*shape, 3)[::-1]
+    return first.copy(), last.copy()
 
 
 def read_hsh(path: str | Path) -> RtiImage:
@@ -122,6 +149,7 @@ def read_hsh(path: str | Path) -> RtiImage:
     if header is None:
         raise ImageError("expected an RTI file, #HSH1.2, with its header", name=path)
     kind, width, height, channels, terms, basis, size = (int(one) for one in header.groups())
+    terms = _TERMS_OF_ORDER.get(terms, terms)
     if kind != 3:
         raise ImageError(f"expected hemispherical harmonics (type 3), got type {kind}", name=path)
     if (channels, basis, size) != (3, 2, 1) or terms not in TERMS["hsh"]:

@@ -23,7 +23,7 @@ def read_rti(path: str | Path) -> RtiImage:
     Parameters
     ----------
     path
-        A .ptm (LRGB or RGB), a .rti of hemispherical harmonics, a folder with an info.json and its JPEGs,
+        A .ptm (LRGB or RGB, also as JPEGs), a .rti of hemispherical harmonics, a folder with an info.json and its JPEGs,
         or that info.json.
 
     Returns
