@@ -143,6 +143,59 @@ def test_lp_of_images_in_another_folder(tmp_path: Path) -> None:
     assert read_capture(tmp_path / "lamps" / "x.lp").images.shape == (3, 16, 20)
 
 
+def project(folder: Path, *, lp: str) -> Path:
+    """A project as RTIBuilder keeps it: photographs in one folder, lamps in another beside it."""
+    write(folder / "jpeg-exports", suffix="jpg")
+    write(folder / "original-captures", suffix="tif")
+    (folder / "assembly-files").mkdir()
+    (folder / "assembly-files" / "vase.lp").write_text(lp)
+    (folder / "finished-files").mkdir()
+    return folder
+
+
+@pytest.mark.parametrize("place", ["/Users/lab/vase/jpeg-exports/", "D:\\RTI\\vase\\jpeg-exports\\", ""])
+def test_a_project_of_rtibuilder(tmp_path: Path, place: str) -> None:
+    text = "\n".join(["3", *(f"{place}{line}" for line in LP.replace(".png", ".jpg").split("\n")[1:4])])
+    folder = project(tmp_path / "vase", lp=text)
+    whole = read_capture(folder)
+    assert whole.names == ("jpeg-exports/a.jpg", "jpeg-exports/b.jpg", "jpeg-exports/c.jpg")
+    assert read_capture(folder, within=folder).names == whole.names
+    by_file = read_capture(folder / "assembly-files" / "vase.lp")
+    assert [Path(name).name for name in by_file.names] == ["a.jpg", "b.jpg", "c.jpg"]
+    np.testing.assert_array_equal(by_file.lights, whole.lights)
+
+
+def test_lamps_in_several_folders_and_images_in_several(tmp_path: Path) -> None:
+    folder = project(tmp_path / "vase", lp=LP)
+    write(folder / "cropped-files", suffix="png")
+    assert read_capture(folder).names[0] == "cropped-files/a.png", "the only one of this name"
+    write(folder / "again", suffix="png")
+    with pytest.raises(CaptureError, match=r"found again/a\.png, cropped-files/a\.png"):
+        read_capture(folder)
+    (folder / "again" / "other.lp").write_text(LP)
+    with pytest.raises(CaptureError, match=r"found again/other\.lp, assembly-files/vase\.lp"):
+        read_capture(folder)
+
+
+def test_the_lamps_of_a_result_are_not_those_of_the_capture_around_it(tmp_path: Path) -> None:
+    write(tmp_path)
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "lamps.lp").write_text(LP)
+    (tmp_path / "out" / "surface.json").write_text("{}")
+    with pytest.raises(CaptureError, match=r"expected an \.lp file"):
+        read_capture(tmp_path)
+
+
+def test_the_folders_beside_an_upload_are_not_looked_into(tmp_path: Path) -> None:
+    folder = project(tmp_path / "vase", lp=LP.replace(".png", ".jpg"))
+    sent = folder / "assembly-files"
+    with pytest.raises(CaptureError, match="there is no such file"):
+        read_capture(sent, within=sent)
+    (sent / "in").symlink_to(folder / "jpeg-exports")
+    with pytest.raises(CaptureError, match=r"there is no such file|leads out"):
+        read_capture(sent, within=sent)
+
+
 def test_lp_written_on_a_chinese_windows(tmp_path: Path) -> None:
     write(tmp_path, levels={"永": 10, "b": 20, "c": 30})
     (tmp_path / "x.lp").write_bytes(LP.replace("a.png", "永.png").encode("gb18030"))

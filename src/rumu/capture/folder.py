@@ -3,7 +3,8 @@
 A folder holds the photographs of one sheet, one lamp each, and one file that says where the lamps stood:
 
     NAME.dome                RelightLab's, lamps near or far; the images are taken in natural order
-    NAME.lp                  names each image beside its lamp; the images may lie in other folders
+    NAME.lp                  names each image beside its lamp; it and the images may lie in folders side by
+                             side, as RTIBuilder lays them out
     light_directions*.txt    3 x N or N x 3 numbers; the images are taken in natural order
     capture.json             {"slant": 45} for images a, b, c (tilt 0, 90, 180) and d (270), the paper's kind
 
@@ -14,7 +15,6 @@ orientation.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -25,10 +25,11 @@ from rumu.capture.description import DESCRIPTION, Description, description_of, e
 from rumu.capture.dome import read_dome, without_fall_off
 from rumu.capture.formats import ENCODINGS, Encoding
 from rumu.capture.frames import ORIENTATIONS, Orientation, read_frames
+from rumu.capture.lamp_files import lamp_file, split_path
 from rumu.capture.light_files import LampLine, read_directions, read_lp
 from rumu.capture.lights import direction
 from rumu.capture.masks import mask_file, read_folder_mask
-from rumu.capture.photographs import FolderImages, capture_error, files, photographs_without, place
+from rumu.capture.photographs import FolderImages, capture_error, photographs_without, place
 from rumu.errors import CaptureError
 from rumu.image_stack import Progress
 from rumu.inputs import path_of
@@ -163,7 +164,7 @@ def _find_files(
     path: str | os.PathLike[str], within: Path | None
 ) -> tuple[FolderImages, Description, _Lamps]:
     whole = path_of(path, error_type=CaptureError, expected="the path of a capture folder")
-    folder, named = _split_path(whole)
+    folder, named = split_path(whole)
     images = FolderImages(folder, within=within)
     images.check_links()
     description = description_of(folder)
@@ -198,30 +199,12 @@ def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
         )
 
 
-def _split_path(path: Path) -> tuple[Path, Path | None]:
-    if path.is_dir():
-        return path, None
-    if not path.exists():
-        raise capture_error(
-            path,
-            en="expected a capture folder or its .lp file, there is no such file",
-            zh="這裡應是多燈照片的資料夾或其中的 .lp 檔，卻找不到",
-        )
-    if path.suffix.lower() in (".lp", ".dome", ".txt", ".json"):
-        return path.parent, path
-    raise capture_error(
-        path,
-        en="expected a capture folder or its .lp file, got another kind of file",
-        zh="這裡應是多燈照片的資料夾或其中的 .lp 檔，卻是別種檔案",
-    )
-
-
 # --- which images, which lamps ---------------------------------------------------------------------
 
 
 def _read_lamps(images: FolderImages, named: Path | None, description: Description) -> _Lamps:
     folder = images.folder
-    file = named or _lamp_file(folder, description)
+    file = named or lamp_file(images, description)
     kind = file.suffix.lower()
     if kind != ".json" and description.slant is not None:
         raise capture_error(
@@ -235,29 +218,6 @@ def _read_lamps(images: FolderImages, named: Path | None, description: Descripti
     if kind == ".dome":
         return _from_dome(file, images)
     return _from_json(file, images, description) if kind == ".json" else _from_table(file, images)
-
-
-def _lamp_file(folder: Path, description: Description) -> Path:
-    for kind in (r".+\.lp", r".+\.dome", r"light_directions.*\.txt"):
-        found = [p for p in files(folder) if re.fullmatch(kind, p.name, re.IGNORECASE)]
-        if len(found) > 1:
-            names = ", ".join(p.name for p in found)
-            raise capture_error(
-                folder,
-                en=f"found {names}; expected one, or the path of the one to use",
-                zh=f"有 {names}；應只有一個，或指明要用哪一個",
-            )
-        if found:
-            return found[0]
-    if description.slant is not None:
-        return folder / DESCRIPTION
-    raise capture_error(
-        folder,
-        en=f"expected an .lp file, light_directions.txt, or {DESCRIPTION} with a slant, found none; without "
-        "them, reconstruct takes --card, --sphere auto, or --lamps-unknown",
-        zh=f"這裡應有 .lp 檔、light_directions.txt，或寫有 slant 的 {DESCRIPTION}，卻都沒有；"
-        "沒有這些檔案時，reconstruct 可用 --card、--sphere auto 或 --lamps-unknown",
-    )
 
 
 def _from_lp(path: Path, images: FolderImages) -> _Lamps:

@@ -89,17 +89,32 @@ class FolderImages:
 
         Tried in turn: the path as written; the ends of the path inside this folder, longest first, as from
         another machine; the same with letters in another case or composed otherwise (NFC, NFD); with
-        `any_suffix` the same with another suffix, as when raw files were developed. Raises CaptureError when
-        several images fit.
+        `any_suffix` the same with another suffix, as when raw files were developed. Then all this in the
+        folders within, and where no image lies here in the folder above and those beside this one.
+        Raises CaptureError when several images fit.
         """
         parts = PurePosixPath(name.replace("\\", "/")).parts
         ends = ["/".join(parts[i:]) for i in range(len(parts))]
+        tried = [[self.folder], self._folders(self.folder)]
+        if not self.images():
+            above = self.folder.absolute().parent
+            tried += [[above], self._folders(above)]
+        for places in tried:
+            for loosely in (False, True) if any_suffix else (False,):
+                near = [self._find_in(place, name, ends, any_suffix=loosely) for place in places]
+                image = _only(self.folder, name, [path for path in near if path is not None])
+                if image is not None:
+                    return image
+        return None
+
+    def _find_in(self, folder: Path, name: str, ends: list[str], *, any_suffix: bool) -> Path | None:
+        """The image of a name in one folder; ends: of its path, longest first."""
         for end in (name, *ends):
-            path = self.folder / end if self._within is None else self._within.find(end, beside=self.folder)
+            path = folder / end if self._within is None else self._within.find(end, beside=folder)
             if path is not None and self.may_read(path):
                 return path
         for end in ends:
-            place = (self.folder / end).parent
+            place = (folder / end).parent
             wanted = PurePosixPath(end).name
             near = [path for path in self._listing(place) if self.may_read(path)]
             found = [path for path in near if _plain(path.name) == _plain(wanted)]
@@ -111,6 +126,13 @@ class FolderImages:
             if image is not None:
                 return image
         return None
+
+    def _folders(self, folder: Path) -> list[Path]:
+        """The folders within one, none where they cannot be listed."""
+        try:
+            return folders(folder)
+        except CaptureError:
+            return []
 
     def _listing(self, folder: Path) -> list[Path]:
         try:
@@ -129,6 +151,16 @@ def files(folder: Path) -> list[Path]:
     """Files of a folder, by name, without hidden ones: copying from a Mac leaves a ._NAME beside each."""
     try:
         return sorted(p for p in folder.iterdir() if p.is_file() and not p.name.startswith("."))
+    except OSError as error:
+        raise capture_error(
+            folder, en=f"cannot be read ({error.strerror})", zh=f"無法讀取（{error.strerror}）"
+        ) from error
+
+
+def folders(folder: Path) -> list[Path]:
+    """Folders within a folder, by name, without hidden ones."""
+    try:
+        return sorted(p for p in folder.iterdir() if p.is_dir() and not p.name.startswith("."))
     except OSError as error:
         raise capture_error(
             folder, en=f"cannot be read ({error.strerror})", zh=f"無法讀取（{error.strerror}）"
@@ -156,7 +188,9 @@ def photographs_without(where: Path, paths: Sequence[Path], names: Collection[st
 
 def _only(folder: Path, name: str, found: list[Path]) -> Path | None:
     if len(found) > 1:
-        names = ", ".join(p.name for p in found)
+        names = ", ".join(
+            p.relative_to(folder).as_posix() if p.is_relative_to(folder) else str(p) for p in found
+        )
         raise capture_error(
             folder,
             en=f"expected one image named {name}, found {names}",

@@ -139,7 +139,8 @@ def _read(settings: ReconstructSettings, progress: Progress) -> _Photographs:
         progress=progress,
     )
     capture = lit.capture
-    inputs = digest_files(_files_read(settings.folder, capture, flat_field))
+    lamps_found = bool(settings.sphere) or settings.card or settings.lamps_unknown
+    inputs = digest_files(_files_read(settings.folder, capture, flat_field, lamps_found=lamps_found))
     if settings.mm_per_pixel is not None:
         capture = capture.changed(spacing=settings.mm_per_pixel)
     if settings.lamps_as_given:
@@ -258,16 +259,23 @@ def _place_of(capture: Path) -> Path:
     return capture if capture.is_dir() else capture.parent
 
 
-def _files_read(folder: Path, capture: Capture, flat_field: Path | None) -> list[Path]:
-    """The files that a capture was read from: photographs, lamps, mask, description, flat-field frames."""
+def _files_read(folder: Path, capture: Capture, flat_field: Path | None, *, lamps_found: bool) -> list[Path]:
+    """The files that a capture was read from: photographs, lamps, mask, description, flat-field frames.
+
+    lamps_found: whether the photographs told the lamps, and no file.
+    """
     from rumu.capture.description import description_of
+    from rumu.capture.lamp_files import lamp_files_within
     from rumu.capture.masks import mask_file
     from rumu.capture.photographs import FolderImages, files
 
     place = _place_of(folder)
     images = FolderImages(place)
+    description = description_of(place)
     told = [one for one in files(place) if one.suffix.lower() in (".lp", ".dome", ".txt", ".json")]
-    mask = mask_file(images, description_of(place))
+    if not lamps_found and not any(one.suffix.lower() in (".lp", ".dome", ".txt") for one in told):
+        told += lamp_files_within(images)
+    mask = mask_file(images, description)
     ambient = images.by_stem("ambient")
     found = [*told, *(place / name for name in capture.names), *(one for one in (mask, ambient) if one)]
     if flat_field is not None:

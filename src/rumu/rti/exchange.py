@@ -23,8 +23,8 @@ def read_rti(path: str | Path) -> RtiImage:
     Parameters
     ----------
     path
-        A .ptm (LRGB or RGB, also as JPEGs), a .rti of hemispherical harmonics, a folder with an info.json and its JPEGs,
-        or that info.json.
+        A .ptm (LRGB or RGB, also as JPEGs), a .rti of hemispherical harmonics, a folder with an info.json and
+        its JPEGs, or that info.json.
 
     Returns
     -------
