@@ -54,6 +54,13 @@ def test_spheres_are_found_and_tell_the_lamps(count: int) -> None:
     assert (lamps.apart == 0).all() if count == 1 else 0 < lamps.apart.max() < 3
 
 
+def test_a_small_sphere_tells_the_lamps_between_pixels() -> None:
+    """Its highlight covers a few pixels, of which a whole one would be a lamp 4 degrees away."""
+    stack = scene((Sphere(70.0, 330.0, 28.0),))
+    lamps = lamps_of_spheres(stack, find_spheres(stack))
+    assert degrees_between(lamps.lights, LIGHTS).max() < 0.8
+
+
 def test_photographs_without_a_highlight_have_no_lamp() -> None:
     stack = scene(TWO[:1], dark=(2, 5))
     lamps = lamps_of_spheres(stack, find_spheres(stack))

@@ -17,6 +17,7 @@ from rumu.values import BoolArray, FloatArray
 
 _PAPER_TILTS = (0.0, 90.0, 180.0, 270.0)
 _HIGHLIGHT_SHARE = 0.9  # of the brightest value: the core of a highlight, without its streaks
+_SKIRT, _SKIRT_SHARE = 2.0, 0.2  # pixels beyond the highlight, and the share above which they belong to it
 _SLANT_RANGE = (1.0, 89.0)  # outside it three lamps of one slant are too near to one plane
 
 
@@ -97,7 +98,14 @@ def _highlight(gray: FloatArray, disc: BoolArray) -> tuple[float, float]:
     spots, count = ndimage.label(weight > 0, structure=np.ones((3, 3)))
     # Reflections of windows and of the object are as bright when they saturate, but smaller.
     strength = ndimage.sum_labels(weight, spots, np.arange(1, count + 1))
-    row, column = ndimage.center_of_mass(weight, spots, int(np.argmax(strength)) + 1)
+    spot = spots == int(np.argmax(strength)) + 1
+    row, column = ndimage.center_of_mass(weight * spot)
+    # Of a spot of a few pixels the brightest alone tell whole pixels; its skirt tells where between them.
+    reach = np.sqrt(np.count_nonzero(spot) / np.pi) + _SKIRT
+    rows, columns = np.ogrid[: gray.shape[0], : gray.shape[1]]
+    around = disc & ((rows - row) ** 2 + (columns - column) ** 2 < reach**2)
+    skirt = usual + _SKIRT_SHARE * (brightest - usual)
+    row, column = ndimage.center_of_mass(np.where(around, gray - skirt, 0.0).clip(0))
     return float(column), float(row)
 
 
