@@ -31,6 +31,7 @@ def test_reconstruct_says_what_came_out(rumu, capture, tmp_path):
         ("report", {"report.html"}),
         ("height, mesh", {"height.tif", "height.png", "surface.glb"}),
         ("normals.png,Albedo.tif", {"normals.png", "albedo.tif"}),
+        ("normals-green-down.png", {"normals-green-down.png"}),
         ("pictures", {"height.png", "normals.png", "albedo.png", "confidence.png"}),
     ],
 )

@@ -71,6 +71,10 @@ def test_the_pictures_mean_what_they_say(tmp_path):
     normals = cv2.imread(str(tmp_path / "out" / "normals.png"), cv2.IMREAD_UNCHANGED)[..., ::-1]
     assert normals.dtype == np.uint16
     assert np.abs(normals / 32767.5 - 1 - before.normals).max() < 2e-5
+    assert not (tmp_path / "out" / "normals-green-down.png").exists()
+    write_surface(before, tmp_path / "down", files=["normals-green-down.png"])
+    down = cv2.imread(str(tmp_path / "down" / "normals-green-down.png"), cv2.IMREAD_UNCHANGED)[..., ::-1]
+    assert np.abs(down / 32767.5 - 1 - before.normals * [1, -1, 1]).max() < 2e-5
     assert np.asarray(Image.open(tmp_path / "out" / "albedo.png")).shape == (23, 31, 3)
     assert tifffile.imread(tmp_path / "out" / "height.tif").dtype == np.float32
 

@@ -90,10 +90,11 @@ def test_an_obj_is_read_with_its_material_and_picture(tmp_path):
     mesh = trimesh.load(tmp_path / "永 字.obj", force="mesh", process=False)
     grid = mesh_grid(made)
     assert len(mesh.faces) == len(grid.faces)
-    assert np.allclose(mesh.bounds, [grid.vertices.min(axis=0), grid.vertices.max(axis=0)], atol=1e-7)
+    millimetres = 1000 * np.array([grid.vertices.min(axis=0), grid.vertices.max(axis=0)])
+    assert np.allclose(mesh.bounds, millimetres, atol=1e-4)
     assert mesh.visual.material.image.size == (40, 30)
     text = (tmp_path / "永 字.obj").read_text()
-    assert "measured by photometric stereo" in text.splitlines()[0]
+    assert "in mm; relief measured by photometric stereo" in text.splitlines()[0]
 
 
 def test_a_usdz_passes_the_checker_and_holds_the_sheet(tmp_path):

@@ -286,7 +286,7 @@ def _files_read(folder: Path, capture: Capture, flat_field: Path | None, *, lamp
 def _files_to_write(wanted: str) -> list[str]:
     """The files that `--write` asks for: by groups, by arrays, or by their names."""
     from rumu.surface.array_files import ARRAYS
-    from rumu.surface.folder import FILES, FLOATS, MESH, PICTURES
+    from rumu.surface.folder import FILES, FLOATS, MESH, ON_REQUEST, PICTURES
 
     groups: dict[str, tuple[str, ...]] = {
         "all": (*FILES, REPORT),
@@ -295,7 +295,7 @@ def _files_to_write(wanted: str) -> list[str]:
         "mesh": (MESH,),
         "report": (REPORT,),
         **{name: (f"{name}.tif", f"{name}.png") for name in ARRAYS},
-        **{name: (name,) for name in (*FILES, REPORT)},
+        **{name: (name,) for name in (*FILES, *ON_REQUEST, REPORT)},
     }
     found: list[str] = []
     for one in filter(None, (part.strip().lower() for part in wanted.split(","))):

@@ -213,7 +213,7 @@ def mesh(
     ] = 2048,
     as_json: AsJson = False,
 ) -> Outcome:
-    """A surface as an open sheet of triangles, in metres, to look at and to exchange."""
+    """A surface as an open sheet of triangles, to look at and to exchange."""
     from rumu.outputs import whole_file
     from rumu.report.wording import SOURCES
     from rumu.surface.mesh import MeshSettings

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from rumu.surface.surface_bands import SurfaceBands
     from rumu.values import Capture, Surface
 
-VERSION = 4
+VERSION = 5
 """Increase it when the derived files of the same assets would come out differently."""
 
 MAX_PIXELS = 2400 * 2400  # a larger picture is reduced before its relief is computed

@@ -23,6 +23,8 @@ from rumu.values import FloatArray, Surface
 
 ARRAYS = ("height", "normals", "albedo", "confidence")
 """The arrays of a surface that are written; each has a .tif and a .png."""
+GREEN_DOWN = "normals-green-down"
+"""Of normals whose green runs downward, as DirectX takes them."""
 
 _TILE = 256  # pixels of a side of a tile in a TIFF
 _BUFFER = 2**24  # bytes of a compressed TIFF that are read at once
@@ -130,11 +132,11 @@ def height_scale(surface: Surface) -> tuple[float, float]:
 
 
 def write_png(path: Path, surface: Surface, name: str) -> None:
-    """Write one of ARRAYS, or the mask, as a PNG to look at."""
-    array = surface.mask if name == "mask" else getattr(surface, name)
+    """Write one of ARRAYS, GREEN_DOWN, or the mask, as a PNG to look at."""
+    array = getattr(surface, "normals" if name == GREEN_DOWN else name)
     scale, offset = height_scale(surface) if name == "height" else (1.0, 0.0)
     table = _srgb_table() if name == "albedo" else None
-    kind = np.uint16 if name in ("height", "normals") else np.uint8
+    kind = np.uint16 if name in ("height", "normals", GREEN_DOWN) else np.uint8
 
     def levels(rows: slice) -> npt.NDArray[Any]:
         part = _levels(array[rows], name, scale=scale, offset=offset, table=table)
@@ -151,7 +153,8 @@ def _levels(
         return part.astype(np.uint8) * 255
     if name == "height":
         return np.asarray(np.round((part.astype(np.float64) - offset) / scale).clip(0, _LEVELS))
-    if name == "normals":
+    if name in ("normals", GREEN_DOWN):
+        part = part * np.array([1, -1, 1], np.float32) if name == GREEN_DOWN else part
         return np.asarray(np.round((part + np.float32(1)) * np.float32(_LEVELS / 2)))
     if table is not None:
         linear = np.round(part * np.float32(_LEVELS)).clip(0, _LEVELS).astype(np.uint16)

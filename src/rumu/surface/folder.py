@@ -3,7 +3,8 @@
     surface.json      unit, spacing, source, quality, version, scale of height.png, which files there are, and
                       of a reconstruction how it was made, see `rumu.surface.processing`
     height.tif        float32, in the unit; height.png is 16-bit: height = value * scale + offset
-    normals.tif       float32 x, y, z; normals.png is 16-bit RGB: n = value / 32767.5 - 1, y up (OpenGL)
+    normals.tif       float32 x, y, z; normals.png is 16-bit RGB: n = value / 32767.5 - 1, y up (OpenGL);
+                      normals-green-down.png, when it is asked for, the same with y down (DirectX)
     albedo.tif        float32, linear; albedo.png is 8-bit sRGB
     confidence.tif    float32; confidence.png is 8-bit
     mask.png          white where measured (photometric) or inked (relief)
@@ -29,7 +30,15 @@ from rumu.errors import OutputError, SurfaceError
 from rumu.image_stack import Progress
 from rumu.inputs import read_json
 from rumu.outputs import whole_folder
-from rumu.surface.array_files import ARRAYS, height_scale, read_pictures, read_tiff, write_png, write_tiff
+from rumu.surface.array_files import (
+    ARRAYS,
+    GREEN_DOWN,
+    height_scale,
+    read_pictures,
+    read_tiff,
+    write_png,
+    write_tiff,
+)
 from rumu.surface.mesh_files import mesh_bytes
 from rumu.surface.reduction import reduce_surface
 from rumu.values import FloatArray, Surface
@@ -42,6 +51,8 @@ PICTURES = (*(f"{name}.png" for name in ARRAYS), "mask.png")
 MESH = "surface.glb"
 FILES = (*FLOATS, *PICTURES, MESH)
 """All files of a surface besides the marker."""
+ON_REQUEST = (f"{GREEN_DOWN}.png",)
+"""Files that are written only when they are asked for by name."""
 _KIND = "rumu surface"
 
 
@@ -76,20 +87,21 @@ def write_surface(
 ) -> None:
     """Write a surface as a folder; it appears whole or not at all.
 
-    folder: new, empty, or an earlier surface, which is replaced. files: which of FILES; the mask is always
-    written. extra: more files of the folder, text or bytes by name, such as a report. processing: how the
-    surface was made, for surface.json.
+    folder: new, empty, or an earlier surface, which is replaced. files: which of FILES and ON_REQUEST; the
+    mask is always written. extra: more files of the folder, text or bytes by name, such as a report.
+    processing: how the surface was made, for surface.json.
     Raises OutputError when the folder cannot be written or holds other files, SurfaceError when there is
     nothing to make a mesh of, a file is none of a surface, or an extra name is not a plain new name.
     """
-    unknown = sorted(set(files) - set(FILES))
+    known = (*FILES, *ON_REQUEST)
+    unknown = sorted(set(files) - set(known))
     if unknown:
-        raise SurfaceError(f"expected files among {', '.join(FILES)}, got {', '.join(unknown)}")
+        raise SurfaceError(f"expected files among {', '.join(known)}, got {', '.join(unknown)}")
     for name in extra or {}:
-        if Path(name).name != name or name in (MARKER, *FILES):
+        if Path(name).name != name or name in (MARKER, *known):
             raise SurfaceError(f"expected a plain file name that is not of the surface's own, got {name!r}")
     glb = {MESH: mesh_bytes(reduce_surface(surface))} if MESH in files else {}
-    arrays = [name for name in FILES if name in {*files, "mask.png"} and name != MESH]
+    arrays = [name for name in known if name in {*files, "mask.png"} and name != MESH]
     with whole_folder(folder, marker=MARKER) as new:
         try:
             for name, content in {**glb, **(extra or {})}.items():

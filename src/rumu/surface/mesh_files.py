@@ -1,9 +1,10 @@
 """Meshes as files: GLB and USDZ to look at, PLY to measure, OBJ to exchange, STL to print.
 
-All but STL are open sheets in metres. GLB, USDZ and OBJ wear the albedo as a picture; GLB and USDZ also wear
-the normals, so that light finds every stroke on a mesh of few triangles: the vertices' own normals are
-those of the flat sheet, to which the picture's are relative. The material of a measured surface is matt,
-since its albedo already holds all the light that it sends back; ink of estimated relief shines a little.
+All but STL are open sheets. GLB and USDZ are in metres, as their formats want; PLY, OBJ and STL, which have
+no unit, in millimetres. GLB, USDZ and OBJ wear the albedo as a picture; GLB and USDZ also wear the normals,
+so that light finds every stroke on a mesh of few triangles: the vertices' own normals are those of the flat
+sheet, to which the picture's are relative. The material of a measured surface is matt, since its albedo
+already holds all the light that it sends back; ink of estimated relief shines a little.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ _SOURCES: dict[Source, str] = {
     "inflation": "relief estimated from the outline of the ink, not measured",
     "density": "relief estimated from how dark the ink is, not measured",
 }
+_MILLIMETRES = 1000.0  # of a metre
 _STL_HEADER = "rumu mesh in mm; {}"  # 80 ASCII characters at most; "solid" at the start would mean a text
 _TANGENT = "_TANGENT"  # trimesh lets only names with an underscore pass
 _MATT = "KHR_materials_specular"
@@ -50,8 +52,8 @@ def mesh_bytes(surface: Surface, *, kind: Format = "glb", settings: MeshSettings
     Returns
     -------
     bytes
-        Colours are in sRGB. All are in metres but STL, which has no unit and is in millimetres as printers
-        expect. GLB, USDZ and STL say where the height comes from.
+        Colours are in sRGB. GLB and USDZ are in metres; PLY and STL have no unit and are in millimetres, as
+        programs that measure and print expect. All say where the height comes from.
 
     Raises
     ------
@@ -75,9 +77,10 @@ def mesh_bytes(surface: Surface, *, kind: Format = "glb", settings: MeshSettings
         return _glb(surface, grid, settings)
     if kind == "usdz":
         return _usdz(surface, grid, settings)
-    mesh = trimesh.Trimesh(grid.vertices, grid.faces, process=False)
+    mesh = trimesh.Trimesh(_MILLIMETRES * grid.vertices, grid.faces, process=False)
     mesh.visual.vertex_colors = _colours(surface, grid)
-    return bytes(mesh.export(file_type=kind))
+    comment = f"\ncomment rumu mesh in mm; {_SOURCES[surface.source]}\nelement".encode()
+    return bytes(mesh.export(file_type=kind)).replace(b"\nelement", comment, 1)
 
 
 def obj_files(surface: Surface, name: str, *, settings: MeshSettings | None = None) -> dict[str, bytes]:
@@ -90,10 +93,10 @@ def obj_files(surface: Surface, name: str, *, settings: MeshSettings | None = No
     material, picture = f"{name}.mtl", f"{name}.jpg"
     corners = grid.faces + 1
     lines = [
-        f"# {_SOURCES[surface.source]}; metres",
+        f"# rumu mesh in mm; {_SOURCES[surface.source]}",
         f"mtllib {material}",
         "usemtl sheet",
-        *(f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in grid.vertices),
+        *(f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in _MILLIMETRES * grid.vertices),
         *(f"vt {u:.7g} {v:.7g}" for u, v in grid.uv),
         *(f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in corners),
     ]
