@@ -7,6 +7,7 @@ import json
 
 import numpy as np
 import pytest
+import tifffile
 from PIL import Image
 
 from rumu.errors import SurfaceError
@@ -108,6 +109,38 @@ def test_how_the_height_was_made_is_recorded_and_repeated(rumu, capture, tmp_pat
     assert (made / "height.tif").read_bytes() != (plain / "height.tif").read_bytes()
     refused = rumu("reconstruct", "--again", made, "-o", tmp_path / "no", "--level", "plane")
     assert refused.code == 2 and "'level': --again takes the settings of the record" in refused.err
+
+
+@pytest.fixture
+def near_capture(capture):
+    """The same names and lamps, but photographs of a flat sheet 1.2 widths from its lamps."""
+    lamps = [
+        np.array(line.split()[-3:], float) for line in (capture / "lights.lp").read_text().split("\n")[1:-1]
+    ]
+    y, x = np.mgrid[0.5:-0.5:40j, -0.5:0.5:40j]
+    for number, lamp in enumerate(lamps):
+        toward = 1.2 * lamp - np.stack([x, y, np.zeros_like(x)], axis=2)
+        shade = 0.5 * 1.44 * toward[..., 2] / np.linalg.norm(toward, axis=2) ** 3
+        picture = Image.fromarray(np.round(np.clip(shade, 0, 1) * 65535).astype(np.uint16))
+        picture.save(capture / f"lamp {number}.png")
+    return capture
+
+
+def test_lamps_that_are_near_are_placed_and_the_record_repeats_it(rumu, near_capture, tmp_path):
+    made = rumu(
+        "reconstruct", near_capture, "-o", tmp_path / "made", "--near-lamps", "--write", "floats", "--json"
+    )
+    assert made.code == 0 and "by the photographs the lamps stand" in made.facts["notes"][0]["en"]
+    normals = tifffile.imread(tmp_path / "made" / "normals.tif")
+    assert np.degrees(np.arccos(normals[..., 2].clip(-1, 1))).mean() < 1.5  # of flat paper
+    assert read_processing(tmp_path / "made").settings["near_lamps"] is True
+    again = rumu("reconstruct", "--again", tmp_path / "made", "-o", tmp_path / "again", "--json")
+    assert again.facts["again"]["same"]
+
+
+def test_lamps_that_the_card_places_are_not_placed_again(rumu, near_capture, tmp_path):
+    ended = rumu("reconstruct", near_capture, "-o", tmp_path / "out", "--near-lamps", "--card")
+    assert ended.code == 2 and "'--near-lamps'" in ended.err
 
 
 def test_a_focal_length_of_no_camera_is_refused(rumu, capture, tmp_path):

@@ -68,17 +68,28 @@ InsideOutOption = Annotated[
 ]
 
 
+NearLampsOption = Annotated[
+    bool,
+    typer.Option(
+        "--near-lamps",
+        help="The lamps stood near a flat sheet: find from the photographs how far away each was.",
+    ),
+]
+
+
 @dataclass(frozen=True, slots=True)
 class LampSource:
     """What tells the lamps of photographs: a file in their folder, unless one of these does.
 
     sphere: texts of --sphere. card: of --card. unknown: of --lamps-unknown. inside_out: of --inside-out.
+    near: of --near-lamps, by which the photographs tell how far away the lamps of a file or a sphere are.
     """
 
     sphere: tuple[str, ...] = ()
     card: bool = False
     unknown: bool = False
     inside_out: bool = False
+    near: bool = False
 
     def check(self, *, flat_field: Path | None) -> None:
         """Raise wrong usage for options that exclude each other."""
@@ -88,6 +99,11 @@ class LampSource:
             )
         if self.unknown and (self.sphere or self.card):
             raise typer.BadParameter("a sphere or the card tells the lamps", param_hint="'--lamps-unknown'")
+        if self.near and (self.card or self.unknown or flat_field):
+            raise typer.BadParameter(
+                "only where a file or a sphere tells the directions, and without --flat-field",
+                param_hint="'--near-lamps'",
+            )
         if self.inside_out and not self.unknown:
             raise typer.BadParameter("only with --lamps-unknown", param_hint="'--inside-out'")
 
@@ -137,6 +153,7 @@ def read_lit_capture(
     from rumu.capture.sphere_capture import read_sphere_capture
     from rumu.card.capture import read_card_capture
     from rumu.surface.alignment import align_photographs
+    from rumu.surface.lamp_positions import place_lamps
 
     source.check(flat_field=flat_field)
     made = None
@@ -156,6 +173,9 @@ def read_lit_capture(
         capture, moved = done.capture, done.moved
     if flat_field is not None:
         capture = divide_by_flat_frames(capture, flat_field)
+    if source.near:
+        progress("Placing the lamps", 0, 1)
+        capture = place_lamps(capture)
     return LitCapture(capture, moved, made)
 
 

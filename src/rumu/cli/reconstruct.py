@@ -15,6 +15,7 @@ from rumu.cli.lighting import (
     InsideOutOption,
     LampsUnknownOption,
     LeaveOutOption,
+    NearLampsOption,
     SphereOption,
 )
 from rumu.cli.options import AsJson, finite
@@ -61,6 +62,7 @@ def reconstruct(
     card: CardOption = False,
     lamps_unknown: LampsUnknownOption = False,
     inside_out: InsideOutOption = False,
+    near_lamps: NearLampsOption = False,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
     write: Annotated[
@@ -104,6 +106,7 @@ def reconstruct(
         card=card,
         lamps_unknown=lamps_unknown,
         inside_out=inside_out,
+        near_lamps=near_lamps,
         flat_field=None if flat_field is None else str(flat_field.resolve()),
         align=align,
         write=write,

@@ -47,6 +47,7 @@ class ReconstructSettings:
     card: bool = False
     lamps_unknown: bool = False
     inside_out: bool = False
+    near_lamps: bool = False
     flat_field: str | None = None
     align: bool = False
     write: str = "all"
@@ -66,7 +67,7 @@ class ReconstructSettings:
     @property
     def source(self) -> LampSource:
         """What tells the lamps."""
-        return LampSource(self.sphere, self.card, self.lamps_unknown, self.inside_out)
+        return LampSource(self.sphere, self.card, self.lamps_unknown, self.inside_out, self.near_lamps)
 
     @property
     def folder(self) -> Path:
@@ -169,12 +170,15 @@ def _account(
     from rumu.capture.exif import read_facts
     from rumu.capture.light_files import lp_text
     from rumu.surface.frame_check import exposure_notes
+    from rumu.surface.lamp_positions import near_notes
     from rumu.surface.photograph_table import fault_notes, photograph_table
     from rumu.surface.processing import record_processing
 
     capture, lit = photographs.capture, photographs.lit
     table = photograph_table(capture, surface, aligned=lit.moved)
-    notes = (*capture.notes, *exposure_notes(capture, surface), *fault_notes(table))
+    notes = (
+        *capture.notes, *exposure_notes(capture, surface), *fault_notes(table), *near_notes(capture, surface)
+    )  # fmt: skip
     facts = [read_facts(_place_of(settings.folder) / name) for name in capture.names]
     processing = record_processing(
         surface,
