@@ -63,7 +63,7 @@ class LampCheckSettings:
     room_light: float = 0.25
     rows: int = 400
     orders: int = 2000
-    pixels: int = 4_000_000
+    pixels: int = 1_000_000
 
 
 AS_GIVEN = Bilingual(

@@ -27,7 +27,7 @@ _NEARNESS, _TURNS, _STRENGTH = 0, slice(1, 3), 3  # columns of the unknowns of a
 
 
 @dataclass(frozen=True, slots=True)
-class PositionSettings:
+class NearnessSettings:
     """How lamps are placed.
 
     pixels: most pixels looked at. dark: brightness below which a pixel is not looked at, in any lamp.
@@ -86,7 +86,7 @@ class _Sheet:
         return np.asarray(toward * power[..., None])
 
 
-def place_lamps(capture: Capture, *, settings: PositionSettings | None = None) -> Capture:
+def place_lamps(capture: Capture, *, settings: NearnessSettings | None = None) -> Capture:
     """The capture with its lamps at the distances that its photographs show, and without their fall-off.
 
     capture: of a sheet that is flat on the whole, four lamps or more whose directions are told. The result
@@ -95,7 +95,7 @@ def place_lamps(capture: Capture, *, settings: PositionSettings | None = None) -
     Raises CaptureError for fewer lamps, positions that are told already, too few lit pixels, and lamps that
     are far away.
     """
-    settings = settings or PositionSettings()
+    settings = settings or NearnessSettings()
     if capture.positions is not None:
         raise CaptureError(
             "expected lamps of which directions alone are known; their positions are told already",
@@ -127,14 +127,14 @@ def place_lamps(capture: Capture, *, settings: PositionSettings | None = None) -
 
 
 def near_notes(
-    capture: Capture, surface: Surface, *, settings: PositionSettings | None = None
+    capture: Capture, surface: Surface, *, settings: NearnessSettings | None = None
 ) -> list[Bilingual]:
     """A note where photographs contradict lamps that are far away by much more than near ones.
 
     surface: of the capture. Nothing is said where it cannot be told, as of lamps in one ring, which a bowl of
     paper explains as well.
     """
-    settings = settings or PositionSettings()
+    settings = settings or NearnessSettings()
     enough = len(capture.lights) > 4 and surface.quality.get("residual", 0.0) > settings.contradiction
     if capture.positions is not None or not enough:
         return []
@@ -160,7 +160,7 @@ def near_notes(
     ]
 
 
-def _sheet_of(capture: Capture, settings: PositionSettings) -> _Sheet:
+def _sheet_of(capture: Capture, settings: NearnessSettings) -> _Sheet:
     count = len(capture.lights)
     if count < 4:
         raise CaptureError(
@@ -190,7 +190,7 @@ def _sheet_of(capture: Capture, settings: PositionSettings) -> _Sheet:
     )
 
 
-def _of_flat_sheet(sheet: _Sheet, settings: PositionSettings) -> FloatArray:
+def _of_flat_sheet(sheet: _Sheet, settings: NearnessSettings) -> FloatArray:
     """(N, 4) unknowns: 1/d of each lamp and its strength, as flat paper shows them."""
     count = len(sheet.lights)
     unknowns = np.zeros((count, 4))
@@ -229,7 +229,7 @@ def _logarithm_of_flat(sheet: _Sheet, unknowns: FloatArray) -> FloatArray:
 
 
 def _least_contradicting(
-    sheet: _Sheet, start: FloatArray, settings: PositionSettings, *, far: bool = False
+    sheet: _Sheet, start: FloatArray, settings: NearnessSettings, *, far: bool = False
 ) -> FloatArray:
     """(N, 4) unknowns near the start that contradict Lambert's law least.
 
@@ -279,7 +279,7 @@ def _normals(sheet: _Sheet, lamps: FloatArray, trust: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.solve(normal, right[..., None])[..., 0])
 
 
-def _is_flat(sheet: _Sheet, unknowns: FloatArray, settings: PositionSettings) -> bool:
+def _is_flat(sheet: _Sheet, unknowns: FloatArray, settings: NearnessSettings) -> bool:
     """Whether most of what is seen faces one way under these lamps."""
     scaled = _normals(sheet, sheet.lamps(unknowns), np.ones_like(sheet.values))
     normals = scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), 1e-12)
@@ -301,7 +301,7 @@ def _deviation(left: FloatArray) -> float:
     return 1.4826 * float(np.median(np.abs(left))) + 1e-4
 
 
-def _trust(left: FloatArray, settings: PositionSettings) -> FloatArray:
+def _trust(left: FloatArray, settings: NearnessSettings) -> FloatArray:
     """Weights in (0, 1], after Geman and McClure."""
     return np.asarray(1.0 / (1.0 + (left / (settings.outlier * _deviation(left))) ** 2) ** 2)
 
