@@ -64,3 +64,22 @@ def test_a_damaged_file_is_named(tmp_path, harm):
         tifffile.imwrite(path, np.zeros((23, 30), np.float32))
     with pytest.raises(SurfaceError, match="albedo"):
         list(SurfaceBands(tmp_path / "s").rows("albedo"))
+
+
+def test_a_whole_surface_is_checked_some_rows_at_a_time(tmp_path):
+    made = surface(h=600, w=300)
+    write_surface(made, tmp_path / "s", files=FLOATS)
+    SurfaceBands(tmp_path / "s").check()
+    write_surface(surface(), tmp_path / "p", files=PICTURES)
+    SurfaceBands(tmp_path / "p").check()
+    bent = made.normals.copy()
+    bent[520:, ::2] *= 1.5  # in the last rows
+    tifffile.imwrite(tmp_path / "s" / "normals.tif", bent, tile=(256, 256))
+    with pytest.raises(SurfaceError, match="unit normals"):
+        SurfaceBands(tmp_path / "s").check()
+    tifffile.imwrite(tmp_path / "s" / "normals.tif", made.normals[:-1], tile=(256, 256))
+    with pytest.raises(SurfaceError, match=r"normals\.tif: expected 600 rows, got 599"):
+        SurfaceBands(tmp_path / "s").check()
+    tifffile.imwrite(tmp_path / "s" / "normals.tif", made.normals[..., :2], tile=(256, 256))
+    with pytest.raises(SurfaceError, match="normals"):
+        SurfaceBands(tmp_path / "s").check()

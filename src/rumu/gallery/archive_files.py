@@ -108,7 +108,7 @@ class ArchiveFiles:
     def _check_capture(self, work: ExportedWork) -> tuple[str, int, int]:
         """The digest of a capture's files, and the width and height of its surface, if both can be read."""
         from rumu.capture.folder import read_capture
-        from rumu.surface.folder import read_surface
+        from rumu.surface.surface_bands import SurfaceBands
 
         folders = [self._folder / str(key) for key in (work.surface, work.capture)]
         listed = {
@@ -121,7 +121,9 @@ class ArchiveFiles:
                 "expected the files of its surface and capture that works.jsonl lists, and no others",
                 zh="它的表面與照片的檔案與 works.jsonl 所列的不同。",
             )
-        height, width = read_surface(folders[0]).height.shape
+        surface = SurfaceBands(folders[0])
+        surface.check()
+        height, width = surface.shape
         read_capture(folders[1], within=folders[1])
         digests = (folder_digest(self._of_folder(work, key)) for key in (work.surface, work.capture))
         return " ".join(digests), width, height

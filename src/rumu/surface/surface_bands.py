@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +13,8 @@ from rumu.surface.array_files import ARRAYS, tiff_bands
 from rumu.surface.folder import MARKER, read_mask, read_metadata, read_surface, surface_of
 from rumu.surface.reduction import SHOWN
 from rumu.values import BoolArray, FloatArray, Surface
+
+_ROWS = 256  # that are looked at at a time
 
 
 class SurfaceBands:
@@ -45,6 +47,20 @@ class SurfaceBands:
         if seen != height:
             raise SurfaceError(f"{path}: expected {height} rows, got {seen}")
 
+    def check(self) -> None:
+        """Read all of it once, some rows at a time.
+
+        Raises SurfaceError where `read_surface` would.
+        """
+        if not all((self.folder / f"{name}.tif").is_file() for name in ARRAYS):
+            read_surface(self.folder)
+            return
+        mask = read_mask(self.folder / "mask.png", self.shape)
+        bands = [_in_steps(self.rows(name), _ROWS) for name in ARRAYS]
+        for number, parts in enumerate(zip(*bands, strict=True)):
+            part = mask[number * _ROWS : (number + 1) * _ROWS]
+            surface_of(dict(zip(ARRAYS, parts, strict=True)), part, self._metadata, folder=self.folder)
+
     def height_range(self) -> tuple[float, float]:
         """The lowest and the highest value of the height."""
         ends = [(float(band.min()), float(band.max())) for band in self.rows("height")]
@@ -67,19 +83,21 @@ class SurfaceBands:
         return replace(surface, spacing=surface.spacing * step)
 
 
+def _in_steps(bands: Iterable[FloatArray | BoolArray], step: int) -> Iterator[FloatArray | BoolArray]:
+    """Rows that come from the top, in parts of a whole number of `step` rows; the last holds what is left."""
+    waiting: FloatArray | BoolArray | None = None
+    for band in bands:
+        waiting = band if waiting is None or not len(waiting) else np.concatenate([waiting, band])
+        while len(waiting) >= step:
+            yield waiting[:step]
+            waiting = waiting[step:]
+    if waiting is not None and len(waiting):
+        yield waiting
+
+
 def _means(bands: Callable[[], Iterator[FloatArray | BoolArray]], step: int) -> FloatArray:
     """Means over squares of `step` pixels of rows that come from the top; at the edges of what is left."""
-    found: list[FloatArray] = []
-    waiting: FloatArray | BoolArray | None = None
-    for band in bands():
-        waiting = band if waiting is None or not len(waiting) else np.concatenate([waiting, band])
-        whole = len(waiting) // step * step
-        if whole:
-            found.append(_squares(waiting[:whole], step))
-            waiting = waiting[whole:]
-    if waiting is not None and len(waiting):
-        found.append(_squares(waiting, step))
-    return np.concatenate(found)
+    return np.concatenate([_squares(part, step) for part in _in_steps(bands(), step * max(1, _ROWS // step))])
 
 
 def _squares(rows: FloatArray | BoolArray, step: int) -> FloatArray:
