@@ -71,6 +71,23 @@ def test_a_sheet_on_a_desk_is_found_by_its_edge():
     assert np.linalg.norm(back - corners, axis=1).max() < 0.15 * side
 
 
+@pytest.mark.parametrize(("tilt", "turn"), [(0, 0), (36, 6)])
+def test_the_lines_of_a_tiled_desk_are_not_those_of_the_sheet_on_it(tilt, turn):
+    page, quads = page_with_grid()
+    matrix, side = camera(page.shape[:2], tilt=tilt, turn=turn, spin=4 * bool(tilt))
+    tiles = np.full((side, side, 3), (118, 116, 112), np.uint8)
+    tiles[::130] = tiles[:, ::130] = (60, 60, 60)
+    tiles = cv2.erode(tiles, np.ones((3, 3), np.uint8))
+    on_sheet = cv2.warpPerspective(np.full(page.shape[:2], 255, np.uint8), matrix, (side, side)) > 127
+    seen = np.where(on_sheet[..., None], photograph(page, matrix, side), tiles)
+    flat = flatten_photo(seen)
+    grid = find_grid(flat.picture)
+    assert grid is not None and len(grid.cells) == 35
+    found = np.array([flat.photo_from_flat(cell.polygon) for cell in grid.cells])
+    true = cv2.perspectiveTransform(quads.reshape(1, -1, 2), matrix).reshape(quads.shape)
+    assert np.linalg.norm(found - true, axis=2).max() < 4
+
+
 @pytest.mark.parametrize("spin", [0, 38, 90, 215])
 def test_lines_are_followed_however_the_camera_is_turned(spin):
     page, quads = page_with_grid()

@@ -32,20 +32,25 @@ def draw_grid(
     colour: tuple[int, int, int] = RED,
     kind: str = "rice",
     gap: int = 0,
+    beside: int = 0,
+    side: int = 2,
     written: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A page with cells, (rows * columns, 4, 2) their corners, and the ink that was written."""
+    """A page with cells, (rows * columns, 4, 2) their corners, and the ink that was written.
+
+    gap, beside: pixels between rows and between columns. side: width of the lines around a cell.
+    """
     step, margin = cell + gap, 60
-    height, width = 2 * margin + rows * step, 2 * margin + columns * cell
+    height, width = 2 * margin + rows * step, 2 * margin + columns * (cell + beside)
     page = np.full((height, width, 3), PAPER, np.uint8)
     ink = np.zeros((height, width), np.uint8)
     quads = []
     for r in range(rows):
         for c in range(columns):
-            x, y = margin + c * cell, margin + r * step
+            x, y = margin + c * (cell + beside), margin + r * step
             quads.append([[x, y], [x + cell, y], [x + cell, y + cell], [x, y + cell]])
             _draw_guides(page, x, y, cell=cell, colour=colour, kind=kind)
-            cv2.rectangle(page, (x, y), (x + cell, y + cell), colour, 2)
+            cv2.rectangle(page, (x, y), (x + cell, y + cell), colour, side)
             if written is None or written[r, c]:
                 _write(ink, x, y, cell)
     page[ink > 0] = BLACK
@@ -120,6 +125,23 @@ def test_rows_that_stand_apart_are_read_row_by_row():
     grid = find_grid(photograph(page, quads, np.zeros((4, 2)))[0])
     assert grid is not None and grid.direction == "horizontal"
     assert [(cell.column, cell.row) for cell in grid.cells] == [(r, c) for r in range(4) for c in range(6)]
+
+
+@pytest.mark.parametrize("kind", ["rice", "field", "nine"])
+def test_guides_of_few_large_cells_are_not_taken_for_sides(kind):
+    page, quads, _ = draw_grid(4, 3, cell=300, kind=kind, side=5)
+    seen, quads = photograph(page, quads, np.zeros((4, 2)))
+    grid = find_grid(seen)
+    assert grid is not None and len(grid.cells) == 12
+    assert farthest(np.array([cell.polygon for cell in grid.cells]), quads) < 8
+
+
+def test_cells_that_stand_apart_on_all_sides_are_found_once_each():
+    page, quads, _ = draw_grid(6, 5, cell=144, kind="double", gap=16, beside=16, colour=GRAY)
+    seen, quads = photograph(page, quads, np.zeros((4, 2)))
+    grid = find_grid(seen)
+    assert grid is not None and len(grid.cells) == 30
+    assert farthest(np.array([cell.polygon for cell in grid.cells]), quads) < 28  # up to the next cell
 
 
 @pytest.mark.parametrize("kind", ["plain", "field", "rice"])

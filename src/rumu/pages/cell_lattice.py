@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +13,8 @@ from rumu.values import BoolArray, FloatArray
 
 Place = tuple[int, int]
 """Row and column in a lattice."""
+CellSize = tuple[float, float, float]
+"""How well cells of a size fit, their width and height in pixels."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,27 +56,44 @@ class Lattice:
         self.cells[place], self.fits[place] = cell, fit
 
 
-def best_sizes(edges: EdgeMaps, *, settings: CellSettings | None = None) -> list[tuple[float, float, float]]:
+def best_sizes(edges: EdgeMaps, *, settings: CellSettings | None = None) -> list[CellSize]:
     """Mean fit of the best cells, width and height in pixels, best first, of the sizes tried."""
+    return [
+        (fits[0], width, height) for fits, width, height in fits_of_sizes(edges, (40,), settings=settings)
+    ]
+
+
+def fits_of_sizes(
+    edges: EdgeMaps, counts: Sequence[int], *, settings: CellSettings | None = None
+) -> list[tuple[tuple[float, ...], float, float]]:
+    """The same with the mean fit of the best so many cells, for each of the counts; the first orders them."""
     settings = settings or CellSettings()
     found = []
     for height in settings.heights:
         for width in settings.widths:
             fits = fit_everywhere(edges, width * edges.pitch, height * edges.pitch)
             squareness = 1 - (np.log(height / width) / settings.square) ** 2
-            found.append(
-                (squareness * _mean_of_peaks(fits, edges), width * edges.pitch, height * edges.pitch)
-            )
+            means = tuple(squareness * one for one in _means_of_peaks(fits, edges, counts))
+            found.append((means, width * edges.pitch, height * edges.pitch))
     return sorted(found, reverse=True)
 
 
-def _mean_of_peaks(fits: FloatArray, edges: EdgeMaps) -> float:
+def smallest_fitting(sizes: list[CellSize], *, alike: float) -> CellSize:
+    """The smallest of the `best_sizes` whose fit is at least this share of the best.
+
+    Where cells stand apart, what reaches from the left side of one to that of the next fits as well as one.
+    """
+    return min((one for one in sizes if one[0] >= alike * sizes[0][0]), key=lambda one: one[1] * one[2])
+
+
+def _means_of_peaks(fits: FloatArray, edges: EdgeMaps, counts: Sequence[int]) -> list[float]:
     apart = max(3, round(0.6 * edges.pitch / edges.stride))
     rows = fits[: fits.shape[0] // apart * apart, : fits.shape[1] // apart * apart]
     if not rows.size:
-        return 0.0
+        return [0.0] * len(counts)
     blocks = rows.reshape(rows.shape[0] // apart, apart, -1, apart).max(axis=(1, 3)).ravel()
-    return float(np.sort(blocks)[::-1][:40].mean())
+    highest = np.sort(blocks)[::-1]
+    return [float(highest[:count].mean()) for count in counts]
 
 
 def grow_lattices(

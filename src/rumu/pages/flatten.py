@@ -11,10 +11,10 @@ import numpy as np
 from rumu.capture.image import shrink
 from rumu.errors import ImageError
 from rumu.pages.line_evidence import Picture
-from rumu.pages.paper_edge import PaperEdgeSettings, find_paper, view_by_paper
+from rumu.pages.paper_edge import PaperEdgeSettings, find_paper, is_whole_sheet, view_by_paper
 from rumu.pages.text_view import view_by_text
 from rumu.pages.vanishing_points import VanishingSettings, view_by_lines
-from rumu.values import FloatArray
+from rumu.values import BoolArray, FloatArray
 
 FoundBy = Literal["lines", "paper", "text", "picture"]
 
@@ -93,17 +93,19 @@ def flatten_photo(picture: Picture, *, settings: FlattenSettings | None = None) 
     gray = np.asarray(cv2.cvtColor(small, cv2.COLOR_RGB2GRAY), np.uint8)
     pieces = _straight_pieces(gray, settings)
     sheet = find_paper(gray, settings=settings.paper)
+    whole = sheet is not None and is_whole_sheet(sheet, gray.shape, settings=settings.paper)
+    if sheet is not None and whole:
+        pieces = pieces[_on_sheet(sheet, pieces)]  # tiles and boards of a desk have straight lines, too
     matrix, found_by = _view(small, gray, pieces, sheet, settings)
     if matrix is None:
         return FlatPhoto(picture, np.asarray, "picture")
     height, width = small.shape[:2]
-    if sheet is None or not _holds(sheet, pieces, settings):
+    if sheet is None or (len(pieces) and _on_sheet(sheet, pieces).mean() < settings.inside):
         sheet = np.array([[0, 0], [width, 0], [width, height], [0, height]], float)
     scale = np.array(picture.shape[1::-1]) / (width, height)
     to_centre = np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1.0]])
-    return _flat(
-        picture, matrix @ to_centre @ np.diag([*(1 / scale), 1.0]), sheet * scale, found_by, settings
-    )
+    matrix = matrix @ to_centre @ np.diag([*(1 / scale), 1.0])
+    return _flat(picture, matrix, sheet * scale, found_by, settings, cut=whole)
 
 
 def _straight_pieces(gray: Picture, settings: FlattenSettings) -> FloatArray:
@@ -133,23 +135,31 @@ def _view(
     return view_by_text(small, vanishing=settings.vanishing), "text"
 
 
-def _holds(sheet: FloatArray, pieces: FloatArray, settings: FlattenSettings) -> bool:
-    """Whether most of the straight pieces lie on the sheet."""
+def _on_sheet(sheet: FloatArray, pieces: FloatArray) -> BoolArray:
+    """(n,) bool: which of the straight pieces (n, 4) lie on a sheet or along its edge."""
     import cv2
 
-    if not len(pieces):
-        return True
     outline = sheet.astype(np.float32).reshape(-1, 1, 2)
     reach = -0.01 * cv2.arcLength(outline, True)
     middles = (pieces[:, :2] + pieces[:, 2:]) / 2
-    inside = [cv2.pointPolygonTest(outline, (float(x), float(y)), True) > reach for x, y in middles]
-    return bool(np.mean(inside) >= settings.inside)
+    return np.array(
+        [cv2.pointPolygonTest(outline, (float(x), float(y)), True) > reach for x, y in middles], bool
+    )
 
 
 def _flat(
-    picture: Picture, matrix: FloatArray, region: FloatArray, found_by: FoundBy, settings: FlattenSettings
+    picture: Picture,
+    matrix: FloatArray,
+    region: FloatArray,
+    found_by: FoundBy,
+    settings: FlattenSettings,
+    *,
+    cut: bool,
 ) -> FlatPhoto:
-    """The part of a photograph around a region (n, 2), seen through a matrix, at about its own size."""
+    """The part of a photograph around a region (n, 2), seen through a matrix, at about its own size.
+
+    cut: what lies around the region is cut off even where the page lies flat already.
+    """
     import cv2
 
     height, width = picture.shape[:2]
@@ -161,7 +171,7 @@ def _flat(
         return FlatPhoto(picture, np.asarray, "picture")
     moved = _transformed(matrix, region)
     back = moved - moved.mean(axis=0) - (region - region.mean(axis=0))
-    if np.abs(back).max() < settings.slight * max(height, width):
+    if not cut and np.abs(back).max() < settings.slight * max(height, width):
         return FlatPhoto(picture, np.asarray, "picture")
     low, high = moved.min(axis=0), moved.max(axis=0)
     around = settings.margin * (high - low)

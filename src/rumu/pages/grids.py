@@ -8,8 +8,15 @@ import numpy as np
 
 from rumu.errors import ImageError
 from rumu.pages.cell_edges import place_edges
+from rumu.pages.cell_guides import guides_within, lines_to_a_side
 from rumu.pages.cell_ink import find_cell_ink
-from rumu.pages.cell_lattice import Lattice, best_sizes, fit_between, grow_lattices
+from rumu.pages.cell_lattice import (
+    Lattice,
+    best_sizes,
+    fit_between,
+    grow_lattices,
+    smallest_fitting,
+)
 from rumu.pages.cell_scores import EdgeMaps, edges_at, map_edges
 from rumu.pages.lattice_fill import fill_lattice
 from rumu.pages.lattice_model import LatticeModel
@@ -37,8 +44,8 @@ class PageGridSettings:
         have an inner square; beside_side: how far beside, as a share of a cell.
     sizes: sizes of cells that are looked for, one after the other; leaf: most by which they may differ, as a
         factor.
-    guide: by how much cells of two or three pitches are drawn more strongly where lines within them are
-        guides.
+    alike: share of the best fit that the size of a cell needs, of which the smallest is taken; one after the
+        other until cells are even.
     well: from where on a side is drawn well. weakest: over the strongest side of a cell, below which the
         weakest is not drawn. open: share of cells with a side that is drawn well and one that is not, above
         which lines are ruled for columns or rows.
@@ -62,7 +69,7 @@ class PageGridSettings:
     cut: float = 0.25
     sizes: int = 2
     leaf: float = 1.6
-    guide: float = 1.07
+    alike: tuple[float, ...] = (1.0, 0.97)
     well: float = 0.03
     weakest: float = 0.15
     open: float = 0.4
@@ -141,21 +148,26 @@ def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Place
     if min(picture.shape[:2]) < 4 * lines.pitch:
         return []
     evidence = find_line_evidence(picture, settings=lines)
-    found: list[tuple[Lattice, LatticeModel]] = []
-    for _ in range(settings.sizes):
-        rest = _beside_lattices(evidence, [lattice for lattice, _ in found], lines)
-        further = _lattices_of_one_size(rest, found, lines=lines, settings=settings)
-        if not further:
-            break
-        found += further
-    found.sort(key=lambda one: float(np.mean([cell[1] for cell in one[0].cells.values()])))
-    placed = [_place(evidence, *one, lines=lines) for one in found]
-    return [cells for cells in placed if _is_even(cells, settings)]
+    for alike in settings.alike:
+        found: list[tuple[Lattice, LatticeModel]] = []
+        for _ in range(settings.sizes):
+            rest = _beside_lattices(evidence, [lattice for lattice, _ in found], lines)
+            further = _lattices_of_one_size(rest, found, alike, lines=lines, settings=settings)
+            if not further:
+                break
+            found += further
+        found.sort(key=lambda one: float(np.mean([cell[1] for cell in one[0].cells.values()])))
+        placed = [_place(evidence, *one, lines=lines) for one in found]
+        even = [cells for cells in placed if _is_even(cells, settings)]
+        if even or not found:
+            return even
+    return []
 
 
 def _lattices_of_one_size(
     evidence: LineEvidence,
     known: list[tuple[Lattice, LatticeModel]],
+    alike: float,
     *,
     lines: PrintedLineSettings,
     settings: PageGridSettings,
@@ -164,15 +176,38 @@ def _lattices_of_one_size(
     pitch = line_pitch(evidence.down, settings=lines)
     if pitch is None:
         return []
-    times, strength = _guides_within(evidence, pitch, lines, settings)
-    pitch = times * pitch
-    edges = map_edges(evidence, pitch, reduction=lines.reduction, enough=lines.enough)
-    fit, width, height = best_sizes(edges)[0]
-    if fit < settings.strength:
+    times, strength = guides_within(evidence, pitch, lines=lines)
+
+    def of_pitch(pitch: float) -> list[tuple[Lattice, LatticeModel]]:
+        edges = map_edges(evidence, pitch, reduction=lines.reduction, enough=lines.enough)
+        fit, *size = smallest_fitting(best_sizes(edges), alike=alike)
+        if fit < settings.strength:
+            return []
+        enough = max(lines.enough, 2 * strength)
+        strengths = map_edges(evidence, pitch, reduction=lines.reduction, enough=enough)
+        grown = grow_lattices(edges, (size[0], size[1]), strengths=strengths)
+        return _chosen_lattices(edges, evidence, grown, known, settings=settings)
+
+    found = of_pitch(times * pitch)
+    if not found:
         return []
+    between = lines_to_a_side(evidence, found[0][0], times * pitch, lines=lines)
+    if between == 1:
+        return found
+    return of_pitch(between * times * pitch) or found
+
+
+def _chosen_lattices(
+    edges: EdgeMaps,
+    evidence: LineEvidence,
+    grown: list[Lattice],
+    known: list[tuple[Lattice, LatticeModel]],
+    *,
+    settings: PageGridSettings,
+) -> list[tuple[Lattice, LatticeModel]]:
+    """Of lattices that were grown, made whole, those that are grids beside known ones."""
     found: list[tuple[Lattice, LatticeModel]] = []
-    strengths = map_edges(evidence, pitch, reduction=lines.reduction, enough=max(lines.enough, 2 * strength))
-    for lattice in grow_lattices(edges, (width, height), strengths=strengths):
+    for lattice in grown:
         if len(lattice.cells) < settings.first or not _stands_out(edges, lattice, settings):
             continue
         filled = fill_lattice(edges, evidence, lattice)
@@ -231,19 +266,6 @@ def _is_even(cells: Placed, settings: PageGridSettings) -> bool:
         rest = length - terms @ np.linalg.lstsq(terms, length, rcond=None)[0]
         uneven.append(float(np.median(np.abs(rest)) / np.median(length)))
     return max(uneven) <= (settings.few_even if few else settings.uneven) and min(uneven) <= settings.even
-
-
-def _guides_within(
-    evidence: LineEvidence, pitch: int, lines: PrintedLineSettings, settings: PageGridSettings
-) -> tuple[int, float]:
-    """Into how many parts guides divide a cell, whose edges are much stronger: 1, 2 or 3; and how strong."""
-    strengths = [
-        best_sizes(map_edges(evidence, times * pitch, reduction=lines.reduction, enough=1.0))[0][0]
-        for times in (1, 2, 3)
-    ]
-    best = int(np.argmax(strengths))
-    chosen = best if strengths[best] > settings.guide * strengths[0] else 0
-    return chosen + 1, strengths[chosen]
 
 
 def _stands_out(edges: EdgeMaps, lattice: Lattice, settings: PageGridSettings) -> bool:

@@ -70,6 +70,28 @@ def find_line_evidence(picture: Picture, *, settings: PrintedLineSettings | None
     return LineEvidence(darkness, coloured, writing, across, down)
 
 
+def reduce_evidence(
+    evidence: LineEvidence, share: float, *, settings: PrintedLineSettings | None = None
+) -> LineEvidence:
+    """What speaks for lines in the picture at a share of its size, where a line that is wider is darker, too.
+
+    share: above 0, at most 1.
+    """
+    import cv2
+
+    settings = settings or PrintedLineSettings()
+    bare = np.where(evidence.writing, np.float32(0), evidence.darkness)
+    darkness, bare, coloured = (
+        cv2.resize(one, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
+        for one in (evidence.darkness, bare, evidence.coloured)
+    )
+    size = darkness.shape[1], darkness.shape[0]
+    writing = cv2.resize(evidence.writing.view(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+    across = _line_response(bare, settings)
+    down = np.ascontiguousarray(_line_response(np.ascontiguousarray(bare.T), settings).T)
+    return LineEvidence(darkness, coloured, writing, across, down)
+
+
 def measure_darkness(picture: Picture) -> tuple[Map, Map]:
     """How much darker than the paper, in the darkest channel, and how coloured; shares of its level."""
     darkest = picture.min(axis=2)

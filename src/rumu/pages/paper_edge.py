@@ -19,6 +19,7 @@ class PaperEdgeSettings:
         most light of the ground, as a share of the paper's. light: least gray level that parts both, 0-255.
     least: least share of the picture that is paper. corner: how far its edge may bend, as a share of its
         length; straight: least share of it that its four corners hold.
+    whole: least share of the picture of a sheet that lies on a desk with all of its corners.
     """
 
     closed: float = 0.017
@@ -27,6 +28,7 @@ class PaperEdgeSettings:
     least: float = 0.1
     corner: float = 0.03
     straight: float = 0.93
+    whole: float = 0.15
 
 
 def find_paper(gray: Bytes, *, settings: PaperEdgeSettings) -> FloatArray | None:
@@ -55,14 +57,8 @@ def view_by_paper(
 
     outline: see `find_paper`. shape: of the picture. The view is centred.
     """
-    import cv2
-
-    sheet = outline.astype(np.float32).reshape(-1, 1, 2)
-    corners = cv2.approxPolyDP(sheet, settings.corner * cv2.arcLength(sheet, True), True)
-    corners = corners.reshape(-1, 2).astype(np.float64)
-    if len(corners) != 4 or _at_border(corners, shape).sum() > 1:
-        return None
-    if cv2.contourArea(corners.astype(np.float32)) < settings.straight * cv2.contourArea(sheet):
+    corners = _four_corners(outline, settings)
+    if corners is None or _at_border(corners, shape).sum() > 1:
         return None
     corners = corners[np.argsort(np.arctan2(*(corners - corners.mean(axis=0)).T[::-1]))]
     corners = np.roll(corners, -int(np.argmin(corners.sum(axis=1))), axis=0)
@@ -70,6 +66,30 @@ def view_by_paper(
     lines = np.cross(centred, np.roll(centred, -1, axis=0))
     right, down = np.cross(lines[0], lines[2]), np.cross(lines[1], lines[3])
     return view_from_above(right, down, max(shape), settings=vanishing)
+
+
+def is_whole_sheet(outline: FloatArray, shape: tuple[int, ...], *, settings: PaperEdgeSettings) -> bool:
+    """Whether an outline has four straight edges and all of its corners in the picture, on a desk."""
+    import cv2
+
+    corners = _four_corners(outline, settings)
+    if corners is None or _at_border(corners, shape).any():
+        return False
+    return bool(cv2.contourArea(corners.astype(np.float32)) >= settings.whole * shape[0] * shape[1])
+
+
+def _four_corners(outline: FloatArray, settings: PaperEdgeSettings) -> FloatArray | None:
+    """(4, 2) the corners of an outline with four straight edges, in its order."""
+    import cv2
+
+    sheet = outline.astype(np.float32).reshape(-1, 1, 2)
+    corners = cv2.approxPolyDP(sheet, settings.corner * cv2.arcLength(sheet, True), True)
+    corners = corners.reshape(-1, 2).astype(np.float64)
+    if len(corners) != 4:
+        return None
+    if cv2.contourArea(corners.astype(np.float32)) < settings.straight * cv2.contourArea(sheet):
+        return None
+    return np.asarray(corners)
 
 
 def _at_border(corners: FloatArray, shape: tuple[int, ...]) -> BoolArray:
