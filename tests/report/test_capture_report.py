@@ -12,15 +12,17 @@ from rumu.surface.photograph_table import PhotographRow
 from rumu.values import Bilingual, Surface
 
 
-def report(count: int = 6, *, title: str = "蘭亭 1", facts: PhotographFacts | None = None) -> CaptureReport:
-    rows, columns = np.indices((60, 90))
-    height = (np.sin(columns / 9) * np.cos(rows / 7)).astype(np.float32)
+def report(
+    count: int = 6, *, title: str = "蘭亭 1", facts: PhotographFacts | None = None, rows: int = 60
+) -> CaptureReport:
+    down, across = np.indices((rows, 90))
+    height = (np.sin(across / 9) * np.cos(down / 7)).astype(np.float32)
     mask = np.ones(height.shape, bool)
     mask[:8] = False
     surface = Surface(
         height=height,
-        normals_from=np.broadcast_to(np.array([0, 0, 1], np.float32), (60, 90, 3)),
-        albedo_from=np.full((60, 90), 0.7, np.float32),
+        normals_from=np.broadcast_to(np.array([0, 0, 1], np.float32), (*height.shape, 3)),
+        albedo_from=np.full(height.shape, 0.7, np.float32),
         mask=mask,
         confidence=mask.astype(np.float32),
         spacing=0.1,
@@ -85,6 +87,15 @@ def test_a_report_tells_lamps_maps_figures_photographs_and_record(language):
     assert "card" in text and "leave_out" not in text
     images = [one for page in PdfReader(io.BytesIO(data)).pages for one in page.images]
     assert len(images) == 5
+
+
+@pytest.mark.parametrize("rows", range(48, 84, 4))
+def test_no_heading_stands_at_the_end_of_a_page_without_what_it_heads(rows):
+    """The higher the maps, the lower all else begins."""
+    for page in PdfReader(io.BytesIO(capture_pdf(report(11, rows=rows), language="en"))).pages:
+        text = page.extract_text()
+        for heading, below in (("Maps", "Albedo"), ("Sections", "Across the middle")):
+            assert heading not in text.split("\n") or below in text, heading
 
 
 def test_chinese_is_text_of_an_embedded_font():

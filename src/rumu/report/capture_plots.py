@@ -106,8 +106,9 @@ def draw_maps(pages: FilledPages, whole: Surface, residual: FloatArray, words: C
         ),
         (share_picture(surface.confidence), words["confidence"]),
     )
-    pages.heading(words["maps"])
     gap = 4.0
+    first = min((WIDTH - gap) / 2 * surface.height.shape[0] / surface.height.shape[1], _PICTURE)
+    pages.heading(words["maps"], below=first + 8)
     for part in (pictures[:2], pictures[2:]):
         width = (WIDTH - gap * (len(part) - 1)) / len(part)
         rows, columns = surface.height.shape
@@ -123,7 +124,7 @@ def draw_maps(pages: FilledPages, whole: Surface, residual: FloatArray, words: C
 def draw_sections(pages: FilledPages, surface: Surface, words: CaptureWords) -> None:
     """The height across and down the middle, each with its own scale."""
     rows, columns = surface.height.shape
-    pages.heading(words["sections"])
+    pages.heading(words["sections"], below=_SECTION + 10)
     for name, line, measured in (
         ("across", surface.height[rows // 2], surface.mask[rows // 2]),
         ("down", surface.height[:, columns // 2], surface.mask[:, columns // 2]),

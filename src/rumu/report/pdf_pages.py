@@ -13,6 +13,7 @@ from rumu.report.pictures import Picture, png_bytes
 
 _SIZE = (210.0, 297.0)  # A4
 _MARGIN, _FOOT = 18.0, 14.0  # millimetres
+_HEADING = 13.0  # millimetres
 _LINE = 0.48  # millimetres of a line's height for each point of its letters
 
 WIDTH = _SIZE[0] - 2 * _MARGIN
@@ -44,9 +45,9 @@ class FilledPages:
             self.y += _LINE * size
             self.paper.write(self.left + left, self.y - 0.12 * size, line, size, colour)
 
-    def heading(self, text: str) -> None:
-        """A heading of a section, with room for some lines below it."""
-        self.make_room(22.0)
+    def heading(self, text: str, *, below: float = 9.0) -> None:
+        """A heading of a section, on one page with the millimetres below it that stand together."""
+        self.make_room(_HEADING + below)
         self.y += 5.0
         self.write(text, 11.5)
         self.paper.line((self.left, self.y + 0.8), (self.left + WIDTH, self.y + 0.8), GREY, 0.15)
