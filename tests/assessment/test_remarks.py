@@ -69,7 +69,7 @@ def test_remarks_are_few_ordered_whole_and_bilingual(said, fault, mask, fault_na
 
 
 def test_no_more_is_said_than_asked(said, fault, mask):
-    bad = fault(WORK, "uneven", 5).mask
+    bad = fault(WORK, "uneven", 5, seed=2).mask
     everything = said(bad, mask(WORK))
     assert len(everything) == 3
     assert said(bad, mask(WORK), thresholds=RemarkThresholds(at_most=2)) == everything[:2]
@@ -112,22 +112,22 @@ def test_weight_is_named(*, said, fault, mask, name, kind, sign):
 
 
 @pytest.mark.parametrize(
-    ("strokes", "ink", "told"),
+    ("weights", "told"),
     [
-        (1.68, 1.16, 0.16),  # strokes that lie on other ink seem far too heavy
-        (0.55, 0.80, -0.20),  # and too thin
-        (1.30, 1.60, 0.30),
-        (1.02, 1.30, 0.30),  # where the strokes say nothing, the ink does
-        (1.40, 1.01, None),  # and where the ink says nothing, nothing is told
+        ((1.68, 1.16), 0.16),  # strokes that lie on other ink seem far too heavy
+        ((0.55, 0.80), -0.20),  # and too thin
+        ((1.30, 1.60), 0.30),
+        ((1.40, 1.01), None),  # where the ink says nothing, nothing is told
+        ((1.02, 1.30), 0.30),  # where the strokes do not, it may explain a low mark of the ink
+        ((1.02, 1.30, 1.25), 0.25),  # in its cell the middle one of three
+        ((1.04, 1.25, 0.85), None),  # a small character written with a thin brush is heavy for its size alone
     ],
 )
-def test_of_two_measures_of_weight_the_lesser_is_told(*, strokes, ink, told):
-    match = SimpleNamespace(
-        width=strokes, width_error=lambda points: 0.0, master=SimpleNamespace(points=None)
-    )
-    pose = SimpleNamespace(match=match, heaviness=float(np.log(ink)), framed=False)
+def test_of_the_measures_of_weight_that_is_told_which_none_contradicts(weights, told):
+    match = SimpleNamespace(width_error=lambda points: 0.0, master=SimpleNamespace(points=None))
+    pose = SimpleNamespace(match=match, weights=tuple(np.log(weights)), framed=False)
     found = [fault.remark.size for fault in find_whole_faults(pose, RemarkThresholds())]
-    assert found == ([] if told is None else [pytest.approx(told)])
+    assert [size for size in found if abs(size) >= 0.14] == ([] if told is None else [pytest.approx(told)])
 
 
 def test_small_faults_are_left_unsaid(said, moved, mask):

@@ -11,6 +11,9 @@ from rumu.values import Bilingual
 
 Advice = tuple[Bilingual, ...]
 
+BEGINNING = "起筆"
+"""Stands for the kind of stroke where a fault is at its beginning."""
+
 WHOLE: Mapping[str, Advice] = {
     "larger": (
         Bilingual(
@@ -101,6 +104,12 @@ WHOLE: Mapping[str, Advice] = {
         Bilingual(
             "蘸墨後在硯邊舔去餘墨，筆到處不要停住。",
             "Wipe the brush on the stone after dipping and do not let it rest.",
+        ),
+    ),
+    "pressed": (
+        Bilingual(
+            "收筆輕頓即起，不要按住不放。",
+            "Pause lightly at the end and lift at once; do not keep pressing.",
         ),
     ),
     "filled": (
@@ -239,18 +248,22 @@ STROKES: Mapping[str, Mapping[str, Advice]] = {
                 "寫到與範本同長處就頓筆，不再往外送。", "Pause where the master's ends and go no farther."
             ),
         ),
-        "豎": (Bilingual("末端與鄰筆比齊再收。", "End it level with its neighbours, as the master does."),),
+        "豎": (Bilingual("寫到範本收筆的高度就收。", "End it at the height where the master's ends."),),
         "撇": (Bilingual("撇尖到了範本的位置就提筆。", "Lift where the master's tip leaves the paper."),),
         "捺": (
             Bilingual(
                 "捺腳到位就平出，不要再拖。", "Leave level where the master's foot is; do not drag it on."
             ),
         ),
-        "": (
+        BEGINNING: (
             Bilingual(
-                "與範本的邊對齊就收，回鋒不出頭。", "Stop where the master's edge is and turn the tip back."
+                "先看範本這一筆從哪裡起，再落筆。", "See where the master's begins before you set it down."
             ),
-            Bilingual("寫到交接處就收住。", "Stop where the strokes meet."),
+            Bilingual("起筆退進來些，不要出頭。", "Begin farther in, where the master does."),
+        ),
+        "": (
+            Bilingual("寫到範本收筆處就收。", "Stop where the master's ends."),
+            Bilingual("收筆處與範本比一比，早些收住。", "Compare its end with the master's and stop sooner."),
         ),
     },
     "stroke_heavy": {

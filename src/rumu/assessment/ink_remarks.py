@@ -6,23 +6,30 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rumu.assessment.advice import WHOLE, for_stroke
+from rumu.assessment.advice import BEGINNING, WHOLE, for_stroke
 from rumu.assessment.findings import Finding
 from rumu.assessment.ink_measures import InkMeasures, InkPatch, StickingOut
 from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, ink_severity, severity
-from rumu.strokes.correspondence import StrokeMatch
+from rumu.strokes.correspondence import StrokeMatch, to_master_cell
 from rumu.strokes.naming import place_of
 from rumu.values import Bilingual, Remark
 
-_AHEAD = 0.6
+_AHEAD = 1.0
 """Least cotangent of the angle between a stroke's way and that to the ink which sticks out at its end."""
+_END = 0.2
+"""Share of a stroke that is its end, where a lump of ink was pressed there and is no blot."""
+_IN_CELL = 0.25
+"""Least share of how far an end sticks out that it must stick out in the cell, too, where that is known."""
 _WINDOW = 0.12
 """Half the side of the box about the worst place of an edge, fractions of the picture."""
 
 
 def find_ink_faults(
-    ink: InkMeasures, strokes: Sequence[NamedStroke], match: StrokeMatch, limits: RemarkThresholds
+    ink: InkMeasures,
+    strokes: Sequence[NamedStroke],
+    match: StrokeMatch,
+    limits: RemarkThresholds,
 ) -> Iterator[Finding]:
     """Faults of the ink, each where it is worth a remark or half of that."""
     dry = ink.has_shades and ink.bare >= limits.bare
@@ -50,7 +57,7 @@ def find_ink_faults(
 
 def _find_edge_fault(ink: InkMeasures, limits: RemarkThresholds, *, dry: bool) -> Iterator[Finding]:
     """Edges that tremble, or that are torn; dry: then bare streaks make them so."""
-    if not dry and ink.tremor >= limits.weak * limits.tremor:
+    if not dry and ink.tremor >= limits.weak * limits.tremor and ink.torn >= limits.frayed:
         much = ink.rough - 1.0
         remark = Remark(
             "rough", much, "of the master", severity("rough", ink.tremor, limits.tremor), None,
@@ -97,14 +104,36 @@ def _find_blot(
         return
     region = box(patch.outline)
     zh, en = _place_of_box(region)
-    text = (
-        (f"{zh}有一團墨漬。", f"There is a blot at the {en}.")
-        if patch.attached
-        else (f"{zh}濺了一滴墨。", f"A drop of ink fell on the paper at the {en}.")
-    )
+    end = _pressed_end(patch, strokes, match) if patch.attached else None
+    if end is not None:
+        text = end
+    elif patch.attached:
+        text = Bilingual(f"{zh}有一團墨漬。", f"There is a blot at the {en}.")
+    else:
+        text = Bilingual(f"{zh}濺了一滴墨。", f"A drop of ink fell on the paper at the {en}.")
     severe, outline = ink_severity("blot", patch.share), as_lines(patch.outline)
     remark = Remark("blot", patch.share, "of the ink", severe, region, *text, outline)
-    yield Finding(remark, patch.share / limits.blot, WHOLE["blot"], "blot")
+    yield Finding(remark, patch.share / limits.blot, WHOLE["blot" if end is None else "pressed"], "blot")
+
+
+def _pressed_end(patch: InkPatch, strokes: Sequence[NamedStroke], match: StrokeMatch) -> Bilingual | None:
+    """What is said where the ink lies at a free end of a stroke, which was pressed there; else None."""
+    owner = match.master.points.owner
+    on_ink = np.array([named.is_on_ink for named in strokes])[owner]
+    away = np.hypot(*(match.framed.on_picture(match.moved) - patch.outline.mean(axis=0)).T)
+    nearest = int(np.where(on_ink, away, np.inf).argmin())
+    named, own = strokes[int(owner[nearest])], np.flatnonzero(owner == owner[nearest])
+    share = float(np.searchsorted(own, nearest)) / max(len(own) - 1, 1)
+    reach = float(np.ptp(patch.outline, axis=0).max()) / 2 + match.master.width * named.cell
+    if not on_ink[nearest] or away[nearest] > reach or _END < share < 1.0 - _END:
+        return None
+    if not named.stroke.line.free[int(named.is_nearer_exit(nearest))]:
+        return None
+    zh, en = named.end_word(nearest)
+    return Bilingual(
+        f"{named.name.zh}{zh}按得太重，積成一團墨。",
+        f"{named.en} is pressed so hard at its {en} that the ink has run into a lump.",
+    )
 
 
 def _find_extra_strokes(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[Finding]:
@@ -176,28 +205,38 @@ def _find_sticking_out(
             continue
         owner = int(((match.moved - patch.middle) ** 2).sum(axis=1).argmin())
         named = strokes[int(match.master.points.owner[owner])]
-        size = patch.distance * named.cell
         is_short = named.length_change <= -limits.length  # then the ink is its own, turned or moved
-        runs_on = _runs_on(patch, named, owner)
-        if named.is_on_ink and size >= limits.sticks_out and not is_short and runs_on:
-            yield _sticking_out(patch, named, size, owner, limits)
+        if named.is_on_ink and patch.distance * named.cell >= limits.sticks_out and not is_short:
+            size = _beyond_end(patch, named, owner)
+            if size >= limits.sticks_out:
+                yield _sticking_out(patch, named, size, owner, limits)
 
 
-def _runs_on(patch: StickingOut, named: NamedStroke, nearest: int) -> bool:
-    """Whether ink lies beyond an end of the master's stroke, and not beside it or at a corner.
+def _beyond_end(patch: StickingOut, named: NamedStroke, nearest: int) -> float:
+    """How far ink lies beyond an end of the master's stroke, in cells; 0 where it lies beside it.
 
-    nearest: the one of the master's points that lies next to it. What lies beside is a stroke out of place.
+    nearest: the one of the master's points that lies next to it. What lies beside, or at a corner, is
+    a stroke out of place.
+    Where the cell is known it must lie beyond that end in the cell, too.
     """
-    points = named.match.master.points
+    match = named.match
+    points = match.master.points
     own = np.flatnonzero(points.owner == named.position)
     last = named.is_nearer_exit(nearest)
     line = named.stroke.line
     if len(own) < 2 or any(line is leg for leg in (named.legs[:-1] if last else named.legs[1:])):
-        return False
+        return 0.0
     path = points.xy[own] if last else points.xy[own][::-1]
     way = path[-1] - path[max(len(path) - 4, 0)]
+    way = way / max(float(np.hypot(*way)), 1e-9)
     off = patch.tip - path[-1]
-    return bool(off @ way >= _AHEAD * abs(off[0] * way[1] - off[1] * way[0]))
+    beyond = float(off @ way)
+    if beyond < _AHEAD * abs(off[0] * way[1] - off[1] * way[0]):
+        return 0.0
+    in_cell = to_master_cell(patch.tip[None], match.framed, match.framed_master)[0] - path[-1]
+    if named.framed and float(in_cell @ way) < _IN_CELL * beyond:
+        return 0.0
+    return patch.distance * beyond / float(np.hypot(*off)) * named.cell
 
 
 def _sticking_out(
@@ -211,9 +250,8 @@ def _sticking_out(
         "sticks_out", size, "of the cell", named.severity("sticks_out", size, limits.sticks_out),
         f"{named.name.zh}{predicate.zh}。", f"{named.en} {predicate.en}.",
     )  # fmt: skip
-    return Finding(
-        remark, size / limits.sticks_out, for_stroke("sticks_out", named.kind.zh), named.cause, predicate
-    )
+    advice = named.kind.zh if named.is_nearer_exit(nearest) else BEGINNING
+    return Finding(remark, size / limits.sticks_out, for_stroke("sticks_out", advice), named.cause, predicate)
 
 
 def _find_paleness(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[Finding]:

@@ -9,6 +9,7 @@ import numpy as np
 from rumu.assessment.advice import for_stroke
 from rumu.assessment.findings import Fault, Finding
 from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, severity
+from rumu.assessment.whole_remarks import PoseSeen
 from rumu.strokes.centre_lines import CentreLine
 from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.measures import MatchedStroke
@@ -20,7 +21,7 @@ from rumu.strokes.naming import (
     kind_of,
     name_strokes,
 )
-from rumu.values import Bilingual, FloatArray, Registration, Remark
+from rumu.values import Bilingual, FloatArray, Remark
 
 _ENDS = {
     HORIZONTAL: (Bilingual("左端", "left end"), Bilingual("右端", "right end")),
@@ -34,8 +35,11 @@ class NamedStroke:
     """A stroke with what is needed to speak of it.
 
     position: among the master's. shift: (x right, y DOWN), rms radii, without what the parts of the character
-    explain. cell: one rms radius of the master in cells. common: share of all strokes, by length, that one of
-    them has on average. number: in the order of writing, from 1; None where it is not known.
+    explain, which is `explained`. other_shifts: (k, 2) by the extent of the character instead of its pose,
+    and in the cell where that is known; with what its parts explain. cell: one rms radius of the master in
+    cells. framed: whether the copy's picture is the cell that it was written in. common: share of all
+    strokes, by length, that one of them has on average. number: in the order of writing, from 1; None where
+    it is not known.
     """
 
     stroke: MatchedStroke
@@ -45,7 +49,10 @@ class NamedStroke:
     limits: RemarkThresholds
     position: int
     shift: FloatArray
+    explained: FloatArray
+    other_shifts: FloatArray
     cell: float
+    framed: bool
     common: float
     number: int | None = None
 
@@ -147,11 +154,10 @@ class NamedStroke:
         return self.stroke.line.length / max(self.match.master.width, 1e-9)
 
 
-def name_all(
-    match: StrokeMatch, registration: Registration, limits: RemarkThresholds, *, explained: FloatArray
-) -> tuple[NamedStroke, ...]:
+def name_all(pose: PoseSeen, limits: RemarkThresholds, *, explained: FloatArray) -> tuple[NamedStroke, ...]:
     """The strokes of a match with their names; explained: (n, 2) how far parts move the master's points."""
-    width, cell = match.master.width, registration.reference.radius
+    match = pose.match
+    width, cell = match.master.width, pose.registration.reference.radius
     lines = match.master.lines
     character = None if match.laid is None else match.laid.character
     names = name_strokes(lines, character)
@@ -161,10 +167,13 @@ def name_all(
     squeezed = 0.0 if match.squeeze is None else match.squeeze.apply(match.places) - match.places
     left = squeezed - explained  # the strokes were measured against a squeezed master
     owner = match.master.points.owner
+    others = np.stack([match.by_extent, match.in_cell] if pose.framed else [match.by_extent]) - match.places
     return tuple(
         NamedStroke(
             stroke, match, name, kinds[k], limits, k,
-            stroke.shift + left[owner == k].mean(axis=0), cell, 1.0 / len(names), stroke.line.number or None,
+            stroke.shift + left[owner == k].mean(axis=0), explained[owner == k].mean(axis=0),
+            others[:, owner == k].mean(axis=1), cell,
+            pose.framed, 1.0 / len(names), stroke.line.number or None,
         )
         for k, (stroke, name) in enumerate(zip(match.strokes, names, strict=True))
     )  # fmt: skip

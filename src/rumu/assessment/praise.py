@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,9 +13,8 @@ from rumu.assessment.ink_measures import InkMeasures
 from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.part_measures import PartMeasures
 from rumu.assessment.whole_remarks import PoseSeen
-from rumu.characters.stroke_data import Structure
 from rumu.strokes.correspondence import StrokeMatch
-from rumu.values import Bilingual, Remark
+from rumu.values import Bilingual, FloatArray, Remark
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +26,8 @@ class PraiseSettings:
     `InkMeasures.torn`. proportion: of two parts, relative; part_place: fraction of the cell. size: relative;
     offset: fraction of the cell; lean: degrees.
     stroke: of the best stroke, mean of its shift, turn and length over the above; its share of all strokes
-    is at least that of a common one.
+    is at least that of a common one. far: times the above, from which one stroke alone is not good. part: of
+    the mark, 0-100, from which what belongs to it is praised.
     """
 
     shift: float = 0.016
@@ -43,32 +43,35 @@ class PraiseSettings:
     offset: float = 0.025
     lean: float = 1.5
     stroke: float = 0.6
+    far: float = 2.5
+    part: float = 50.0
 
 
 PRAISE = PraiseSettings()
 
 
 class Praised(NamedTuple):
-    """What a praise is sought in."""
+    """What a praise is sought in; marks: of the parts of the mark, 0-100."""
 
     match: StrokeMatch
     ink: InkMeasures
     parts: PartMeasures | None
     strokes: Sequence[NamedStroke]
     pose: PoseSeen
-    structure: Structure | None
+    marks: Mapping[str, float]
 
 
 class PossiblePraise(NamedTuple):
     """A praise that may be true.
 
     size: of the difference from the master over the largest that is still good. kinds: of the remarks that
-    would contradict it. stroke: the one that is praised, by its position.
+    would contradict it. part: of the mark, that it belongs to. stroke: which is praised, by its position.
     """
 
     size: float
     words: Bilingual
     kinds: tuple[str, ...]
+    part: str = ""
     stroke: int | None = None
 
 
@@ -85,6 +88,7 @@ def write_praise(
         praise
         for praise in _candidates(seen)
         if praise.size < 1.0
+        and seen.marks.get(praise.part, 100.0) >= PRAISE.part
         and not blamed.intersection(praise.kinds)
         and (praise.stroke is None or f"stroke {praise.stroke}" not in at_fault)
     ]
@@ -120,6 +124,7 @@ def _of_the_whole(seen: Praised) -> Iterator[PossiblePraise]:
                 "and well placed.",
             ),
             ("squeeze", "part_place", "spacing"),
+            "structure",
         )  # fmt: skip
 
 
@@ -133,21 +138,24 @@ def _of_the_strokes(seen: Praised) -> Iterator[PossiblePraise]:
     length = np.array([abs(np.log(max(named.stroke.length, 0.05))) for named in strokes])
     if len(strokes) == len(seen.strokes):
         yield PossiblePraise(
-            float(np.average(shift, weights=weight)) / s.shift,
+            _throughout(shift, weight, s.shift),
             Bilingual(
                 "筆畫的位置安排得準，間架穩。", "The strokes stand where the master's do: the frame is firm."
             ),
             ("displaced", "squeeze", "part_place", "inner", "spacing", "missing", "extra"),
+            "structure",
         )
     yield PossiblePraise(
-        float(np.average(turn, weights=weight)) / s.turn,
+        _throughout(turn, weight, s.turn),
         Bilingual("筆畫的斜度看得準，筆勢對。", "The slant of the strokes is well observed."),
         ("stroke_angle",),
+        "structure",
     )
     yield PossiblePraise(
-        float(np.average(length, weights=weight)) / s.length,
+        _throughout(length, weight, s.length),
         Bilingual("筆畫長短有度。", "The strokes have the right length."),
         ("stroke_long", "stroke_short", "sticks_out", "missing"),
+        "structure",
     )
     each = np.mean([shift / s.shift, turn / s.turn, length / s.length], axis=0) / s.stroke
     for named, size in zip(strokes, each.tolist(), strict=True):
@@ -156,7 +164,14 @@ def _of_the_strokes(seen: Praised) -> Iterator[PossiblePraise]:
                 f"{named.name.zh}寫得好：位置、方向、長短都與範本相合。",
                 f"{named.en} is well written: its place, direction and length are the master's.",
             )
-            yield PossiblePraise(size, words, (), named.position)
+            moved = ("size", "offset", "lean", "squeeze", "part_place")  # with the whole or its part
+            yield PossiblePraise(size, words, moved, stroke=named.position)
+
+
+def _throughout(differences: FloatArray, weight: FloatArray, good: float) -> float:
+    """The mean of the strokes' differences over what is good; the worst one counts, too."""
+    worst = float(np.max(differences, initial=0.0)) / PRAISE.far
+    return max(float(np.average(differences, weights=weight)), worst) / good
 
 
 def _of_the_brush(seen: Praised) -> Iterator[PossiblePraise]:
@@ -165,7 +180,7 @@ def _of_the_brush(seen: Praised) -> Iterator[PossiblePraise]:
     ratios = ratios[np.isfinite(ratios)]
     if len(ratios):
         uneven = float(np.abs(np.log(ratios / match.width)).mean())
-        heavy = max(abs(np.log(match.width)), abs(seen.pose.heaviness))
+        heavy = max(abs(weight) for weight in seen.pose.weights)
         yield PossiblePraise(
             max(heavy / s.weight, uneven / s.even),
             Bilingual(
@@ -173,14 +188,16 @@ def _of_the_brush(seen: Praised) -> Iterator[PossiblePraise]:
                 "The strokes have the master's weight: lifting and pressing are told apart.",
             ),
             ("heavy", "thin", "stroke_heavy", "stroke_thin", "filled"),
+            "brushwork",
         )
     ends = np.abs([v for named in seen.strokes for v in (named.stroke.entry, named.stroke.exit)])
     ends = ends[np.isfinite(ends)]
     if len(ends):
         yield PossiblePraise(
-            float(ends.mean()) / s.ends,
+            _throughout(ends, np.ones(len(ends)), s.ends),
             Bilingual("起筆、收筆看得仔細，寫出了範本的樣子。", "The entries and exits are the master's."),
-            ("entry_heavy", "entry_light", "exit_blunt", "rough"),
+            ("entry_heavy", "entry_light", "exit_blunt", "stroke_thin", "stroke_heavy", "rough"),
+            "brushwork",
         )
     yield PossiblePraise(
         max(ink.torn / s.torn, 0.3),

@@ -64,9 +64,9 @@ def write_remarks(
     part_faults, explained = find_part_faults(
         match, measured, inner, known=structure is not None, cell=cell, limits=limits
     )
-    strokes = name_all(match, registration, limits, explained=explained)
     coarse = replace(limits, tremor=limits.tremor * match.enlargement**COARSE_TREMOR)
     pose = PoseSeen(match, registration, framed)
+    strokes = name_all(pose, limits, explained=explained)
     found = [
         *find_whole_faults(pose, limits),
         *part_faults,
@@ -74,5 +74,5 @@ def write_remarks(
         *find_ink_faults(ink, strokes, match, coarse),
     ]
     remarks, untold = choose_remarks(found, parts=parts or {}, limits=limits)
-    praise = write_praise(Praised(match, ink, measured, strokes, pose, structure), remarks, found=found)
+    praise = write_praise(Praised(match, ink, measured, strokes, pose, parts or {}), remarks, found=found)
     return Review(praise, remarks, untold)

@@ -17,8 +17,10 @@ from rumu.assessment.missing_remarks import (
 from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import (
     RemarkThresholds,
+    agreed,
     as_lines,
     box,
+    contradict,
     severity,
 )
 from rumu.strokes.correspondence import BluntTips, StrokeMatch
@@ -48,7 +50,9 @@ def find_stroke_faults(
             yield from find_missing_hook(stroke)
             continue
         if stroke.is_on_ink:
-            if stroke.stroke.ink.unlike >= limits.unlike * match.enlargement:
+            ink = stroke.stroke.ink
+            is_laid_well = ink.moved <= limits.put_wrong * ink.unlike
+            if ink.unlike >= limits.unlike * match.enlargement and is_laid_well:
                 yield from _find_place_faults(stroke)
                 yield from _find_length_fault(stroke)
                 yield from _find_width_fault(stroke)
@@ -61,7 +65,7 @@ def find_stroke_faults(
 
 def _find_place_faults(named: NamedStroke) -> Iterator[Finding]:
     stroke, limits = named.stroke, named.limits
-    shift = _sideways_shift(named) * named.cell
+    shift = _sideways_shift(named)
     size = float(np.hypot(*shift))
     is_there = stroke.ink.moved <= limits.taken_out * stroke.ink.unlike
     if is_there and size >= limits.weak * limits.displaced:
@@ -87,16 +91,31 @@ def _find_place_faults(named: NamedStroke) -> Iterator[Finding]:
                 abs(stroke.turn) / least,
             ),
             Bilingual(f"斜了 {abs(stroke.turn):.0f}°，{zh}", f"is off by {abs(stroke.turn):.0f}°: {en}"),
-            f"{named.kind.zh} {way}",
+            "" if _is_plumb_already(named) else f"{named.kind.zh} {way}",
         )  # fmt: skip
 
 
 def _sideways_shift(named: NamedStroke) -> FloatArray:
-    """The shift of a stroke, without what its length alone does to its middle."""
-    stroke = named.stroke
+    """The shift of a stroke in cells, without what its length alone does to its middle.
+
+    Each way what its place beside the others, by the pose and by the extent of the whole, and its place in
+    the cell agree upon: a stroke that is low for the others may stand high in the cell.
+    """
+    stroke, limits = named.stroke, named.limits
     along = stroke.line.chord / max(float(np.hypot(*stroke.line.chord)), 1e-9)
-    grown = named.limits.stretched * abs(named.length_change) * stroke.line.length
-    return np.asarray(named.shift - np.clip(named.shift @ along, -grown, grown) * along)
+    grown = limits.stretched * abs(named.length_change) * stroke.line.length
+    shifts = np.stack([named.shift, *named.other_shifts])
+    aside = (shifts - np.clip(shifts @ along, -grown, grown)[:, None] * along) * named.cell
+    told = np.array([agreed(readings, doubt=limits.place_doubt) for readings in aside.T])
+    with_its_part = named.explained * told > 0  # is told of the part
+    return np.where(with_its_part & (np.abs(told) > np.abs(aside[0])), aside[0], told)
+
+
+def _is_plumb_already(named: NamedStroke) -> bool:
+    """Whether a vertical stands more upright than the master's slanting one: no advice to write it so."""
+    across, down = named.stroke.line.chord
+    slant = float(np.degrees(np.arctan2(-across, down)))  # above 0 where its foot lies to the left
+    return named.kind in (VERTICAL, FOLD) and abs(slant + named.stroke.turn) <= abs(slant)
 
 
 def _describe_turn(named: NamedStroke, turn: float) -> Bilingual:
@@ -132,6 +151,15 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
     error = named.match.width_error(named.stroke.line)
     least += 2.0 * error / max(named.slenderness, 1e-9)  # a pixel of the coarser picture
     least *= named.match.enlargement**2
+    # its ink at the ends, and its length in the cell where that is known, must not say the contrary
+    ink = named.stroke.ink
+    readings = [change, -ink.lacking]
+    if named.framed:
+        readings.append((1.0 + change) * named.match.pose.scale - 1.0)
+    if contradict(readings, doubt=limits.length_doubt):
+        return
+    if change > 0 and np.isfinite(ink.unlike):
+        change = min(change, -ink.lacking)  # a line that is laid on too much ink looks far too long
     if abs(change) < limits.weak * least or change > limits.longest or named.kind == RING:
         return
     if change < 0 and named.is_cut_off:
@@ -147,28 +175,41 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
 
 
 def _find_width_fault(named: NamedStroke) -> Iterator[Finding]:
-    ratio, limits = named.stroke.width / named.match.width, named.limits
+    width, limits = named.stroke.width, named.limits
     least = limits.stroke + named.match.width_error(named.stroke.line)
-    if not np.isfinite(ratio) or abs(np.log(ratio)) < limits.weak * least:
+    if not np.isfinite(width) or width <= 0:
         return
-    change, size = ratio - 1.0, float(np.log(ratio))
+    # beside the master's, and beside the other strokes: where all are heavy this one is not spoken of
+    size = agreed(np.log([width, width / named.match.width]).tolist(), doubt=0.0)
+    if abs(size) < limits.weak * least:
+        return
+    change = float(np.exp(size)) - 1.0
     shown = named.stroke.ink.fuller * np.sign(change) >= limits.fuller * abs(change)
     if abs(size) > limits.believed and not shown:
         return
     kind, zh, en = ("stroke_heavy", "粗", "heavier") if change > 0 else ("stroke_thin", "細", "thinner")
     yield named.finding(
         Fault(kind, change, "of the master", named.severity("width", size, least), abs(size) / least),
-        Bilingual(f"比別的筆畫{zh} {abs(change):.0%}", f"is {abs(change):.0%} {en} than the others"),
+        Bilingual(f"比範本{zh} {abs(change):.0%}", f"is {abs(change):.0%} {en} than the master's"),
         named.kind.zh,
     )  # fmt: skip
 
 
 def _find_end_faults(named: NamedStroke) -> Iterator[Finding]:
-    limits, entry, end = named.limits, named.stroke.entry, named.stroke.exit
+    limits, stroke, legs = named.limits, named.stroke, named.legs
+    # beside the stroke's middle and by itself: one that is heavy all along does not begin too lightly
+    entry, end = (agreed(ends, doubt=0.0) for ends in (
+        (stroke.entry, stroke.entry_alone), (stroke.exit, stroke.exit_alone)
+    ))  # fmt: skip
+    if legs:  # a part of a bent stroke begins or ends at a corner
+        entry = entry if stroke.line is legs[0] else 0.0
+        end = end if stroke.line is legs[-1] else 0.0
     coarse = named.match.enlargement**3  # an end is small: an enlarged picture shows it blurred
     cut_short = named.length_change < -limits.length  # then its ends are where its middle should be
     least = coarse * (limits.entry if entry > 0 else limits.faint)
-    begins = abs(entry) >= limits.weak * least and _is_end_unlike(named, last=False)  # not so where NaN
+    begins = limits.most_end >= abs(entry) >= limits.weak * least and _is_end_unlike(
+        named, last=False
+    )  # not so where NaN
     if begins and (entry > 0 or not cut_short):
         kind, zh, en = ("entry_heavy", "重", "heavily") if entry > 0 else ("entry_light", "輕", "lightly")
         yield named.finding_at_end(
@@ -177,7 +218,7 @@ def _find_end_faults(named: NamedStroke) -> Iterator[Finding]:
         )  # fmt: skip
     least = coarse * limits.exit
     is_whole = not cut_short and not named.is_cut_off
-    if end >= limits.weak * least and is_whole and _is_end_unlike(named, last=True):
+    if limits.most_end >= end >= limits.weak * least and is_whole and _is_end_unlike(named, last=True):
         yield named.finding_at_end(
             Fault("exit_blunt", end, "of the master", named.severity("end", end, least), end / least),
             Bilingual("收筆禿鈍，鋒沒有收住", "ends bluntly"),
@@ -197,7 +238,7 @@ def _find_blunt_tips(
     if tips is None or tips.lost < limits.weak * limits.tips or tips.blunted < limits.most_tips:
         return
     shown = [(k, end) for k, end in tips.ends if _is_end_unlike(strokes[k], last=bool(end))]
-    if len(shown) < limits.most_tips * len(tips.ends):
+    if len(shown) < max(limits.most_tips * len(tips.ends), 2):
         return
     outlines = [strokes[k].end_outline(last=bool(end)) for k, end in shown]
     masters = [strokes[k].master_outline for k in dict.fromkeys(k for k, _ in shown)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,26 +32,29 @@ class RemarkThresholds:
     extra, blot: share of the copy's ink; extra_reach: stroke widths that a stroke too many which joins
         another must go away from it; round: how slender a blot may be; off: what is at a stroke
         that is so many times out of its place, or too long, is that stroke and no blot.
-    displaced: fraction of the cell, of what the measurement is sure of, which is less than what
-        the eye sees; stretched: share of a stroke's change of length by which its middle may
-        have moved along it. turn: degrees, of a stroke `slender` widths long or longer; of a shorter one
+    displaced: fraction of the cell; place_doubt: the same up to which two readings of a place may have
+        different signs and still agree; stretched: share of a stroke's change of length by which its middle
+        may have moved along it. turn: degrees, of a stroke `slender` widths long or longer; of a shorter one
         more, up to turn_short times.
     unlike: share of its ink by which a stroke must differ from the master's, once the whole's size, place and
         lean are taken out, for its place, turn, length or width to be spoken of; unlike_end: the same of an
         end; both more where a picture had to be enlarged. taken_out: share of that which may be left when a
-        stroke that is out of place is put back.
+        stroke that is out of place is put back; put_wrong: share from which its line was laid on other ink.
     exaggerated: how many times what its line lacks the ink at its ends may lack, to be believed.
     longest: change of length above which it is not believed: the line was laid on another stroke's ink too.
     shrunk: by how much a stroke's line must be shorter for what its ink lacks at its ends to count; put_back:
         share of its ink that may differ at most then, its own shift and turn taken out.
-    length: relative; length_unsure: so many times more for a stroke that joins others at both ends, and for
-        one up to `short` widths long. sticks_out: fraction of the cell.
-    stroke: logarithm of one stroke's width over that of the whole; believed: the same above which it is an
-        error of measurement unless its ink shows so large a share, fuller, of the change; entry, exit: how
-        much wider an end is than in the master, as a share of its stroke; faint: how much thinner an entry.
+    length: relative; length_doubt: up to which readings of it may differ in sign; length_unsure: so many
+        times more for a stroke that joins others at both ends, and for one up to `short` widths long.
+    sticks_out: fraction of the cell.
+    stroke: logarithm of one stroke's width over the master's, and over that of the whole; believed: the same
+        above which it is an error of measurement unless its ink shows so large a share, fuller, of the
+        change; entry, exit: how much wider an end is than in the master, as a share of its stroke; faint: how
+        much thinner an entry; most_end: from which the end of another stroke was measured.
     tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some.
     gap: relative change of the white between strokes; uneven: spread of the changes, over that.
-    bare: share of the strokes' inside. tremor: rms radii. torn: see `InkMeasures.torn`. filled: share of its
+    bare: share of the strokes' inside. tremor: rms radii; frayed: least of `torn`
+        at which edges tremble, too. torn: see `InkMeasures.torn`. filled: share of its
         half-width that a white must have lost. pale: relative; paler: the same where all ink is equally pale,
         which a photograph's exposure may do.
     margin: stroke widths around a stroke, of the box of a remark.
@@ -84,13 +87,17 @@ class RemarkThresholds:
     unlike: float = 0.15
     unlike_end: float = 0.1
     taken_out: float = 0.9
-    displaced: float = 0.014
+    displaced: float = 0.018
+    place_doubt: float = 0.01
+    put_wrong: float = 1.3
+    most_end: float = 0.9
     stretched: float = 0.55
     turn: float = 3.0
     slender: float = 4.3
     turn_short: float = 2.0
     length: float = 0.08
     length_unsure: float = 1.3
+    length_doubt: float = 0.04
     short: float = 4.0
     exaggerated: float = 2.0
     longest: float = 1.0
@@ -109,6 +116,7 @@ class RemarkThresholds:
     uneven: float = 0.6
     bare: float = 0.022
     tremor: float = 0.0014
+    frayed: float = 0.15
     torn: float = 1.2
     filled: float = 0.6
     pale: float = 0.15
@@ -121,7 +129,7 @@ class RemarkThresholds:
 
 
 SEVERITIES: Mapping[str, float] = {
-    "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 5.0, "squeeze": 7.0, "part_place": 6.0, "inner": 7.0,
+    "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 7.0, "squeeze": 7.0, "part_place": 6.0, "inner": 7.0,
     "missing": 8.0, "hook": 2.4, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 6.0, "torn": 7.0,
     "pale": 4.5, "filled": 6.0, "displaced": 3.6, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
     "width": 3.0, "end": 2.2, "tips": 3.2, "spacing": 4.5,
@@ -133,6 +141,22 @@ STROKE_BOUNDS = (0.5, 1.3)
 """Least and greatest factor by which a stroke's weight changes the severity of its fault."""
 INK_POINTS = 60.0
 """Points for all of the ink, where a share of it is missing or too much."""
+
+
+def contradict(readings: Sequence[float], *, doubt: float) -> bool:
+    """Whether readings of one difference have different signs; one within `doubt` of 0 has none."""
+    clear = [value for value in readings if abs(value) > doubt]
+    return bool(clear) and min(clear) < 0 < max(clear)
+
+
+def agreed(readings: Sequence[float], *, doubt: float) -> float:
+    """What two or three readings of one difference agree upon: the lesser of two, the middle one of three.
+
+    0 where they contradict one another.
+    """
+    if contradict(readings, doubt=doubt):
+        return 0.0
+    return float(sorted(readings, key=abs)[(len(readings) - 1) // 2])
 
 
 def severity(fault: str, size: float, least: float, *, weight: float = 1.0) -> float:

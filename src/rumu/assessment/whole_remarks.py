@@ -11,7 +11,7 @@ from rumu.assessment.advice import WHOLE
 from rumu.assessment.features import ink_weight
 from rumu.assessment.findings import Fault, Finding
 from rumu.assessment.part_measures import InnerMeasures, PartMeasures
-from rumu.assessment.thresholds import RemarkThresholds, as_lines, box, severity
+from rumu.assessment.thresholds import RemarkThresholds, agreed, as_lines, box, severity
 from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.naming import direction_of, way_of
 from rumu.values import Bilingual, BoolArray, FloatArray, Registration, Remark
@@ -26,7 +26,7 @@ _EXTENT = {
 }
 
 
-_AGREED = 0.05
+_DOUBT = 0.05
 """Logarithm of a width up to which two measures of it may have different signs and still agree."""
 _ONLY_TO_EXPLAIN = 0.99
 """Excess of a fault that is told only where a low part of the mark has no other."""
@@ -50,11 +50,7 @@ class PoseSeen:
     @property
     def sizes(self) -> tuple[float, float]:
         """Of the copy over the master's, less 1: by what its strokes agree upon, and by its extent."""
-        match, extent = self.match, 1.0
-        if match.covered.any():
-            master, copy = (np.ptp(at[match.covered], axis=0) for at in (match.places, match.in_cell))
-            extent = float(np.sqrt(np.prod(copy) / max(float(np.prod(master)), 1e-9)))
-        return match.pose.scale - 1.0, extent - 1.0
+        return self.match.pose.scale - 1.0, self.match.extent[0] - 1.0
 
     @property
     def size(self) -> float:
@@ -72,8 +68,7 @@ class PoseSeen:
         master = match.places[match.covered]
         if len(master) == 0:
             return np.zeros(2)
-        copy = match.in_cell[match.covered]
-        away = (copy.min(axis=0) + copy.max(axis=0) - master.min(axis=0) - master.max(axis=0)) / 2
+        away = match.extent[1]
         if match.squeeze is None:  # a squeeze keeps the outer edges and moves all between them
             middle = master.mean(axis=0)
             agreed = match.pose.linear @ middle + match.pose.shift - middle
@@ -86,6 +81,19 @@ class PoseSeen:
         """Natural logarithm of the ink's mean depth over the master's, for its size."""
         return ink_weight(self.registration)
 
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Natural logarithms of the width of the strokes over the master's, read in two or three ways.
+
+        That of most strokes, and of all ink, both for the size of the character; and, where the picture is
+        the cell, of all ink as it stands on the paper.
+        """
+        strokes, ink = float(np.log(max(self.match.width, 1e-6))), self.heaviness
+        if not self.framed:
+            return strokes, ink
+        size = self.registration.probe.radius / max(self.registration.reference.radius, 1e-9)
+        return strokes, ink, ink + float(np.log(max(size, 1e-6)))
+
 
 def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Finding]:
     """Faults of the whole, each where it is worth a remark or half of that."""
@@ -93,12 +101,12 @@ def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
         yield from _find_pose_faults(pose, limits)
     strokes = pose.match
     least = limits.weight + strokes.width_error(strokes.master.points)
-    measured = float(np.log(max(strokes.width, 1e-6)))
-    agreed = measured * pose.heaviness >= -(_AGREED**2)  # else some strokes are heavy, others thin
-    # the widths of most strokes, or else of all ink: where only some are heavy the whole looks it, too; where
-    # both say so, the lesser: strokes that were laid on other ink look far too heavy or too thin
-    both = agreed and abs(measured) >= least
-    weight = min(measured, pose.heaviness, key=abs) if both else pose.heaviness
+    # where only some strokes are heavy the whole looks it, and strokes that were laid on other ink look far
+    # too heavy or too thin; a small character is heavy for its size though it was written with a thin brush
+    weight = agreed(pose.weights, doubt=_DOUBT)
+    told = abs(weight) >= limits.weak * least
+    if not told:  # else some are heavy, others thin, which may still explain a low mark of the ink
+        weight = agreed(pose.weights[1:], doubt=_DOUBT)
     if abs(weight) < limits.weak * least:
         return
     much = np.exp(weight) - 1.0
@@ -109,7 +117,7 @@ def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
         f"Strokes are about {abs(much):.0%} {en} than the master's.",
     )  # fmt: skip
     excess = abs(weight) / least
-    yield Finding(remark, excess if agreed else min(excess, _ONLY_TO_EXPLAIN), WHOLE[kind], "weight")
+    yield Finding(remark, excess if told else min(excess, _ONLY_TO_EXPLAIN), WHOLE[kind], "weight")
 
 
 def _find_pose_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Finding]:

@@ -44,7 +44,8 @@ class StrokeMatchSettings:
     perturbations: (scale, resolution) of the pictures of a master that are measured against itself, to see
         how much differs where nothing is at fault; resolution in pixels for each of its own. nudge: pixels
         (x, y) by which they are moved.
-    taper: share of a stroke's width by which a tip must be finer than its stroke to be called tapering.
+    taper: share of a stroke's width by which a tip must be finer than its stroke to be called tapering;
+        blunt: share of that from whose loss one tip is called blunt.
     in_place: share of the strokes in their place above which no second squeeze is tried.
     pixel_share: of a pixel of the coarser picture, by which a width may be wrong.
     """
@@ -52,6 +53,7 @@ class StrokeMatchSettings:
     perturbations: tuple[tuple[float, float], ...] = ((0.96, 1.0), (1.03, 0.6), (1.0, 0.8))
     nudge: tuple[float, float] = (0.5, 0.37)
     taper: float = 0.05
+    blunt: float = 0.35
     in_place: float = 0.9
     pixel_share: float = 0.3
 
@@ -64,7 +66,7 @@ class BluntTips:
     """What became of the tips that taper in the master, all together.
 
     lost: share of their taper that most of them have lost; below 0 when they are finer. blunted: share of the
-        tips that lost any. ends: (stroke, 0 for its entry or 1 for its exit) of those.
+        tips that lost any. ends: (stroke, 0 for its entry or 1 for its exit) of those that lost much.
     """
 
     lost: float
@@ -105,6 +107,31 @@ class StrokeMatch:
     missing: tuple[int, ...] = ()
     laid: LaidCharacter | None = None
     tips: BluntTips | None = None
+
+    @property
+    def extent(self) -> tuple[float, FloatArray]:
+        """Size of the copy over the master's, and (2,) how far its middle is off, by their outermost points.
+
+        A second reading beside the pose, which is what most strokes agree upon.
+        """
+        if not self.covered.any():
+            return 1.0, np.zeros(2)
+        master, copy = self.places[self.covered], self.in_cell[self.covered]
+        size = float(
+            np.sqrt(np.prod(np.ptp(copy, axis=0)) / max(float(np.prod(np.ptp(master, axis=0))), 1e-9))
+        )
+        away = copy.min(axis=0) + copy.max(axis=0) - master.min(axis=0) - master.max(axis=0)
+        return size, np.asarray(away / 2)
+
+    @property
+    def by_extent(self) -> FloatArray:
+        """(n, 2) where the copy has the master's points, that size and shift taken out."""
+        if not self.covered.any():
+            return self.in_cell
+        size, away = self.extent
+        master = self.places[self.covered]
+        middle = (master.min(axis=0) + master.max(axis=0)) / 2
+        return np.asarray((self.in_cell - away - middle) / max(size, 1e-3) + middle)
 
     @property
     def enlargement(self) -> float:
@@ -252,8 +279,9 @@ def _blunt_tips(found: tuple[MatchedStroke, ...], itself: tuple[MatchedStroke, .
     lost, taper = np.array([tip[2] / tip[3] for tip in tips]), np.array([tip[3] for tip in tips])
     order = np.argsort(lost)
     half = int(np.argmax(np.cumsum(taper[order]) >= 0.5 * taper.sum()))
-    ends = tuple((k, end) for k, end, gain, _ in tips if gain > 0)
-    return BluntTips(float(lost[order][half]), len(ends) / len(tips), ends)
+    blunted = lost >= CORRESPONDENCE.blunt
+    ends = tuple((k, end) for (k, end, *_), blunt in zip(tips, blunted, strict=True) if blunt)
+    return BluntTips(float(lost[order][half]), float((lost > 0).mean()), ends)
 
 
 def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> StrokeMatch:
@@ -294,7 +322,7 @@ def _measure_laid(
     places: (n, 2) where the same measurement has the master's own points; None when this is the master.
     """
     model, found, covered = master.lines, laid.found, laid.covered
-    in_cell = upright = _to_master_cell(found.moved, framed, master.framed)
+    in_cell = upright = to_master_cell(found.moved, framed, master.framed)
     pose, squeeze = NO_POSE, None
     if places is None:
         places = upright
@@ -345,7 +373,7 @@ def _find_stance(
     return pose, squeeze
 
 
-def _to_master_cell(points: FloatArray, copy: FramedInk, master: FramedInk) -> FloatArray:
+def to_master_cell(points: FloatArray, copy: FramedInk, master: FramedInk) -> FloatArray:
     """Points of the common frame, moved to where a cell of the master's size would have them."""
     back = np.linalg.inv(master.to_picture[:, :2])
     # pictures of unlike shape: the longer sides are taken for one another

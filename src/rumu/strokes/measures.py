@@ -63,7 +63,7 @@ class MatchedStroke:
         NaN where it cannot be seen: under a crossing.
     entry, exit: how much wider the first and the last 15 % are than the middle half, less the same of the
         master, as a share of the master's middle: a stroke that is heavy all along has no heavy ends. NaN at
-        an end that joins another stroke.
+        an end that joins another stroke. entry_alone, exit_alone: the same of the ends, whatever the middle.
     outline: (n, 2) the stroke on the copy's picture, fractions of it, origin top left; where it should
         stand if it is missing.
     """
@@ -79,6 +79,8 @@ class MatchedStroke:
     width: float
     entry: float
     exit: float
+    entry_alone: float
+    exit_alone: float
     outline: FloatArray
     ink: InkDifference = UNSEEN
 
@@ -176,7 +178,7 @@ class StrokeMeasurer:
         want, have = self.expected[own], self.upright[own]
         coverage, shift = float(self.covered[own].mean()), (have - want).mean(axis=0)
         present = coverage >= MEASURES.min_coverage and float(np.hypot(*shift)) < MEASURES.max_shift
-        entry, exit = _end_widening(self.ink_widths[own], points.radius[own], line, self.master.width)
+        ends = _end_widening(self.ink_widths[own], points.radius[own], line, self.master.width)
         total = max(len(points.xy) * points.spacing, 1e-9)
         moved = self.found.moved[own]
         return MatchedStroke(
@@ -189,8 +191,10 @@ class StrokeMeasurer:
             turn=_turn(want, have),
             length=self._length(k, own) / max(_length(want), 1e-9) if len(own) > 1 else 1.0,
             width=_median(self.width_ratios[own]),
-            entry=entry,
-            exit=exit,
+            entry=ends[0],
+            exit=ends[1],
+            entry_alone=ends[2],
+            exit_alone=ends[3],
             outline=self.framed.on_picture(moved),
         )
 
@@ -221,20 +225,26 @@ class StrokeMeasurer:
         return reached
 
 
-def _end_widening(ink: FloatArray, radius: FloatArray, line: CentreLine, width: float) -> tuple[float, float]:
-    """How much wider a stroke's entry and exit are than its middle, in half-widths of the master's middle."""
+def _end_widening(
+    ink: FloatArray, radius: FloatArray, line: CentreLine, width: float
+) -> tuple[float, float, float, float]:
+    """How much wider a stroke's entry and exit are than its middle, and how wide they are by themselves.
+
+    In half-widths of the master's middle.
+    """
     along = np.linspace(0.0, 1.0, len(ink))
     first, last = MEASURES.middle
     middle = (along >= first) & (along <= last)
     if not middle.any():
-        return float("nan"), float("nan")
+        return (float("nan"),) * 4
     share = MEASURES.min_end_widths * width / max(line.length, 1e-9)
     share = float(np.clip(share, MEASURES.end_share, MEASURES.max_end_share))
     entry, exit = (
-        float((ink[part].mean() - ink[middle].mean()) / radius[middle].mean()) if free else float("nan")
+        float(ink[part].mean() / radius[middle].mean()) if free else float("nan")
         for part, free in zip((along <= share, along >= 1.0 - share), line.free, strict=True)
     )
-    return entry, exit
+    usual = float(ink[middle].mean() / radius[middle].mean())
+    return entry - usual, exit - usual, entry, exit
 
 
 def _median(values: FloatArray) -> float:

@@ -12,6 +12,7 @@ from rumu.strokes.measures import MatchedStroke
 _RATIOS = ("length", "width")
 """What is measured of a stroke as a ratio to the master's."""
 ENDS = ("entry", "exit")
+_DIFFERENCES = (*ENDS, "entry_alone", "exit_alone")
 """What is measured of a stroke as a difference from the master's."""
 
 
@@ -57,7 +58,7 @@ def uncertainty_of(changed: list[MatchedStroke]) -> StrokeUncertainty:
         shift=worst([float(np.hypot(*s.shift)) for s in changed]),
         turn=worst([s.turn for s in changed]),
         ratios={name: worst([_log(getattr(s, name)) for s in changed]) for name in _RATIOS},
-        ends={name: max(abs(getattr(s, name)) for s in changed) for name in ENDS},
+        ends={name: max(abs(getattr(s, name)) for s in changed) for name in _DIFFERENCES},
     )
 
 
@@ -90,5 +91,5 @@ def relative_to(itself: MatchedStroke, found: MatchedStroke) -> MatchedStroke:
     ratios = {
         name: getattr(found, name) / getattr(itself, name) for name in _RATIOS if getattr(itself, name) > 1e-6
     }
-    ends: dict[str, Any] = {name: getattr(found, name) - getattr(itself, name) for name in ENDS}
+    ends: dict[str, Any] = {name: getattr(found, name) - getattr(itself, name) for name in _DIFFERENCES}
     return replace(found, **ratios, **ends)
