@@ -302,8 +302,10 @@ def test_size_and_place_are_what_strokes_and_edges_both_say(itself):
     """A pose that the edges of the writing contradict is not told, one that they exceed is told as it is."""
     match, registration = itself
     posed = replace(match, pose=CharacterPose(1.25 * np.eye(2), np.array([0.0, -0.5])))
-    assert PoseSeen(posed, registration, True).size == 0.0  # the edges stand where the master's do
-    assert np.all(PoseSeen(posed, registration, True).offset == 0.0)
+    assert PoseSeen(posed, registration, True).size == pytest.approx(
+        0.0, abs=1e-9
+    )  # the edges stand where the master's do
+    assert PoseSeen(posed, registration, True).offset == pytest.approx(0.0, abs=1e-9)
     wider = replace(posed, in_cell=match.in_cell * 1.1 + np.array([0.0, -0.9]))
     assert PoseSeen(wider, registration, True).size == pytest.approx(0.1, abs=0.02)
 
@@ -334,9 +336,9 @@ def test_ink_at_the_end_of_a_stroke_was_pressed_there_and_is_no_blot(itself):
 @pytest.mark.parametrize(("torn", "told"), [(0.4, True), (0.0, False)])
 def test_edges_tremble_where_they_are_frayed_a_little_too(itself, torn, told):
     match, registration = itself
-    ink = replace(NO_FAULT, tremor=0.01, rough=1.4, torn=torn)
+    ink = replace(NO_FAULT, tremor=1.4 * LIMITS.tremor, rough=1.4, torn=torn)
     found = find_ink_faults(ink, named(match, registration), match, LIMITS)
-    assert ("rough" in [f.remark.kind for f in found]) == told
+    assert ("rough" in [f.remark.kind for f in found if f.excess >= 1.0]) == told
 
 
 def _no_digits(text: str) -> str:

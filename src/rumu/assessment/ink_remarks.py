@@ -57,14 +57,15 @@ def find_ink_faults(
 
 def _find_edge_fault(ink: InkMeasures, limits: RemarkThresholds, *, dry: bool) -> Iterator[Finding]:
     """Edges that tremble, or that are torn; dry: then bare streaks make them so."""
-    if not dry and ink.tremor >= limits.weak * limits.tremor and ink.torn >= limits.frayed:
+    least = limits.tremor * (1.0 if ink.torn >= limits.frayed else limits.smooth)
+    if not dry and ink.tremor >= limits.weak * least:
         much = ink.rough - 1.0
         remark = Remark(
-            "rough", much, "of the master", severity("rough", ink.tremor, limits.tremor), None,
+            "rough", much, "of the master", severity("rough", ink.tremor, least), None,
             f"筆畫邊緣抖動，比範本多 {much:.0%}。",
             f"The edges tremble, {much:.0%} more than the master's.",
         )  # fmt: skip
-        yield Finding(remark, ink.tremor / limits.tremor, WHOLE["rough"], "edge")
+        yield Finding(remark, ink.tremor / least, WHOLE["rough"], "edge")
     if dry or ink.torn < limits.weak * limits.torn:
         return
     region, zh, en = None, "", ""

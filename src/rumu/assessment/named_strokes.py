@@ -149,6 +149,12 @@ class NamedStroke:
         return self.stroke.present and self.stroke.inked >= self.limits.on_ink
 
     @property
+    def is_laid_well(self) -> bool:
+        """Whether its ink is as like the master's where its line was laid: else that lies on other ink."""
+        ink = self.stroke.ink
+        return ink.moved <= self.limits.put_wrong * ink.unlike
+
+    @property
     def slenderness(self) -> float:
         """Length in stroke widths."""
         return self.stroke.line.length / max(self.match.master.width, 1e-9)

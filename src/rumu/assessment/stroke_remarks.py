@@ -50,9 +50,7 @@ def find_stroke_faults(
             yield from find_missing_hook(stroke)
             continue
         if stroke.is_on_ink:
-            ink = stroke.stroke.ink
-            is_laid_well = ink.moved <= limits.put_wrong * ink.unlike
-            if ink.unlike >= limits.unlike * match.enlargement and is_laid_well:
+            if stroke.stroke.ink.unlike >= limits.unlike * match.enlargement:
                 yield from _find_place_faults(stroke)
                 yield from _find_length_fault(stroke)
                 yield from _find_width_fault(stroke)
@@ -82,7 +80,8 @@ def _find_place_faults(named: NamedStroke) -> Iterator[Finding]:
     least = limits.turn * float(
         np.clip(limits.slender / max(named.slenderness, 1e-9), 1.0, limits.turn_short)
     )
-    if abs(stroke.turn) >= limits.weak * least and named.kind != RING:
+    is_turned = abs(stroke.turn) >= limits.weak * least and named.is_laid_well
+    if is_turned and named.kind != RING:
         zh, en = _describe_turn(named, stroke.turn)
         way = "clockwise" if stroke.turn > 0 else "anticlockwise"
         yield named.finding(
@@ -156,7 +155,7 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
     readings = [change, -ink.lacking]
     if named.framed:
         readings.append((1.0 + change) * named.match.pose.scale - 1.0)
-    if contradict(readings, doubt=limits.length_doubt):
+    if contradict(readings, doubt=limits.length_doubt) or (change > 0 and not named.is_laid_well):
         return
     if change > 0 and np.isfinite(ink.unlike):
         change = min(change, -ink.lacking)  # a line that is laid on too much ink looks far too long

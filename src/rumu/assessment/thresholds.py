@@ -53,10 +53,10 @@ class RemarkThresholds:
         much thinner an entry; most_end: from which the end of another stroke was measured.
     tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some.
     gap: relative change of the white between strokes; uneven: spread of the changes, over that.
-    bare: share of the strokes' inside. tremor: rms radii; frayed: least of `torn`
-        at which edges tremble, too. torn: see `InkMeasures.torn`. filled: share of its
-        half-width that a white must have lost. pale: relative; paler: the same where all ink is equally pale,
-        which a photograph's exposure may do.
+    bare: share of the strokes' inside. tremor: rms radii; smooth: so many times more where the edges are not
+        `frayed` a little, too, a least of `InkMeasures.torn`. torn: the same from which they are torn.
+    filled: share of its half-width that a white must have lost. pale: relative; paler: the same where all ink
+        is equally pale, which a photograph's exposure may do.
     margin: stroke widths around a stroke, of the box of a remark.
     weak: share of these sizes from which a fault may explain a part of the mark below `part_explained`, when
         no greater one does. at_most: remarks in all. slight: share of the worst one's severity below which
@@ -89,7 +89,7 @@ class RemarkThresholds:
     taken_out: float = 0.9
     displaced: float = 0.018
     place_doubt: float = 0.01
-    put_wrong: float = 1.3
+    put_wrong: float = 1.6
     most_end: float = 0.9
     stretched: float = 0.55
     turn: float = 3.0
@@ -110,13 +110,14 @@ class RemarkThresholds:
     entry: float = 0.13
     faint: float = 0.22
     exit: float = 0.19
-    tips: float = 0.16
+    tips: float = 0.3
     most_tips: float = 0.6
     gap: float = 0.25
     uneven: float = 0.6
     bare: float = 0.022
     tremor: float = 0.0014
     frayed: float = 0.15
+    smooth: float = 1.6
     torn: float = 1.2
     filled: float = 0.6
     pale: float = 0.15

@@ -28,6 +28,9 @@ _EXTENT = {
 
 _DOUBT = 0.05
 """Logarithm of a width up to which two measures of it may have different signs and still agree."""
+_SIZE_DOUBT = 0.02
+"""Relative size, and _PLACE_DOUBT the fraction of the cell, up to which the same holds."""
+_PLACE_DOUBT = 0.01
 _ONLY_TO_EXPLAIN = 0.99
 """Excess of a fault that is told only where a low part of the mark has no other."""
 _OFF = 0.06
@@ -48,33 +51,31 @@ class PoseSeen:
         return self.match.pose.angle
 
     @property
-    def sizes(self) -> tuple[float, float]:
-        """Of the copy over the master's, less 1: by what its strokes agree upon, and by its extent."""
-        return self.match.pose.scale - 1.0, self.match.extent[0] - 1.0
+    def sizes(self) -> tuple[float, float, float]:
+        """Of the copy over the master's, less 1: by what strokes agree upon, its extent and its spread."""
+        match = self.match
+        return match.pose.scale - 1.0, match.extent[0] - 1.0, match.spread[0] - 1.0
 
     @property
     def size(self) -> float:
-        """What is sure of them: the lesser, where both are on the same side."""
-        strokes, extent = self.sizes
-        return min(strokes, extent, key=abs) if strokes * extent > 0 else 0.0
+        """What is sure of them."""
+        return agreed(self.sizes, doubt=_SIZE_DOUBT)
 
     @property
     def offset(self) -> FloatArray:
         """(x right, y DOWN), fractions of the cell: how far its middle is from the master's.
 
-        What is sure of it: by what its strokes agree upon and by its edges, the lesser each way.
+        What is sure of it: by what its strokes agree upon, by its edges and by the middle of its strokes.
         """
         match = self.match
-        master = match.places[match.covered]
-        if len(master) == 0:
+        if not match.covered.any():
             return np.zeros(2)
-        away = match.extent[1]
+        middle = match.places[match.covered].mean(axis=0)
+        readings = [match.extent[1], match.spread[1]]
         if match.squeeze is None:  # a squeeze keeps the outer edges and moves all between them
-            middle = master.mean(axis=0)
-            agreed = match.pose.linear @ middle + match.pose.shift - middle
-            lesser = np.minimum(np.abs(agreed), np.abs(away))
-            away = np.where(agreed * away > 0, np.sign(away) * lesser, 0.0)
-        return np.asarray(away) * self.registration.reference.radius
+            readings.append(match.pose.linear @ middle + match.pose.shift - middle)
+        away = np.stack(readings) * self.registration.reference.radius
+        return np.array([agreed(each, doubt=_PLACE_DOUBT) for each in away.T.tolist()])
 
     @property
     def heaviness(self) -> float:

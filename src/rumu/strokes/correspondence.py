@@ -124,6 +124,15 @@ class StrokeMatch:
         return size, np.asarray(away / 2)
 
     @property
+    def spread(self) -> tuple[float, FloatArray]:
+        """The same by the middle of all its points and their distances from it."""
+        if not self.covered.any():
+            return 1.0, np.zeros(2)
+        master, copy = self.places[self.covered], self.in_cell[self.covered]
+        size = np.sqrt(copy.var(axis=0).sum() / max(float(master.var(axis=0).sum()), 1e-9))
+        return float(size), np.asarray((copy - master).mean(axis=0))
+
+    @property
     def by_extent(self) -> FloatArray:
         """(n, 2) where the copy has the master's points, that size and shift taken out."""
         if not self.covered.any():
