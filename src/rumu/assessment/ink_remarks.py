@@ -237,7 +237,7 @@ def _beyond_end(patch: StickingOut, named: NamedStroke, nearest: int) -> float:
     in_cell = to_master_cell(patch.tip[None], match.framed, match.framed_master)[0] - path[-1]
     if named.framed and float(in_cell @ way) < _IN_CELL * beyond:
         return 0.0
-    return patch.distance * beyond / float(np.hypot(*off)) * named.cell
+    return patch.distance * beyond / max(float(np.hypot(*off)), 1e-9) * named.cell
 
 
 def _sticking_out(

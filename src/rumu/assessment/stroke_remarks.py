@@ -206,10 +206,8 @@ def _find_end_faults(named: NamedStroke) -> Iterator[Finding]:
     coarse = named.match.enlargement**3  # an end is small: an enlarged picture shows it blurred
     cut_short = named.length_change < -limits.length  # then its ends are where its middle should be
     least = coarse * (limits.entry if entry > 0 else limits.faint)
-    begins = limits.most_end >= abs(entry) >= limits.weak * least and _is_end_unlike(
-        named, last=False
-    )  # not so where NaN
-    if begins and (entry > 0 or not cut_short):
+    is_other = limits.most_end >= abs(entry) >= limits.weak * least  # not so where NaN
+    if is_other and _is_end_unlike(named, last=False) and (entry > 0 or not cut_short):
         kind, zh, en = ("entry_heavy", "重", "heavily") if entry > 0 else ("entry_light", "輕", "lightly")
         yield named.finding_at_end(
             Fault(kind, entry, "of the master", named.severity("end", entry, least), abs(entry) / least),
