@@ -10,7 +10,7 @@ from rumu.assessment.advice import for_stroke
 from rumu.assessment.findings import Fault, Finding
 from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, severity
 from rumu.assessment.whole_remarks import PoseSeen
-from rumu.strokes.centre_lines import CentreLine
+from rumu.strokes.centre_lines import CentreLine, pixels_at
 from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.measures import MatchedStroke
 from rumu.strokes.naming import (
@@ -147,6 +147,15 @@ class NamedStroke:
     def is_on_ink(self) -> bool:
         """Whether it was found, and does not lie across bare paper, from one stroke's ink to another's."""
         return self.stroke.present and self.stroke.inked >= self.limits.on_ink
+
+    def runs_on(self, *, last: bool) -> bool:
+        """Whether ink of the copy goes on beyond its exit, or else its entry: then that is no tip."""
+        own = np.flatnonzero(self.match.master.points.owner == self.position)
+        path = self.match.moved[own] if last else self.match.moved[own][::-1]
+        way = path[-1] - path[max(len(path) - 4, 0)]
+        way = way / max(float(np.hypot(*way)), 1e-9)
+        beyond = np.linspace(*self.limits.beyond_tip, 5) * self.match.copy.width
+        return bool(self.match.framed.ink[pixels_at(path[-1] + beyond[:, None] * way)].mean() > 0.5)
 
     @property
     def is_laid_well(self) -> bool:

@@ -214,7 +214,7 @@ def _find_end_faults(named: NamedStroke) -> Iterator[Finding]:
             Bilingual(f"起筆太{zh}", f"begins too {en}"),
         )  # fmt: skip
     least = coarse * limits.exit
-    is_whole = not cut_short and not named.is_cut_off
+    is_whole = not cut_short and not named.is_cut_off and not named.runs_on(last=True)
     if limits.most_end >= end >= limits.weak * least and is_whole and _is_end_unlike(named, last=True):
         yield named.finding_at_end(
             Fault("exit_blunt", end, "of the master", named.severity("end", end, least), end / least),
@@ -234,7 +234,11 @@ def _find_blunt_tips(
     """Most tips too wide: not one stroke but the hand lets the brush down at its tips."""
     if tips is None or tips.lost < limits.weak * limits.tips or tips.blunted < limits.most_tips:
         return
-    shown = [(k, end) for k, end in tips.ends if _is_end_unlike(strokes[k], last=bool(end))]
+    shown = [
+        (k, end)
+        for k, end in tips.ends
+        if _is_end_unlike(strokes[k], last=bool(end)) and not strokes[k].runs_on(last=bool(end))
+    ]
     if len(shown) < max(limits.most_tips * len(tips.ends), 2):
         return
     outlines = [strokes[k].end_outline(last=bool(end)) for k, end in shown]

@@ -51,7 +51,8 @@ class RemarkThresholds:
         above which it is an error of measurement unless its ink shows so large a share, fuller, of the
         change; entry, exit: how much wider an end is than in the master, as a share of its stroke; faint: how
         much thinner an entry; most_end: from which the end of another stroke was measured.
-    tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some.
+    tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some;
+        beyond_tip: stroke widths beyond a tip where no more ink lies.
     gap: relative change of the white between strokes; uneven: spread of the changes, over that.
     bare: share of the strokes' inside. tremor: rms radii; smooth: so many times more where the edges are not
         `frayed` a little, too, a least of `InkMeasures.torn`. torn: the same from which they are torn.
@@ -110,8 +111,9 @@ class RemarkThresholds:
     entry: float = 0.13
     faint: float = 0.22
     exit: float = 0.19
-    tips: float = 0.3
+    tips: float = 0.16
     most_tips: float = 0.6
+    beyond_tip: tuple[float, float] = (0.6, 1.2)
     gap: float = 0.25
     uneven: float = 0.6
     bare: float = 0.022
