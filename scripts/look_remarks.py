@@ -1,6 +1,6 @@
 """Draw learners' copies beside their masters, with the marks and remarks on them, for a teacher's eye.
 
-    .venv/bin/python scripts/look_remarks.py OUT [--set tuning|kept|first|second|third|fourth|fifth] [--data DATA]
+    .venv/bin/python scripts/look_remarks.py OUT [--set tuning|kept|first|second|third|fourth|fifth]
 
 Half of the E3C copies, by a checksum of their names, are for tuning the remarks; the other half is kept for
 looking. From each half come the 10 that people marked best, the 10 worst and 20 of the middle, at most three
