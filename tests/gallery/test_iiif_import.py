@@ -21,6 +21,7 @@ from rumu.errors import GalleryError
 from rumu.gallery import catalog
 from rumu.gallery.catalog import open_gallery
 from rumu.gallery.iiif_import import import_manifest
+from rumu.gallery.iiif_reading import read_presentation
 from rumu.gallery.labels import SharedMetadata
 from rumu.gallery.museum_web import FetchSettings, MuseumWeb, NotNow
 from rumu.values import Bilingual
@@ -147,6 +148,36 @@ def test_a_canvas_whose_picture_has_no_address_is_left_out(bare, museum, web, ad
     file.write_text(json.dumps(facts), encoding="utf-8")
     done = import_manifest(bare, file, web=web[0])
     assert (done.added, [name for name, _ in done.left_out]) == (1, [museum.canvas_id(4)])
+
+
+def _painted_by(annotation):
+    return {"type": "Canvas", "id": "c", "items": [{"type": "AnnotationPage", "items": [annotation]}]}
+
+
+IMAGE = {"id": "https://a.example/i/full/max/0/default.jpg", "type": "Image"}
+SERVICE = {"id": "https://a.example/i", "type": "ImageService3", "profile": "level2"}
+LOGIN = {"@id": "https://a.example/login", "profile": "http://iiif.io/api/auth/1/login"}
+
+
+@pytest.mark.parametrize(
+    ("annotation", "service"),
+    [
+        ({"motivation": ["painting"], "body": [IMAGE]}, ""),
+        ({"motivation": ["commenting", "sc:painting"], "body": {"type": "Choice", "items": [IMAGE]}}, ""),
+        ({"motivation": "painting", "body": {**IMAGE, "service": [LOGIN, SERVICE]}}, "https://a.example/i"),
+        ({"motivation": "painting", "body": {**IMAGE, "service": LOGIN}}, ""),
+        ({"body": {**IMAGE, "service": {"@id": "https://a.example/i/"}}}, "https://a.example/i"),
+        ({"motivation": ["commenting"], "body": [IMAGE]}, None),
+    ],
+)
+def test_a_picture_is_painted_as_web_annotations_may_say_it(annotation, service):
+    """motivation and body may be lists, and other services may stand beside that of the picture."""
+    facts = {"type": "Manifest", "label": {"en": ["a"]}, "items": [_painted_by(annotation)]}
+    found = read_presentation(json.dumps(facts).encode(), url="https://a.example/m")
+    if service is None:
+        assert not found.canvases and found.without_picture == 1
+    else:
+        assert [(one.picture, one.service) for one in found.canvases] == [(IMAGE["id"], service)]
 
 
 def test_a_collection_brings_its_manifests_each_once(bare, museum, web):

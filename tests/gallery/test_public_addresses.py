@@ -190,3 +190,13 @@ def test_a_server_that_is_away_is_said_so(tmp_path):
     with pytest.raises(NotNow, match="run the import again"):
         web.json_bytes("https://museum.example/m.json")
     assert len(asked) == 3
+
+
+def test_what_was_fetched_where_private_addresses_are_allowed_is_kept_for_nobody_else(tmp_path):
+    """Else the service would show its owner files of the inner network that the command line fetched."""
+    with open_museum(1) as museum:
+        url = f"{museum.base}/manifest.json"
+        allowed = MuseumWeb(tmp_path, FetchSettings(pause=0.0, private=True))
+        assert allowed.json_bytes(url) == allowed.json_bytes(url) and museum.asked["/manifest.json"] == 1
+        with pytest.raises(GalleryError, match="inner network"):
+            MuseumWeb(tmp_path, FetchSettings(pause=0.0)).json_bytes(url)

@@ -23,6 +23,7 @@ _TAG = re.compile(r"<[^<>]{1,200}>")
 _MOST_FACTS = 200
 _LONGEST = 20_000  # characters of one text
 _LONGEST_ADDRESS = 2000
+_OTHER_SERVICES = ("auth", "search", "geo")  # that may stand beside the one of the picture
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,18 +224,25 @@ def _painted(canvas: dict[str, Any]) -> Iterator[dict[str, Any]]:
         yield from _objects(image.get("resource"))
     for page in _objects(canvas.get("items")):
         for annotation in _objects(page.get("items")):
-            if str(annotation.get("motivation", "painting")).rpartition(":")[2] == "painting":
+            motivations = _list(annotation.get("motivation", "painting"))  # several may be named
+            if any(str(one).rpartition(":")[2] == "painting" for one in motivations):
                 yield from _objects(annotation.get("body"))
 
 
 def _image_service(body: dict[str, Any]) -> str:
-    """The base address of the Image API that serves a picture, '' if there is none."""
+    """The base address of the Image API that serves a picture, '' if there is none.
+
+    Beside it others may be named, such as those that ask for a login; one that says nothing of itself counts.
+    """
+    others = []
     for service in _objects(body.get("service")):
         kind, profile = str(service.get("type") or service.get("@type") or ""), service.get("profile")
         told = f"{kind} {profile} {service.get('@context', '')}".lower()
-        if "image" in told or "iiif" in told or _address(service):
+        if "image" in told:
             return _address(service).rstrip("/")
-    return ""
+        if not any(name in told for name in _OTHER_SERVICES):
+            others.append(_address(service).rstrip("/"))
+    return next(filter(None, others), "")
 
 
 def _whole_number(value: Any) -> int:

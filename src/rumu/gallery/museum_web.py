@@ -136,7 +136,9 @@ class MuseumWeb:
         raise NotThere(f"{url}: cannot be fetched", zh="取不到檔案。")
 
     def _kept(self, url: str) -> Path:
-        digest = hashlib.sha256(url.encode()).hexdigest()
+        # What was fetched where private addresses are allowed serves nobody else.
+        known = f"private {url}" if self.settings.private else url
+        digest = hashlib.sha256(known.encode()).hexdigest()
         return self.folder / digest[:2] / digest
 
     # --- one request ---------------------------------------------------------------------------------
