@@ -276,6 +276,7 @@ def derived_bytes(gallery) -> int:
 
 def test_the_least_recently_used_files_go_first(gallery, monkeypatch):
     works = [row.id for row in catalog.works(gallery).items][:6]
+    gallery.store.delete("derived")
     for work in works:
         derived_file(gallery, work, "glb")
     keys = {}
@@ -305,3 +306,20 @@ def test_the_operator_limits_the_room(gallery, monkeypatch):
     monkeypatch.setenv(MAX_DERIVED_VARIABLE, "much")
     with pytest.raises(RumuError, match=f"{MAX_DERIVED_VARIABLE}: expected a whole number of megabytes"):
         derived_file(gallery, "regular-ri", "glb")
+
+
+def test_a_picture_of_very_many_pixels_is_not_sent_whole_and_not_decoded_either(recwarn):
+    """Pillow warns of 90 megapixels and refuses 179; the size alone is read here."""
+    import struct
+    import zlib
+
+    from rumu.gallery.renderers import browser_media_type
+
+    def png(side: int) -> bytes:
+        head = b"IHDR" + struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)
+        chunks = [(13, head), (0, b"IDAT")]
+        packed = [struct.pack(">I", n) + chunk + struct.pack(">I", zlib.crc32(chunk)) for n, chunk in chunks]
+        return b"\x89PNG\r\n\x1a\n" + b"".join(packed)
+
+    assert browser_media_type(png(11_000)) is None and browser_media_type(png(40_000)) is None
+    assert not [one for one in recwarn if "DecompressionBomb" in str(one.category)]

@@ -59,3 +59,32 @@ def test_the_parts_of_shui_are_as_many_as_said(gallery, script):
 
     _, parts = ndimage.label(surface(gallery, f"{script}-shui").mask)
     assert parts == {"seal": 5, "regular": 2}[script]
+
+
+def test_what_the_first_pages_show_comes_with_the_package(tmp_path):
+    """And is what would be made: else run scripts/make_starter_derived.py."""
+    import io
+
+    from PIL import Image
+
+    from rumu.gallery.assets import assets_of
+    from rumu.gallery.catalog import open_gallery
+    from rumu.gallery.derived import KINDS, derived_file, stored_file
+    from rumu.studio.job_handlers import make_first_files
+
+    new = open_gallery(database=tmp_path / "a.sqlite", files=tmp_path / "files")
+    shipped = {key: new.store.read(key) for key in new.store.keys("derived")}
+    make_first_files(new, lambda done, total: None)
+    assert set(new.store.keys("derived")) == set(shipped)  # nothing had to be made, nothing is superfluous
+    for work_id, kind in (
+        ("stele-ru-mu-san-fen", "cover"),
+        ("stele-ru-mu-san-fen", "cover-normals"),
+        ("regular-shui", "thumb"),
+        ("long-cang-yong", "thumb-normals"),
+    ):
+        known = stored_file(new.store, assets_of(new.store, work(new, work_id)), kind)
+        made = KINDS[kind].render(assets_of(new.store, work(new, work_id)))
+        then, now = (np.asarray(Image.open(io.BytesIO(data)), float) for data in (known.data, made))
+        assert then.shape == now.shape
+        assert np.abs(then - now).mean() < 1, (work_id, kind)
+        assert derived_file(new, work_id, kind).data == known.data

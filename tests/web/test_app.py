@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import csv
 import io
+import threading
 import zipfile
 
 import pytest
 from PIL import Image
+from starlette.testclient import TestClient
+from tests.web.conftest import make_settings
 
 from rumu.database.tables import Work
+from rumu.studio.errors import Busy
 from rumu.studio.job_handlers import add_samples
+from rumu.studio.worker_pool import WorkerPool
+from rumu.web.app import create_app
 from rumu.web.responses import IMMUTABLE
 
 
@@ -285,3 +291,37 @@ def _blank() -> bytes:
     stream = io.BytesIO()
     Image.fromarray(np.full((80, 80), 255, np.uint8)).save(stream, "PNG")
     return stream.getvalue()
+
+
+def test_the_first_pages_come_while_the_workers_are_still_starting(tmp_path, monkeypatch):
+    """A new gallery's first visitor waits neither for the workers nor for what a first page shows."""
+    loaded = threading.Event()
+    monkeypatch.setattr(WorkerPool, "start", lambda self, warm_up: loaded.wait(60))
+    app = create_app(make_settings(tmp_path))
+    with TestClient(app) as client:
+        assert client.get("/").status_code == 200
+        cover = client.get("/api/home").json()["cover"]
+        found = client.get("/api/works?q=永").json()["items"]
+        gathered = client.get("/api/characters/永/works").json()
+        assert found and gathered
+        monkeypatch.setattr(WorkerPool, "call", lambda *_, **__: pytest.fail("a worker was asked"))
+        files = [cover["picture"], cover["normals"], *(card["thumb"] for card in found)]
+        assert all(client.get(url).status_code == 200 for url in files)
+        assert not loaded.is_set()
+        loaded.set()
+
+
+def test_a_service_that_ends_while_it_starts_runs_no_jobs(tmp_path, monkeypatch):
+    begun = threading.Event()
+
+    def start(pool, warm_up):
+        begun.set()
+        with pytest.raises(Busy):
+            while True:
+                pool.call(lambda storage: None)
+
+    monkeypatch.setattr(WorkerPool, "start", start)
+    app = create_app(make_settings(tmp_path))
+    monkeypatch.setattr(app.state.service.runner, "start", lambda: pytest.fail("jobs were started"))
+    with TestClient(app):
+        assert begun.wait(60)

@@ -64,7 +64,7 @@ def _serve_gallery(port: int, *, opens: bool) -> None:
     from rumu.errors import RumuError
     from rumu.gallery.catalog import open_gallery
     from rumu.homes import user_home
-    from rumu.studio.job_handlers import make_thumbnails
+    from rumu.studio.job_handlers import make_first_files
     from rumu.studio.storage import Storage
     from rumu.web.server import listen, serve
     from rumu.web.settings import ServiceSettings
@@ -73,7 +73,7 @@ def _serve_gallery(port: int, *, opens: bool) -> None:
     storage = Storage(database=str(home / "rumu.sqlite"), files=str(home / "files"))
     with bar("Hanging the gallery") as advance:
         gallery = open_gallery(database=storage.database, files=storage.files)
-        make_thumbnails(gallery, advance)
+        make_first_files(gallery, advance)
         gallery.database.close()
     try:
         listen("127.0.0.1", port).close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -76,6 +77,8 @@ _STELE_WORK = WorkMetadata(
     attribution="rumu; drawing of the characters: Copyright 2018 The MaShanZheng Project Authors (OFL-1.1)",
     origin="starter_stele",
 )
+DERIVED = "starter_derived.zip"
+"""What the first pages show, by its keys in the store: scripts/make_starter_derived.py writes it."""
 _STELE_PICTURE = "mean.jpg"  # beside the photographs, and none of them
 _STELE_SPACING = 0.35  # mm for each pixel, as its capture.json says
 
@@ -93,6 +96,7 @@ def add_starter_works(gallery: Gallery) -> bool:
         for collection, of_it in ((STARTER, starter_works()), (BRUSH, brush_works()))
     )
     stele = _stele_row(gallery)
+    _store_derived(gallery)
     file = resources.files("rumu.gallery").joinpath("starter_tours.json")
     texts = json.loads(file.read_text(encoding="utf-8"))
     annotations = [_split_languages(one) | {"position": n} for n, one in enumerate(texts["annotations"])]
@@ -150,6 +154,19 @@ def _stele_row(gallery: Gallery) -> dict[str, Any]:
         spacing=_STELE_SPACING,
     )
     return work_row(_STELE_WORK, stored, work_id="stele-ru-mu-san-fen", collection=STELE, position=0)
+
+
+def _store_derived(gallery: Gallery) -> None:
+    """Store what the first pages show, so that the first visitor waits for none of it to be computed.
+
+    A file whose key has changed with the version of derived files is never asked for.
+    """
+    packed = resources.files("rumu.gallery").joinpath(DERIVED)
+    if not packed.is_file():
+        return
+    with packed.open("rb") as file, zipfile.ZipFile(file) as files:
+        for key in files.namelist():
+            gallery.store.write(key, files.read(key))
 
 
 def _split_languages(entry: dict[str, Any]) -> dict[str, Any]:

@@ -63,8 +63,15 @@ def upload_folder(job_id: str) -> str:
     return f"uploads/{job_id}"
 
 
-def make_thumbnails(gallery: Gallery, advance: Callable[[int, int], object]) -> list[str]:
-    """Make the missing thumbnails of the first works, and return the ids of those works."""
+def make_first_files(gallery: Gallery, advance: Callable[[int, int], object]) -> list[str]:
+    """Make what the first pages show and is missing, and return the ids of the first works.
+
+    The home page's files come first, then the thumbnails of the first works.
+    """
+    shown, _ = cover_work(gallery)
+    if shown is not None:
+        for kind in _OF_COVER:
+            derived_file(gallery, shown.id, kind)
     ids = [work.id for work in catalog.works(gallery, limit=_PREPARED_WORKS).items]
     for done, work_id in enumerate(ids, start=1):
         for kind in THUMBNAILS:
@@ -78,13 +85,13 @@ def prepare(
 ) -> dict[str, Any]:
     """Make what the first pages show and the simulated samples, at the first start.
 
-    The home page's files come first, then thumbnails of the first works, the samples, and the works' maps.
+    The first pages' files come first, then the maps of the work on the home page, the samples, and all maps.
     """
+    ids = make_first_files(gallery, lambda done, total: progress(done, 2 * total, "縮圖 Thumbnails"))
     shown, _ = cover_work(gallery)
     if shown is not None:
-        for kind in _OF_COVER:
+        for kind in _MAPS:
             derived_file(gallery, shown.id, kind)
-    ids = make_thumbnails(gallery, lambda done, total: progress(done, 2 * total, "縮圖 Thumbnails"))
     samples = add_samples(gallery, storage=storage)
     for done, work_id in enumerate(ids):
         progress(len(ids) + done, 2 * len(ids), "圖層 Maps")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
+import threading
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +16,7 @@ from rumu.database.server_lock import ServerLock
 from rumu.database.tables import Attempt, Job, Work
 from rumu.gallery.catalog import open_gallery
 from rumu.studio import job_queue, worker_tasks
+from rumu.studio.errors import Busy
 from rumu.studio.invitations import invite_first_owner
 from rumu.studio.job_runner import JobRunner
 from rumu.studio.people import Identity, identify_session, owner_exists
@@ -48,12 +51,20 @@ class Service:
         self.job_workers = WorkerPool(storage, processes=0 if settings.processes == 0 else 1)
         self.files = DerivedFiles(self.gallery, self.workers)
         self.stopping = False
+        self._starting = threading.Thread(target=self._start_work, name="rumu-start", daemon=True)
         self.marking_limiter = CapacityLimiter(MAX_MARKING_THREADS)
         self.runner = JobRunner(self.gallery.database, self._run_job, may_run=(lock or ServerLock()).is_held)
 
     def start(self) -> None:
+        """Have the workers and then the queue of jobs started, while pages are sent already."""
+        self._starting.start()
+
+    def _start_work(self) -> None:
         """Start the workers, so that the first mark is as quick as the others, and the queue of jobs."""
-        self.workers.start(worker_tasks.warm_up)
+        with contextlib.suppress(Busy):  # the service was stopped meanwhile
+            self.workers.start(worker_tasks.warm_up)
+        if self.stopping:
+            return
         self.runner.start()
         if self.settings.prepare:
             self.prepare()
@@ -61,9 +72,11 @@ class Service:
     def stop(self) -> None:
         """Stop everything at once; jobs that are running begin again at the next start."""
         self.stopping = True
+        self.workers.stop()
+        if self._starting.is_alive():
+            self._starting.join()
         self.runner.stop()
         self.job_workers.stop()
-        self.workers.stop()
         self.gallery.database.close()
 
     def _run_job(self, job_id: str) -> None:
