@@ -1,11 +1,12 @@
-"""Deep zoom into a large work: `python benchmarks/deep_zoom.py [--width 16000 --height 7500] [--no-browser]`.
+"""Deep zoom into a large work: `benchmarks/deep_zoom.py [--width 16000 --height 7500] [--capture 6]`.
 
 A scroll of that many pixels is drawn, some rows at a time, and added to an empty gallery by a process of
 its own: seconds by the clock and of processor time, and its most memory. Then a browser opens it: seconds
 to the first picture, to sharp tiles, to sharp tiles after each of three jumps; frames a second while the
 lamp moves; bytes of JavaScript, of tiles, and of the browser's processes beyond those of an empty page
 (where graphics memory counts too, if the processor draws). Times by the clock depend on what else the
-machine does; `--gpu` lets the browser use a card. `--errors` prints instead how far packed normals of a
+machine does; `--capture` adds so many simulated photographs of that many pixels instead, which
+are measured; `--gpu` lets the browser use a card. `--errors` prints instead how far packed normals of a
 measured and of an inflated surface are from the true ones.
 """
 
@@ -54,16 +55,17 @@ FRAMES = """() => new Promise((done) => {
 })"""
 
 
-def add(scroll: str) -> None:
-    """Add the scroll to the gallery of RUMU_HOME and print what it took, as JSON."""
-    from rumu.gallery.add_work import add_picture
+def add(source: Path) -> None:
+    """Add a scroll or a folder of photographs to the gallery of RUMU_HOME; print what it took, as JSON."""
+    from rumu.gallery.add_work import add_capture, add_picture
     from rumu.gallery.catalog import open_gallery
     from rumu.gallery.metadata import WorkMetadata
     from rumu.values import Bilingual
 
     start = time.time()
     metadata = WorkMetadata(title=Bilingual("長卷", "A long scroll"))
-    added = add_picture(open_gallery(starter=False), scroll, metadata=metadata)
+    add_one = add_capture if source.is_dir() else add_picture
+    added = add_one(open_gallery(starter=False), source, metadata=metadata)
     used = resource.getrusage(resource.RUSAGE_SELF)
     facts = {"work": added.id, "seconds": time.time() - start, "processor": used.ru_utime + used.ru_stime}
     print(json.dumps(facts | {"megabytes": used.ru_maxrss / 1024}))
@@ -163,6 +165,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--width", type=int, default=16_000)
     parser.add_argument("--height", type=int, default=7_500)
+    parser.add_argument("--capture", type=int, metavar="PHOTOGRAPHS")
     parser.add_argument("--no-browser", action="store_true")
     parser.add_argument("--gpu", action="store_true")
     parser.add_argument("--errors", action="store_true")
@@ -172,13 +175,21 @@ def main() -> None:
         print_errors()
         return
     if options.add:
-        add(options.add)
+        add(Path(options.add))
         return
     with tempfile.TemporaryDirectory() as folder:
         os.environ["RUMU_HOME"] = f"{folder}/home"
-        scroll = Path(folder) / "scroll.tif"
-        draw_scroll(scroll, DrawnScroll(options.width, options.height))
-        print(f"{options.width} x {options.height} pixels, {scroll.stat().st_size / 1e6:.0f} MB")
+        scroll = Path(folder) / ("photographs" if options.capture else "scroll.tif")
+        if options.capture:
+            from museum import write_photographs_apart
+
+            scroll.mkdir()
+            megapixels = options.width * options.height / 1e6
+            write_photographs_apart(scroll, megapixels=megapixels, count=options.capture)
+            print(f"{options.capture} photographs of {megapixels:g} megapixels")
+        else:
+            draw_scroll(scroll, DrawnScroll(options.width, options.height))
+            print(f"{options.width} x {options.height} pixels, {scroll.stat().st_size / 1e6:.0f} MB")
         command = [sys.executable, __file__, "--add", str(scroll)]
         facts = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
         print("import: {seconds:.1f} s, {processor:.1f} s of one core, {megabytes:.0f} MB".format(**facts))

@@ -82,6 +82,12 @@ def write_photographs(folder: Path, *, megapixels: float, count: int) -> None:
     (folder / "lamps.lp").write_text("\n".join(lines) + "\n")
 
 
+def write_photographs_apart(folder: Path, *, megapixels: float, count: int) -> None:
+    """As `write_photographs`, by another process: a child's peak counts what its parent took before."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as apart:
+        apart.submit(write_photographs, folder, megapixels=megapixels, count=count).result()
+
+
 def timed(job: Callable[[], object], *, times: int = 1) -> tuple[float, float]:
     """Seconds of the processor and elapsed, of the quickest run."""
     runs = []
@@ -119,9 +125,7 @@ def large_photographs(megapixels: float, count: int) -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "photographs"
         folder.mkdir()
-        # By another process: a child's peak counts what its parent took before, and these take a lot.
-        with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as apart:
-            apart.submit(write_photographs, folder, megapixels=megapixels, count=count).result()
+        write_photographs_apart(folder, megapixels=megapixels, count=count)
         print(f"\n{count} photographs of {megapixels:g} MP, 8-bit PNG, {CORES} cores", flush=True)
         print(f"  {'':<28}{'cpu s':>8}{'elapsed':>9}{'GB':>7}{'MB written':>12}   times the decoding")
         decoded = timed(lambda: decode_in_one_thread(folder))

@@ -121,8 +121,9 @@ export type ViewerFacts = {
   tiles?: TileServices | null;
 };
 
-/** normals: null where there are none. version: empty where it is not known. */
-export type TileServices = { albedo: string; normals: string | null; version: string };
+/** Image services by the maps that they show; a map without one is missing or null. version: empty where it is not known. */
+export type TileServices = { [map in TiledMap]?: string | null } & { version: string };
+export type TiledMap = "albedo" | "normals" | "picture" | "lamp-a" | "lamp-b" | "lamp-c";
 
 export type TourStep = { work: string; view: string; title: Bilingual; text: Bilingual };
 export type Tour = { id: string; title: Bilingual; steps: TourStep[] };

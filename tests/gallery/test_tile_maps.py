@@ -16,18 +16,19 @@ from tests.gallery.pages import draw_page
 
 from rumu.errors import GalleryError, RefusedImage, SurfaceError
 from rumu.gallery import assets, tile_maps
-from rumu.gallery.add_work import add_picture
-from rumu.gallery.assets import Assets, assets_of, store_surface, surface_key
+from rumu.gallery.add_work import add_capture, add_picture
+from rumu.gallery.assets import Assets, assets_of, decode_picture, store_surface, surface_key
 from rumu.gallery.catalog import delete_work, work
-from rumu.gallery.derived import KINDS, delete_least_used
+from rumu.gallery.derived import KINDS, delete_least_used, stored_file
 from rumu.gallery.iiif import manifest
 from rumu.gallery.metadata import WorkMetadata
 from rumu.gallery.store import Gallery
-from rumu.gallery.tile_maps import LARGE, MAPS, has_tiles, make_tiles, stored_tiles, tiles_etag
+from rumu.gallery.tile_maps import LAMPS, LARGE, MAPS, has_tiles, make_tiles, stored_tiles, tiles_etag
 from rumu.gallery.tiles import tile_name
 from rumu.surface.mesh import albedo_srgb
 from rumu.surface.relief import relief
 from rumu.values import Bilingual
+from rumu_lab.simulation.lamps import photographs
 from rumu_lab.simulation.reflectances import spread_lamps
 
 SCALE = 3
@@ -141,6 +142,54 @@ def test_a_measured_work_is_tiled_from_its_surface(bare, page):
         first = tile_name(0, 0, scale=1, width=width, height=height, suffix=suffix)
         tile = np.asarray(Image.open(io.BytesIO(tiles[name].read(first)))).astype(float)
         assert np.abs(tile - expected[:512, :512]).mean() < (0.6 if name == "normals" else 3)
+
+
+def test_photographs_under_three_lamps_are_tiled_as_they_are(bare, page, tmp_path, monkeypatch):
+    """And the picture of a measured work, which is another than its albedo; of a large one at once."""
+    folder = tmp_path / "capture"
+    folder.mkdir()
+    surface = relief(page[::SCALE, ::SCALE])
+    images, lights = photographs(surface.height, surface.albedo, tilts=(180, 0, 90), slant=40)
+    lines = ["3"]
+    for number, (image, light) in enumerate(zip(images, lights, strict=True)):
+        Image.fromarray(np.round(255 * image).astype(np.uint8)).save(folder / f"{number}.png")
+        lines.append(f"{number}.png {light[0]:.6f} {light[1]:.6f} {light[2]:.6f}")
+    (folder / "lights.lp").write_text("\n".join(lines))
+    (folder / "capture.json").write_text('{"encoding": "linear"}')
+    monkeypatch.setattr(tile_maps, "LARGE", 1000)
+    added = add_capture(bare, folder, metadata=WorkMetadata(title=Bilingual("碑", "stele")))
+    files = assets_of(bare.store, work(bare, added.id))
+    for kind in (
+        "facts",
+        "heights",
+        "albedo",
+        "normals",
+        "picture",
+        "mask",
+        *LAMPS,
+    ):  # what its page asks for
+        assert stored_file(bare.store, files, kind) is not None or kind == "picture", kind
+    height, width = surface.height.shape
+    first = tile_name(0, 0, scale=1, width=width, height=height, suffix="jpg")
+
+    def tile(name):
+        tiles = tiles_of(bare, added.id, name)
+        assert (tiles.info["height"], tiles.info["width"]) == (height, width)
+        return np.asarray(Image.open(io.BytesIO(tiles.read(first)))).astype(float)
+
+    for name, number in zip(LAMPS, (1, 2, 0), strict=True):  # tilts 0, 90, 180
+        told = albedo_srgb(images[number][:512, :512])
+        assert np.abs(tile(name) - (told if tile(name).ndim == told.ndim else told[..., 0])).mean() < 2
+    assert np.abs(tile("lamp-a") - tile("lamp-c")).mean() > 1
+    mean = np.asarray(decode_picture(bare.store.read(work(bare, added.id).picture)))[:512, :512]
+    assert np.abs(tile("picture") - mean).mean() < 2
+
+
+def test_a_work_from_one_picture_has_no_photographs(bare, page, tmp_path):
+    work_id = add(bare, tmp_path / "page.png", page)
+    for name in ("picture", *LAMPS):
+        with pytest.raises(GalleryError, match=r"expected a work (from|with) photographs"):
+            make_tiles(bare, work_id, name)
 
 
 def test_a_set_is_made_once_and_again_when_it_is_gone(bare, page, tmp_path, monkeypatch):

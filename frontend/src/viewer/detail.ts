@@ -1,5 +1,6 @@
-// The part of the flat sheet that is seen, at the sharpness of the screen: tiles of albedo and normals, drawn into two pictures of the
+// The part of the flat sheet that is seen, at the sharpness of the screen: tiles of each map that is shown, drawn into a picture of the
 // screen's size whenever the view changes or a tile has come. The sheet is then lit from these, so that moving the lamp draws no tiles.
+// What the lens shows has pictures of its own, since it may be magnified.
 
 import {
   BufferAttribute,
@@ -15,32 +16,35 @@ import {
   Scene,
   SRGBColorSpace,
   Texture,
-  Vector2,
   Vector3,
   Vector4,
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import type { TileServices } from "../types";
+import type { TiledMap, TileServices } from "../types";
 import { loadPicture } from "./loading";
-import { drawingOrder, type ImageInfo, neededTiles, type Part, type Pyramid, readPyramid, versionQuery } from "./pyramid";
+import { drawingOrder, type ImageInfo, neededTiles, type Part, type Pyramid, readPyramid, type Tile, versionQuery } from "./pyramid";
 import { TileCache } from "./tileCache";
 
-const MAPS = ["albedo", "normals"] as const;
-type MapName = (typeof MAPS)[number];
-
-/** Bytes of graphics memory that tiles of both maps may take. */
+/** Bytes of graphics memory that the tiles of all maps may take. */
 const MAX_BYTES = 96e6;
 const MAX_BYTES_ON_A_PHONE = 48e6;
-/** Of the bytes of one map, what the tiles of one view may take: others stay in memory for the way back. */
-const SHARE_OF_VIEW = 0.8;
+/** Of the bytes of one map, what the tiles of one view may take, and of the lens: others stay in memory for the way back. */
+const SHARE_OF_VIEW = 0.7;
+const SHARE_OF_LENS = 0.2;
 /** How far beyond the sheet its part may reach where it is seen aslant; fractions of the sheet. */
 const BEYOND = 0.05;
 
 /** What a page may want to know: pixels of the work for one of the tiles shown, how many tiles are still to come, bytes of tiles. */
 export type DetailState = { factor: number; missing: number; bytes: number };
+/** Whether a picture shows the whole view or what is in the lens. */
+export type ViewName = "sheet" | "lens";
+/** A part of the sheet, how large it is on the screen, and which maps are shown of it. */
+export type Window = { part: Part; size: { x: number; y: number }; maps: readonly TiledMap[] };
 
-type Layer = { pyramid: Pyramid; tiles: TileCache<Texture>; target: WebGLRenderTarget; base: Texture };
+/** pyramid: null until it has come (`awaited`), and where there are no tiles. targets: what is drawn of the map for each view. */
+type Layer = { tiles: TileCache<Texture>; base: Texture; encoded: boolean; pyramid: Pyramid | null; awaited: boolean; targets: Map<ViewName, WebGLRenderTarget> };
+type Needed = { layer: Layer; sharp: Tile[]; factor: number };
 
 const vertex = /* glsl */ `
 in vec3 position;
@@ -58,18 +62,23 @@ out vec4 colour;
 void main() { colour = vec4(texture(picture, at).rgb, 1.0); }`;
 
 export class SheetDetail {
-  /** What of the sheet the two pictures show: left, top, width, height as fractions. */
-  readonly part = new Vector4(0, 0, 1, 1);
+  /** What of the sheet the pictures of a view show: left, top, width, height as fractions. */
+  readonly parts: Record<ViewName, Vector4> = { sheet: new Vector4(0, 0, 1, 1), lens: new Vector4(0, 0, 1, 1) };
   state: DetailState = { factor: 0, missing: 0, bytes: 0 };
   private readonly scene = new Scene();
   private readonly camera = new OrthographicCamera();
   private readonly quad: Mesh<BufferGeometry, RawShaderMaterial>;
-  private drawn = "";
+  private readonly layers = new Map<TiledMap, Layer>();
+  private readonly drawn: Partial<Record<ViewName, string>> = {};
+  private readonly maxBytes = matchMedia("(pointer: coarse)").matches ? MAX_BYTES_ON_A_PHONE : MAX_BYTES;
 
-  private constructor(
+  /** base: the maps of the whole sheet, which are shown until tiles come. onChange: called when one has come. */
+  constructor(
     private readonly renderer: WebGLRenderer,
-    private readonly sheet: { wide: number; tall: number },
-    private readonly layers: Partial<Record<MapName, Layer>>,
+    private readonly base: Partial<Record<TiledMap, Texture>>,
+    private readonly services: TileServices,
+    private readonly onChange: () => void,
+    private readonly signal: AbortSignal,
   ) {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(new Float32Array([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0]), 3));
@@ -80,78 +89,93 @@ export class SheetDetail {
     this.scene.add(this.quad);
   }
 
-  /** base: the maps of the whole sheet, which are shown until tiles come. onChange: called when one has come. */
-  static async load(
-    renderer: WebGLRenderer,
-    sheet: { wide: number; tall: number },
-    base: Record<MapName, Texture>,
-    services: TileServices,
-    onChange: () => void,
-    signal: AbortSignal,
-  ): Promise<SheetDetail> {
-    const maxBytes = (matchMedia("(pointer: coarse)").matches ? MAX_BYTES_ON_A_PHONE : MAX_BYTES) / MAPS.length;
-    const { version } = services;
-    const layer = async (name: MapName): Promise<Layer | null> => {
-      const service = services[name];
-      if (service === null) return null;
-      const encoded = name === "albedo";
-      const response = await fetch(`${service}/info.json${versionQuery(version)}`, { signal, credentials: "same-origin" });
-      if (!response.ok) throw new Error(`${service}: ${response.status}`);
-      const pyramid = readPyramid(service, version, (await response.json()) as ImageInfo);
-      const load = async (url: string, cancelled: AbortSignal) => tileTexture(renderer, await loadPicture(url, cancelled), encoded);
-      const tiles = new TileCache<Texture>(maxBytes, { load, free: (texture) => texture.dispose(), onChange });
-      const target = new WebGLRenderTarget(1, 1, { depthBuffer: false, colorSpace: encoded ? SRGBColorSpace : NoColorSpace });
-      return { pyramid, tiles, target, base: base[name] };
-    };
-    const [albedo, normals] = await Promise.all([layer("albedo"), layer("normals")]);
-    return new SheetDetail(renderer, sheet, { ...(albedo && { albedo }), ...(normals && { normals }) });
+  /** A map as a view shows it; null of one that it does not show. */
+  texture(view: ViewName, name: TiledMap): Texture | null {
+    return this.layers.get(name)?.targets.get(view)?.texture ?? null;
   }
 
-  /** What is seen of a map; null of one without tiles. */
-  texture(name: MapName): Texture | null {
-    return this.layers[name]?.target.texture ?? null;
-  }
-
-  /** Draws what the camera sees of the sheet, as sharp as the tiles in memory are, and loads those that are missing. */
-  update(camera: PerspectiveCamera): void {
-    const size = this.renderer.getDrawingBufferSize(new Vector2());
-    const part = visiblePart(camera, this.sheet);
-    const across = size.x / (part.right - part.left);
-    const layers = Object.values(this.layers);
-    const needed = layers.map((layer) => {
-      const found = neededTiles(layer.pyramid, part, across, layer.tiles.maxBytes * SHARE_OF_VIEW);
-      layer.tiles.want([...found.coarse, ...found.sharp]);
-      return { layer, sharp: found.sharp, factor: found.sharp[0]?.factor ?? 1 };
-    });
+  /** Draws what the windows show of the sheet, as sharp as the tiles in memory are, and loads those that are missing. */
+  update(windows: { sheet: Window; lens: Window | null }): void {
+    const shown = Object.entries(windows).filter((entry): entry is [ViewName, Window] => entry[1] !== null);
+    const active = [...new Set(shown.flatMap(([, { maps }]) => maps))].map((name) => this.layer(name));
+    const needed = new Map<ViewName, Needed[]>();
+    const wanted = new Map<Layer, Tile[]>();
+    for (const [view, window] of shown) {
+      const across = window.size.x / (window.part.right - window.part.left);
+      const share = (this.maxBytes / active.length) * (view === "lens" ? SHARE_OF_LENS : SHARE_OF_VIEW);
+      const found = window.maps.map((name) => {
+        const layer = this.layer(name);
+        const tiles = layer.pyramid ? neededTiles(layer.pyramid, window.part, across, share) : { sharp: [], coarse: [] };
+        wanted.set(layer, [...(wanted.get(layer) ?? []), ...tiles.coarse, ...tiles.sharp]);
+        return { layer, sharp: tiles.sharp, factor: tiles.sharp[0]?.factor ?? 1 };
+      });
+      needed.set(view, found);
+    }
+    for (const layer of this.layers.values()) {
+      layer.tiles.maxBytes = this.maxBytes / active.length;
+      if (active.includes(layer)) layer.tiles.want(wanted.get(layer) ?? []);
+      else this.release(layer);
+    }
+    const all = [...needed.values()].flat();
     this.state = {
-      factor: needed[0]?.factor ?? 1,
-      missing: needed.reduce((sum, { layer, sharp }) => sum + layer.tiles.missing(sharp), 0),
-      bytes: layers.reduce((sum, { tiles }) => sum + tiles.bytes, 0),
+      factor: needed.get("sheet")![0]?.factor ?? 1,
+      missing: all.reduce((sum, { layer, sharp }) => sum + layer.tiles.missing(sharp) + Number(layer.awaited), 0),
+      bytes: active.reduce((sum, { tiles }) => sum + tiles.bytes, 0),
     };
-    const shows = JSON.stringify([part, size, layers.map(({ tiles }) => tiles.changes)]);
-    if (shows === this.drawn) return;
-    this.drawn = shows;
-    this.part.set(part.left, part.top, part.right - part.left, part.bottom - part.top);
-    for (const { layer, factor } of needed) this.compose(layer, part, factor, size);
+    for (const [view, window] of shown) this.draw(view, window, needed.get(view)!);
   }
 
   /** Begins anew when the graphics card has lost its pictures. */
   reload(): void {
-    this.drawn = "";
-    Object.values(this.layers).forEach(({ tiles }) => tiles.clear());
+    this.drawn.sheet = this.drawn.lens = "";
+    this.layers.forEach(({ tiles }) => tiles.clear());
   }
 
   dispose(): void {
-    for (const { tiles, target } of Object.values(this.layers)) {
-      tiles.clear();
-      target.dispose();
-    }
+    this.layers.forEach((layer) => this.release(layer));
     this.quad.geometry.dispose();
     this.quad.material.dispose();
   }
 
-  private compose(layer: Layer, part: Part, factor: number, size: { x: number; y: number }): void {
-    const { target, tiles, base } = layer;
+  /** A map, whose tiles are asked for when it is first shown; where there are none, its base is shown alone. */
+  private layer(name: TiledMap): Layer {
+    const known = this.layers.get(name);
+    if (known) return known;
+    const encoded = name !== "normals";
+    const load = async (url: string, cancelled: AbortSignal) => tileTexture(this.renderer, await loadPicture(url, cancelled), encoded);
+    const { onChange } = this;
+    const tiles = new TileCache<Texture>(this.maxBytes, { load, free: (texture) => texture.dispose(), onChange });
+    const { [name]: service, version } = this.services;
+    const layer: Layer = { tiles, base: this.base[name] ?? this.base.albedo!, encoded, pyramid: null, awaited: Boolean(service), targets: new Map() };
+    this.layers.set(name, layer);
+    const come = (pyramid: Pyramid | null) => {
+      Object.assign(layer, { pyramid, awaited: false });
+      onChange();
+    };
+    if (service) void loadPyramid(service, version, this.signal).then(come, () => this.signal.aborted || come(null));
+    return layer;
+  }
+
+  /** Gives up what is kept of a map that is not shown. */
+  private release({ tiles, targets }: Layer): void {
+    if (!targets.size && !tiles.bytes) return;
+    tiles.clear();
+    targets.forEach((target) => target.dispose());
+    targets.clear();
+  }
+
+  private draw(view: ViewName, { part, size, maps }: Window, needed: Needed[]): void {
+    const shows = JSON.stringify([part, size, maps, needed.map(({ layer }) => layer.tiles.changes)]);
+    if (shows === this.drawn[view]) return;
+    this.drawn[view] = shows;
+    this.parts[view].set(part.left, part.top, part.right - part.left, part.bottom - part.top);
+    for (const { layer, factor } of needed) this.compose(layer, view, part, factor, size);
+  }
+
+  private compose(layer: Layer, view: ViewName, part: Part, factor: number, size: { x: number; y: number }): void {
+    const { tiles, base, encoded, targets } = layer;
+    const target = targets.get(view) ?? new WebGLRenderTarget(1, 1, { depthBuffer: false, colorSpace: encoded ? SRGBColorSpace : NoColorSpace });
+    targets.set(view, target);
     target.setSize(size.x, size.y);
     this.renderer.setRenderTarget(target);
     this.renderer.clear();
@@ -175,6 +199,12 @@ export class SheetDetail {
     this.quad.material.uniformsNeedUpdate = true;
     this.renderer.render(this.scene, this.camera);
   }
+}
+
+async function loadPyramid(service: string, version: string, signal: AbortSignal): Promise<Pyramid> {
+  const response = await fetch(`${service}/info.json${versionQuery(version)}`, { signal, credentials: "same-origin" });
+  if (!response.ok) throw new Error(`${service}: ${response.status}`);
+  return readPyramid(service, version, (await response.json()) as ImageInfo);
 }
 
 const overlaps = (a: Part, b: Part): boolean => a.left < b.right && a.right > b.left && a.top < b.bottom && a.bottom > b.top;

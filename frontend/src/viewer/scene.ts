@@ -32,8 +32,8 @@ import { niceStep } from "./scales";
 import { fragment, vertex } from "./shaders";
 import type { HeightField } from "./heightfield";
 import { FIELD_OF_VIEW, fitCamera } from "./camera";
-import type { TileServices } from "../types";
-import { type DetailState, SheetDetail } from "./detail";
+import type { TiledMap, TileServices } from "../types";
+import { type DetailState, SheetDetail, type ViewName, visiblePart, type Window } from "./detail";
 import { type Camera, type Lens, LOOKS, type Mode, type ViewState } from "./state";
 
 /** Decoded pictures of one sheet. `photo`: null where the albedo is the picture itself. `lamps`: three photographs, if there are; `mask`: white where the surface was measured, if only in part. */
@@ -65,7 +65,15 @@ const CONTOUR_REACH = 3;
 /** The viewing position for the flat sheet: so far away that it is straight above every point. */
 const DISTANT_EYE: Vec3 = [0, 0, 1e4];
 
-type LensPosition = { u: number; v: number; radius: number };
+/** u, v: its middle, fractions of the sheet; radius: as a fraction of the longer side; pixels: its radius on the screen, in CSS pixels. */
+export type LensPosition = { u: number; v: number; radius: number; pixels: number };
+
+/** How many times larger the lens that magnifies shows things. */
+const MAGNIFIED = 2.5;
+/** The uniform of each map that is drawn from tiles. */
+const TILED: Record<TiledMap, string> = { albedo: "albedo", normals: "normals", picture: "photo", "lamp-a": "lampA", "lamp-b": "lampB", "lamp-c": "lampC" };
+const LIT: TiledMap[] = ["albedo", "normals"];
+const MIXED: TiledMap[] = ["lamp-a", "lamp-b", "lamp-c"];
 
 export class SheetScene {
   readonly renderer: WebGLRenderer;
@@ -75,7 +83,8 @@ export class SheetScene {
   /** Units of height between two contour lines. */
   readonly interval: number;
   private readonly textures: Texture[] = [];
-  private readonly base: { albedo: Texture; normals: Texture };
+  /** The maps of the whole sheet. */
+  private readonly base: Record<TiledMap, Texture>;
   private detail: SheetDetail | null = null;
   private readonly grids = new Map<number, BufferGeometry>();
   private readonly smoothed = new Map<number, DataTexture>();
@@ -90,7 +99,10 @@ export class SheetScene {
     this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
     this.renderer.setClearColor(0, 0);
     this.interval = niceStep(field.max - field.min, CONTOUR_COUNT);
-    this.base = { albedo: this.texture(maps.albedo, true), normals: this.texture(maps.normals, false) };
+    const { lamps, photo } = maps;
+    const albedo = this.texture(maps.albedo, true);
+    const light = (bitmap: ImageBitmap | undefined | null) => (bitmap ? this.texture(bitmap, true) : albedo);
+    this.base = { albedo, normals: this.texture(maps.normals, false), picture: light(photo), "lamp-a": light(lamps?.a), "lamp-b": light(lamps?.b), "lamp-c": light(lamps?.c) };
     this.sheet = new Mesh(this.grid(FLAT_SQUARES), this.material());
     this.sheet.frustumCulled = false; // heights are only known on the GPU
     this.scene.add(this.sheet);
@@ -114,14 +126,13 @@ export class SheetScene {
     this.camera.position.set(x, y, z);
     this.camera.lookAt(tx, ty, tz);
     this.camera.updateMatrixWorld();
-    if (this.detail && state.mode === "sheet") this.showDetail(this.detail);
-    this.renderer.render(this.scene, this.camera);
+    if (this.detail && state.mode === "sheet") this.drawSharp(this.detail, state.lens, lensPosition);
+    else this.renderer.render(this.scene, this.camera);
   }
 
   /** From now on the flat sheet is as sharp as the screen. onChange: called when it can be drawn sharper. */
-  async loadDetail(services: TileServices, onChange: () => void, signal: AbortSignal): Promise<void> {
-    this.detail = await SheetDetail.load(this.renderer, this.field, this.base, services, onChange, signal);
-    if (signal.aborted) this.detail.dispose();
+  showTiles(services: TileServices, onChange: () => void, signal: AbortSignal): void {
+    this.detail = new SheetDetail(this.renderer, this.base, services, onChange, signal);
     onChange();
   }
 
@@ -135,12 +146,40 @@ export class SheetScene {
     return this.detail?.state ?? null;
   }
 
-  private showDetail(detail: SheetDetail): void {
-    detail.update(this.camera);
+  /** Draws the sheet, and then what is in the lens over it, each from its own part of the tiles. */
+  private drawSharp(detail: SheetDetail, lens: Lens, position: LensPosition | null): void {
     const { uniforms } = this.sheet.material;
-    uniforms.albedo!.value = detail.texture("albedo") ?? this.base.albedo;
-    uniforms.normals!.value = detail.texture("normals") ?? this.base.normals;
-    uniforms.part!.value.copy(detail.part);
+    const maps = uniforms.mixture!.value.lengthSq() > 0 ? MIXED : LIT;
+    const sheet = { part: visiblePart(this.camera, this.field), size: this.renderer.getDrawingBufferSize(new Vector2()), maps };
+    const through = lens === "none" || !position ? null : this.lensWindow(lens, position, maps);
+    detail.update({ sheet, lens: through });
+    const number = uniforms.lens!.value;
+    uniforms.lens!.value = -1;
+    this.render(detail, "sheet");
+    if (!through) return;
+    uniforms.lens!.value = number;
+    uniforms.lensAlone!.value = this.sheet.material.transparent = true;
+    this.renderer.autoClear = false;
+    this.render(detail, "lens");
+    this.renderer.autoClear = true;
+    uniforms.lensAlone!.value = this.sheet.material.transparent = false;
+  }
+
+  private render(detail: SheetDetail, view: ViewName): void {
+    const { uniforms } = this.sheet.material;
+    for (const [map, name] of Object.entries(TILED) as [TiledMap, string][]) uniforms[name]!.value = detail.texture(view, map) ?? this.base[map];
+    uniforms.part!.value.copy(detail.parts[view]);
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** What of the sheet a lens shows, and by which maps. */
+  private lensWindow(lens: Lens, { u, v, radius, pixels }: LensPosition, shown: TiledMap[]): Window {
+    const reach = lens === "magnify" ? radius / MAGNIFIED : radius;
+    const [x, y] = [reach / this.field.wide, reach / this.field.tall];
+    const side = Math.ceil(2 * pixels * this.renderer.getPixelRatio());
+    const photograph: TiledMap = this.maps.photo ? "picture" : "albedo";
+    const maps: Record<Lens, TiledMap[]> = { none: [], magnify: shown, picture: [photograph], heights: ["normals"], normals: ["normals"] };
+    return { part: { left: u - x, top: v - y, right: u + x, bottom: v + y }, size: { x: side, y: side }, maps: maps[lens] };
   }
 
   /** The flat sheet under the state's lamp, one pixel for each texel of the albedo: RGBA rows from the top. */
@@ -185,8 +224,7 @@ export class SheetScene {
     uniform("look").value = LOOKS.indexOf(state.look);
     uniform("eye").value.set(...eye);
     uniform("cells").value.set(...squares(this.field, longest));
-    uniform("albedo").value = this.base.albedo;
-    uniform("normals").value = this.base.normals;
+    for (const [map, name] of Object.entries(TILED) as [TiledMap, string][]) uniform(name).value = this.base[map];
     uniform("part").value.set(0, 0, 1, 1);
     const { lamps, mask } = this.maps;
     uniform("cut").value = mask !== null && state.mode !== "sheet";
@@ -202,9 +240,8 @@ export class SheetScene {
 
   private material(): RawShaderMaterial {
     const { field, maps } = this;
-    const { albedo, normals } = this.base;
+    const { albedo } = this.base;
     const heights = this.heights(0);
-    const { lamps } = maps;
     return new RawShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: vertex,
@@ -213,18 +250,14 @@ export class SheetScene {
       uniforms: {
         heights: { value: heights },
         smoothed: { value: heights },
-        albedo: { value: albedo },
-        normals: { value: normals },
-        photo: { value: maps.photo ? this.texture(maps.photo, true) : albedo },
+        ...Object.fromEntries(Object.entries(TILED).map(([map, name]) => [name, { value: this.base[map as TiledMap] }])),
         photographed: { value: maps.photo !== null },
         part: { value: new Vector4(0, 0, 1, 1) },
         mask: { value: maps.mask ? this.texture(maps.mask, false) : albedo },
         cut: { value: false },
-        lampA: { value: lamps ? this.texture(lamps.a, true) : albedo },
-        lampB: { value: lamps ? this.texture(lamps.b, true) : albedo },
-        lampC: { value: lamps ? this.texture(lamps.c, true) : albedo },
         mode: { value: 0 },
         lens: { value: -1 },
+        lensAlone: { value: false },
         lensPosition: { value: new Vector3() },
         sheet: { value: new Vector2(field.wide, field.tall) },
         light: { value: new Vector3(0, 0, 1) },

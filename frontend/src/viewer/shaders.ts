@@ -77,11 +77,12 @@ export const fragment = /* glsl */ `
 precision highp float;
 precision highp sampler2D;
 uniform sampler2D heights, smoothed, albedo, normals, photo, lampA, lampB, lampC;
-uniform vec4 part; // what of the sheet albedo and normals show: left, top, width, height
+uniform vec4 part; // what of the sheet albedo, normals and photographs show: left, top, width, height
 uniform bool photographed; // whether the photograph is another picture than the albedo
 uniform int mode; // 0 sheet, 1 mesh, 2 heights, 3 contours, 4 the photograph, 5 normals
 uniform int lens; // as mode, -1 none, 6 magnified
 uniform vec3 lensPosition; // u, v, radius as a fraction of the longer side
+uniform bool lensAlone; // draw nothing but what is in the lens, over a sheet that is drawn already
 uniform vec2 sheet; // width and height where the longer side is 1
 uniform vec3 light; // unit vector to the lamp
 uniform int look; // 0 a warm lamp, 1 exact, 2 clay
@@ -121,7 +122,7 @@ vec3 normalAt(vec2 uv) {
 }
 vec3 sheetAt(vec2 uv) { // linear; the albedo texture is decoded by the sampler
   if (mixture != vec3(0.0)) {
-    vec3 photographed = mixPhotographs(texture(lampA, uv).rgb, texture(lampB, uv).rgb, texture(lampC, uv).rgb, mixture);
+    vec3 photographed = mixPhotographs(texture(lampA, inPart(uv)).rgb, texture(lampB, inPart(uv)).rgb, texture(lampC, inPart(uv)).rgb, mixture);
     return min(look == 1 ? photographed : photographed * exposure(light) * warm, 1.0);
   }
   vec3 a = look == 2 ? clay : texture(albedo, inPart(uv)).rgb;
@@ -159,12 +160,13 @@ vec3 layerAt(int what, vec2 uv) {
   if (what == 1) return meshAt();
   if (what == 2) return heightsAt(uv);
   if (what == 3) return contoursAt(uv);
-  if (what == 4) return photographed ? texture(photo, uv).rgb : texture(albedo, inPart(uv)).rgb;
+  if (what == 4) return photographed ? texture(photo, inPart(uv)).rgb : texture(albedo, inPart(uv)).rgb;
   if (what == 5) return srgbToLinear(normalAt(uv) * 0.5 + 0.5);
   return sheetAt(uv);
 }
 void main() {
   vec3 linear;
+  float alpha = 1.0;
   vec2 away = (at - lensPosition.xy) * sheet;
   float d = length(away) / max(lensPosition.z, 1e-6);
   // Both are computed outside of a branch on the pixel, so that derivatives hold at the lens's rim.
@@ -174,10 +176,14 @@ void main() {
     float edge = fwidth(d);
     linear = mix(through, plain, smoothstep(1.0 - edge, 1.0 + edge, d));
     float rim = 1.0 - smoothstep(0.0, 2.0 * edge, abs(d - 1.0));
-    linear = mix(linear, srgbToLinear(vec3(0.64, 0.15, 0.11)), rim);
+    if (lensAlone && d > 1.0) {
+      linear = through;
+      alpha = rim;
+    }
+    linear = mix(linear, srgbToLinear(vec3(0.64, 0.15, 0.11)), lensAlone && d > 1.0 ? 1.0 : rim);
   } else {
     linear = plain;
   }
   if (measured < 0.98) discard;
-  colour = vec4(linearToSrgb(linear), 1.0);
+  colour = vec4(linearToSrgb(linear), alpha);
 }`;

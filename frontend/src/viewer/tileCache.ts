@@ -22,7 +22,7 @@ export class TileCache<T> {
   changes = 0;
 
   constructor(
-    readonly maxBytes: number,
+    public maxBytes: number,
     private readonly source: TileSource<T>,
   ) {}
 

@@ -10,7 +10,7 @@ import { enterSession } from "./webxr";
 import { type Camera, DEFAULT_VIEW, lightAt, normalizeView, type SheetLine, type ViewState } from "./state";
 import { interpolateCamera, orbit, pan, zoom } from "./camera";
 import { createPictureViewer, hasWebGL2 } from "./fallback";
-import { SheetScene } from "./scene";
+import { type LensPosition, SheetScene } from "./scene";
 import type { SessionMode, SheetPoint, Tool, Viewer, ViewerOptions } from "./types";
 import "./viewer.css"; // imported here, so that a viewer has its size in any page
 
@@ -80,7 +80,7 @@ class SheetViewer implements Viewer {
       () => dark.removeEventListener("change", repaint),
     );
     this.resize();
-    if (facts.tiles) void this.loadDetail(facts.tiles);
+    if (facts.tiles) this.showTiles(facts.tiles);
   }
 
   get interval(): number {
@@ -231,14 +231,13 @@ class SheetViewer implements Viewer {
   }
 
   /** Works larger than their maps become sharp; where their tiles cannot be had, they stay as they are. */
-  private async loadDetail(services: TileServices): Promise<void> {
+  private showTiles(services: TileServices): void {
     const controller = new AbortController();
     this.cleanups.push(() => controller.abort());
-    const onChange = () => this.invalidate();
-    await this.scene.loadDetail(services, onChange, controller.signal).catch(() => undefined);
+    this.scene.showTiles(services, () => this.invalidate(), controller.signal);
   }
 
-  private lensPosition(): { u: number; v: number; radius: number } | null {
+  private lensPosition(): LensPosition | null {
     if (this.state.lens === "none") return null;
     const middle = { x: this.host.clientWidth / 2, y: this.host.clientHeight / 2 };
     const point = this.lens ?? middle;
@@ -246,7 +245,7 @@ class SheetViewer implements Viewer {
     if (!centre) return null;
     // The size of a screen pixel on the sheet here, so that the lens has the same size on the screen everywhere.
     const per = edge ? Math.abs(edge.x - centre.x) * this.field.wide : 1 / this.host.clientHeight;
-    return { u: centre.x, v: centre.y, radius: Math.max(per, 1e-4) * LENS_RADIUS };
+    return { u: centre.x, v: centre.y, radius: Math.max(per, 1e-6) * LENS_RADIUS, pixels: LENS_RADIUS };
   }
 
   private listenForInput(): void {

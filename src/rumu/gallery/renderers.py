@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,8 @@ from rumu.values import FloatArray, Surface
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
+
+    from rumu.image_stack import ImageStack
 
 Bytes = npt.NDArray[np.uint8]
 
@@ -51,20 +54,34 @@ def browser_media_type(data: bytes) -> str | None:
     from PIL import Image
 
     try:
-        with Image.open(io.BytesIO(data)) as image:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # nothing is decoded here
+            image = Image.open(io.BytesIO(data))
+        with image:
             if image.mode not in _BROWSER_MODES or max(image.size) > SHOWN:
                 return None
             return (
                 _BROWSER_TYPES.get(str(image.format)) if image.getexif().get(_ORIENTATION, 1) == 1 else None
             )
-    except (OSError, ValueError, SyntaxError):
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
         return None
 
 
 def render_photograph(assets: Assets, *, number: int) -> bytes:
     """The photograph under lamp 0, 1 or 2 of the paper (tilt 0, 90 or 180 degrees), WebP in sRGB."""
-    from rumu.capture.lights import paper_tilts
     from rumu.surface.mesh import albedo_srgb
+
+    photographs, at = lamp_photograph(assets, number)
+    light = _reduce(photographs.reduced(at, _size(photographs.shape[1:3], MAP)), MAP)
+    return _webp(_image(albedo_srgb(np.clip(light, 0, 1))), quality=95)
+
+
+def lamp_photograph(assets: Assets, number: int) -> tuple[ImageStack, int]:
+    """The photographs of a work, and which of them is that under lamp 0, 1 or 2 of the paper.
+
+    Raises GalleryError for a work that has none under these lamps.
+    """
+    from rumu.capture.lights import paper_tilts
 
     capture = None if assets.capture is None else assets.capture()
     lamps = None if capture is None else paper_tilts(capture.lights)
@@ -72,8 +89,7 @@ def render_photograph(assets: Assets, *, number: int) -> bytes:
         raise GalleryError(
             "expected a work with photographs under the paper's three lamps, this one has none"
         )
-    light = _reduce(capture.photographs.frame(lamps.order[number]), MAP)
-    return _webp(_image(albedo_srgb(np.clip(light, 0, 1))), quality=95)
+    return capture.photographs, lamps.order[number]
 
 
 # --- maps ------------------------------------------------------------------------------------------

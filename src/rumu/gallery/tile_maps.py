@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import json
 import threading
 from collections.abc import Callable, Iterator
-from typing import Literal, get_args
+from functools import partial
+from typing import Literal
 
 import numpy as np
 from cachetools import LRUCache, cached
@@ -21,17 +23,20 @@ from rumu.errors import GalleryError, RumuError
 from rumu.gallery.assets import VERSION, Assets, assets_of, derived_folder, read_samples
 from rumu.gallery.catalog import work
 from rumu.gallery.derived import derived_file, limit_room
-from rumu.gallery.renderers import MAP
+from rumu.gallery.renderers import MAP, lamp_photograph
 from rumu.gallery.store import Gallery, Store
 from rumu.gallery.tiles import TileMap, TileSet, open_tiles, write_tiles
 from rumu.workspaces import temporary_folder
 
-MapName = Literal["albedo", "normals"]
-MAPS: tuple[MapName, ...] = get_args(MapName)
+MapName = Literal["albedo", "normals", "picture", "lamp-a", "lamp-b", "lamp-c"]
+MAPS: tuple[MapName, ...] = ("albedo", "normals")
+"""The maps that every work has, by which it is lit."""
+LAMPS: tuple[MapName, ...] = ("lamp-a", "lamp-b", "lamp-c")
+"""The photographs of a work under the paper's three lamps."""
 LARGE = 12_600_000
 """Pixels above which the tiles of a work are made when it is added, since they take long."""
 
-_FIRST_SEEN = ("thumb", "thumb-normals", "facts", "heights", "albedo", "normals")
+_FIRST_SEEN = ("thumb", "thumb-normals", "facts", "heights", "albedo", "normals", "picture", "mask")
 _TILES_VERSION = 1  # increase it when the tiles of the same map would come out differently
 _ROWS = 128  # converted at a time
 
@@ -72,17 +77,22 @@ def make_large_tiles(gallery: Gallery, work_id: str) -> None:
     row = work(gallery, work_id)
     if row.width * row.height <= LARGE:
         return
+    names: list[MapName] = [*MAPS] if row.capture is None else [*MAPS, "picture"]
     with contextlib.suppress(RumuError):
         for kind in _FIRST_SEEN:
             derived_file(gallery, work_id, kind)
-    for name in MAPS:
+        if json.loads(derived_file(gallery, work_id, "facts").data)["three_lamps"] is not None:
+            names += LAMPS
+            for name in LAMPS:
+                derived_file(gallery, work_id, name)
+    for name in names:
         with contextlib.suppress(RumuError):
             make_tiles(gallery, work_id, name)
 
 
 def _key(assets: Assets, name: MapName) -> str:
-    if name not in MAPS:
-        raise GalleryError(f"expected a map among {', '.join(MAPS)}, got {name!r}")
+    if name not in _MAKERS:
+        raise GalleryError(f"expected a map among {', '.join(_MAKERS)}, got {name!r}")
     return f"{derived_folder(assets.digest)}/v{VERSION}.{_TILES_VERSION}-{name}-tiles.zip"
 
 
@@ -112,17 +122,27 @@ def _albedo(assets: Assets) -> Iterator[TileMap]:
     """The albedo: of a work from one picture the picture itself."""
     from rumu.surface.mesh import albedo_srgb
 
-    if assets.measured is not None:
-        with assets.measured() as surface:
-            height, width = surface.shape
-            yield TileMap(
-                width, height, lambda: (albedo_srgb(band) for band in surface.rows("albedo")), "light"
-            )
+    if assets.measured is None:
+        yield _picture_map(assets)
         return
+    with assets.measured() as surface:
+        height, width = surface.shape
+        yield TileMap(width, height, lambda: (albedo_srgb(band) for band in surface.rows("albedo")), "light")
+
+
+@contextlib.contextmanager
+def _picture(assets: Assets) -> Iterator[TileMap]:
+    """The picture that a measured work is shown by where it is not lit."""
+    if assets.measured is None:
+        raise GalleryError("expected a work from photographs, this one's picture is its albedo")
+    yield _picture_map(assets)
+
+
+def _picture_map(assets: Assets) -> TileMap:
     picture = read_samples(assets.picture())
     height, width = picture.shape[:2]
     parts = range(0, height, _ROWS)
-    yield TileMap(
+    return TileMap(
         width,
         height,
         lambda: (np.ascontiguousarray(picture[top : top + _ROWS]) for top in parts),
@@ -145,7 +165,26 @@ def _normals(assets: Assets) -> Iterator[TileMap]:
     yield TileMap(width, height, lambda: fine_normals(ink), "normals")
 
 
+@contextlib.contextmanager
+def _photograph(assets: Assets, *, number: int) -> Iterator[TileMap]:
+    """A photograph under one of the paper's three lamps."""
+    from rumu.surface.mesh import albedo_srgb
+
+    photographs, at = lamp_photograph(assets, number)
+    height, width = photographs.shape[1:3]
+    only = photographs.chosen([at])
+    bands = range(0, height, _ROWS)
+    yield TileMap(
+        width,
+        height,
+        lambda: (albedo_srgb(np.clip(only.rows(top, min(top + _ROWS, height))[0], 0, 1)) for top in bands),
+        "light",
+    )
+
+
 _MAKERS: dict[MapName, Callable[[Assets], contextlib.AbstractContextManager[TileMap]]] = {
     "albedo": _albedo,
     "normals": _normals,
+    "picture": _picture,
+    **{name: partial(_photograph, number=number) for number, name in enumerate(LAMPS)},
 }

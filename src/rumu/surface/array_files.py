@@ -204,6 +204,12 @@ def _read_albedo(path: Path) -> FloatArray:
     return np.asarray(to_linear(np.arange(256, dtype=np.float32) / np.float32(255))[albedo])
 
 
+def read_gray_png(path: Path) -> npt.NDArray[Any]:
+    """(H, W) uint8, such as a mask. Raises SurfaceError, naming the file, for any other."""
+    samples = _read_png(path, "uint8", 1, 3)
+    return samples if samples.ndim == 2 else np.asarray(samples[..., 1])
+
+
 def _read_png(path: Path, kind: str, *channels: int) -> npt.NDArray[Any]:
     """(H, W) or (H, W, 3) B G R. Raises SurfaceError unless the samples are as they are expected."""
     import cv2

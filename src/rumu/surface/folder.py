@@ -34,6 +34,7 @@ from rumu.surface.array_files import (
     ARRAYS,
     GREEN_DOWN,
     height_scale,
+    read_gray_png,
     read_pictures,
     read_tiff,
     write_png,
@@ -200,15 +201,7 @@ def _with_floats(metadata: Mapping[str, Any]) -> frozenset[str]:
 
 def read_mask(path: Path, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
     """The mask of a surface of this shape (H, W). Raises SurfaceError, naming the file, for any other."""
-    from PIL import Image
-
-    if not path.is_file():
-        raise SurfaceError(f"{path}: expected a file of the surface, there is none")
-    try:
-        with Image.open(path) as picture:
-            mask = np.asarray(picture.convert("L")) > 127
-    except (OSError, SyntaxError, ValueError) as error:
-        raise SurfaceError(f"{path}: expected a PNG, it cannot be read ({error})") from error
+    mask = read_gray_png(path) > 127
     if mask.shape != shape:
         raise SurfaceError(f"{path}: expected shape {shape}, got {mask.shape}")
     return np.asarray(mask)

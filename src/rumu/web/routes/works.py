@@ -19,7 +19,7 @@ from rumu.gallery.derived import KINDS, MESHES, PLAIN, MeshShape, viewer_facts
 from rumu.gallery.exhibitions import exhibition, order_works
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.single_page import single_page
-from rumu.gallery.tile_maps import MAPS, has_tiles, tiles_etag
+from rumu.gallery.tile_maps import LAMPS, MAPS, MapName, has_tiles, tiles_etag
 from rumu.gallery.whole_works import CharacterWithin, characters_within, count_characters
 from rumu.studio.errors import Missing, Unusable
 from rumu.values import SCRIPTS
@@ -205,15 +205,22 @@ def get_surface(service: ServiceDep, work_id: WorkId) -> dict[str, Any]:
         work_id,
         url=lambda kind, tag: service_url(f"/api/works/{quote(work_id, safe='')}/files/{kind}?v={tag}"),
     )
-    return facts | {"tiles": tile_services(service, work)}
+    return facts | {"tiles": tile_services(service, work, lamps=facts["three_lamps"] is not None)}
 
 
-def tile_services(service: Service, work: Work) -> dict[str, str] | None:
-    """The image services of a work's maps and their version; None where it is too small for tiles."""
+def tile_services(service: Service, work: Work, *, lamps: bool = False) -> dict[str, str] | None:
+    """The image services of a work's maps and their version; None where it is too small for tiles.
+
+    lamps: whether it has photographs under the paper's three lamps.
+    """
     if not has_tiles(work):
         return None
     assets = assets_of(service.gallery.store, work)
-    services = {name: service_url(f"/iiif/tiles/{name}/{quote(work.id, safe='')}") for name in MAPS}
+    measured: tuple[MapName, ...] = () if assets.measured is None else ("picture",)
+    names = (*MAPS, *measured, *(LAMPS if lamps else ()))
+    services: dict[str, str] = {
+        name: service_url(f"/iiif/tiles/{name}/{quote(work.id, safe='')}") for name in names
+    }
     return services | {"version": tiles_etag(assets, "albedo")}
 
 
