@@ -27,7 +27,7 @@ import {
   WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { lampDirection, mixtureWeights, type Vec3 } from "./shading";
+import { bilinear, lampDirection, mixtureWeights, type Vec3 } from "./shading";
 import { niceStep } from "./scales";
 import { fragment, vertex } from "./shaders";
 import type { HeightField } from "./heightfield";
@@ -303,9 +303,17 @@ export class SheetScene {
 
   /** The mesh with so many squares, built when first needed. */
   private grid(longest: number): BufferGeometry {
-    const geometry = this.grids.get(longest) ?? grid(this.field, longest);
+    const geometry = this.grids.get(longest) ?? grid(this.field, longest, this.vertexHeights(longest));
     this.grids.set(longest, geometry);
     return geometry;
+  }
+
+  /** The height at a vertex of the mesh with so many squares, as the shader lifts it; none of the flat sheet. */
+  private vertexHeights(longest: number): HeightAt | undefined {
+    if (longest === FLAT_SQUARES) return undefined;
+    const { width, height } = this.field;
+    const values = this.heights(this.squareSize(longest)).image.data as unknown as Float32Array;
+    return (u, v) => bilinear(u, v, width, height, (c, r) => values[r * width + c]!);
   }
 
   private texture(bitmap: ImageBitmap, encoded: boolean): Texture {
@@ -326,8 +334,14 @@ function squares(field: HeightField, longest: number): [number, number] {
   return [Math.max(2, Math.round(field.wide * longest)), Math.max(2, Math.round(field.tall * longest))];
 }
 
-/** A flat grid over the sheet, y up, with fractions (origin top left) as its texture coordinates; faces look to +z. */
-export function grid(field: { wide: number; tall: number }, longest: number): BufferGeometry {
+type HeightAt = (u: number, v: number) => number;
+
+/**
+ * A flat grid over the sheet, y up, with fractions (origin top left) as its texture coordinates; faces look to +z. heightAt: to where its
+ * vertices will be lifted: each square is folded between the two opposite corners that are nearest in height, or a wall that runs the
+ * other way would become a saw.
+ */
+export function grid(field: { wide: number; tall: number }, longest: number, heightAt?: HeightAt): BufferGeometry {
   const [columns, rows] = squares(field as HeightField, longest);
   const positions = new Float32Array((columns + 1) * (rows + 1) * 3);
   const fractions = new Float32Array((columns + 1) * (rows + 1) * 2);
@@ -338,12 +352,14 @@ export function grid(field: { wide: number; tall: number }, longest: number): Bu
       fractions.set([u, v], k * 2);
     }
   }
+  const at = (c: number, r: number) => heightAt?.(c / columns, r / rows) ?? 0;
+  const folds = (c: number, r: number) => heightAt && Math.abs(at(c, r) - at(c + 1, r + 1)) < Math.abs(at(c + 1, r) - at(c, r + 1));
   const faces = new Uint32Array(columns * rows * 6);
   for (let r = 0, k = 0; r < rows; r++) {
     for (let c = 0; c < columns; c++, k += 6) {
       const a = r * (columns + 1) + c;
       const below = a + columns + 1;
-      faces.set([a, below, a + 1, a + 1, below, below + 1], k);
+      faces.set(folds(c, r) ? [a, below, below + 1, a, below + 1, a + 1] : [a, below, a + 1, a + 1, below, below + 1], k);
     }
   }
   const geometry = new BufferGeometry();

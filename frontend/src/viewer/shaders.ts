@@ -91,6 +91,7 @@ uniform vec3 eye;
 uniform vec3 mixture; // weights of three photographs; all 0 where there are none
 uniform float exaggeration; // of the slopes that are lit
 uniform vec2 range; // lowest and highest height
+uniform vec2 cells; // squares of the mesh along x and y
 uniform float interval; // between two contour lines
 uniform vec3 inkColour, paperColour;
 in vec2 at;
@@ -151,7 +152,11 @@ vec3 meshAt() {
   vec2 f = fract(grid);
   vec2 w = fwidth(grid);
   vec2 side = min(f, 1.0 - f) / w;
-  float diagonal = abs(f.x + f.y - 1.0) / (w.x + w.y);
+  vec2 one = 1.0 / cells;
+  vec2 corner = floor(grid) * one;
+  float falls = abs(heightAt(smoothed, corner) - heightAt(smoothed, corner + one));
+  float rises = abs(heightAt(smoothed, corner + vec2(one.x, 0.0)) - heightAt(smoothed, corner + vec2(0.0, one.y)));
+  float diagonal = abs(falls < rises ? f.x - f.y : f.x + f.y - 1.0) / (w.x + w.y); // as grid() in scene.ts folds the square
   float line = 1.0 - smoothstep(0.2, 1.1, min(min(side.x, side.y), diagonal));
   vec3 base = srgbToLinear(vec3(0.93, 0.9, 0.83)) * (0.12 + 0.88 * shading(n, light));
   return mix(base, srgbToLinear(vec3(0.18, 0.29, 0.43)), line * 0.55 * (1.0 - smoothstep(0.3, 0.9, max(w.x, w.y))));

@@ -23,6 +23,24 @@ describe("the mesh", () => {
     }
     for (let k = 0; k < at.count; k++) expect(at.getY(k)).toBeCloseTo((0.5 - uv.getY(k)) * 0.5);
   });
+
+  it.each([1, -1])("folds its squares along a wall, whichever way that runs (%i)", (way) => {
+    const height = (u: number, v: number) => Math.min(1, Math.max(0, 4 * (way > 0 ? v - u : v - 1 + u)));
+    const mesh = grid({ wide: 1, tall: 1 }, 8, height);
+    const [uv, faces] = [mesh.getAttribute("uv"), mesh.getIndex()!];
+    const corners = Array.from({ length: faces.count }, (_, k) => [uv.getX(faces.getX(k)), uv.getY(faces.getX(k))] as const);
+    for (let k = 0; k < faces.count; k += 3) {
+      const three = corners.slice(k, k + 3);
+      const areaTwice = three.map(([u, v], n) => { const [x, y] = three[(n + 1) % 3]!; return u * y - x * v; }).reduce((sum, part) => sum + part);
+      expect(areaTwice).toBeLessThan(0); // towards the camera
+      // At the middle of each side the face is as high as the wall: a square folded the other way cuts through it.
+      three.forEach(([u, v], n) => {
+        const [x, y] = three[(n + 1) % 3]!;
+        const slanted = u !== x && v !== y;
+        if (slanted) expect((height(u, v) + height(x, y)) / 2).toBeCloseTo(height((u + x) / 2, (v + y) / 2), 6);
+      });
+    }
+  });
 });
 
 describe("heights averaged over squares of the mesh", () => {
