@@ -282,6 +282,15 @@ def test_a_double_row_is_told_and_read_on_the_right_first(columns_page):
     assert right[0] > left[2] - 3 and column[3].box[3] <= column[4].box[1] + 3
 
 
+def test_low_characters_far_apart_are_no_double_rows(columns_page):
+    """Clerical characters are broad and low, and their halves stand apart."""
+    columns = ("竹林八川北小以心", "川竹此林心兆八北", "北以竹心川小林兆", "心八林川竹北此以")
+    picture = columns_page(columns, side=66, pace=96, pitch=92, frame=False).picture
+    page = rumu.read_page(cv2.resize(picture, None, fx=1, fy=0.62, interpolation=cv2.INTER_AREA))
+    assert places(page) == [(0, c, k) for c in range(4) for k in range(8)]
+    assert [one.small for one in page.characters] == [None] * 32
+
+
 def test_boxes_are_in_pixels_of_the_picture_whatever_its_size(columns_page):
     drawn = columns_page(POEM)
     large = np.ascontiguousarray(np.repeat(np.repeat(drawn.picture, 6, axis=0), 6, axis=1))

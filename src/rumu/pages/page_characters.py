@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,7 +29,8 @@ class RegisterSettings:
     full: by how many paces a column may fall short of the longest and still count as full. agree: share of
     the full columns that must hold the same number of characters. weight: what another number then costs.
     slender: a column more slender than this share of the usual has a pace of its own. double: share of small
-    characters below which a register has no double rows.
+    characters below which a register has no double rows. lower: how high small characters are at most, as a
+    share of the usual height of the others: clerical characters are low for their pace.
     """
 
     full: float = 0.7
@@ -37,6 +38,7 @@ class RegisterSettings:
     weight: float = 2.5
     slender: float = 0.8
     double: float = 0.03
+    lower: float = 0.84
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,10 +87,32 @@ def part_register(
     few = max(2, register.double * sum(run.count() for run in every))
     smalls = sum(run.small_count() for run in every)
     if smalls:
-        known = WHERE_KNOWN if smalls >= few else None
+        known = _where_known(inks, runs, paces, register) if smalls >= few else None
         runs = [_runs(ink, p, known, rhythm) for ink, p in zip(inks, paces, strict=True)]
+        if known and sum(run.small_count() for own in runs for run in own) < few:
+            runs = [_runs(ink, p, None, rhythm) for ink, p in zip(inks, paces, strict=True)]
     counts = _counts(columns, runs, pace, register)
     return [_places(own, n, p) for own, n, p in zip(runs, counts, paces, strict=True)]
+
+
+def _where_known(
+    inks: list[RowInk], runs: list[list[_Run]], paces: list[float], register: RegisterSettings
+) -> SmallSettings:
+    """How small characters are told on a page that surely has some; lower where the others are low, too."""
+    heights = []
+    for ink, own, pace in zip(inks, runs, paces, strict=True):
+        inked = np.flatnonzero(ink.ink > WHERE_KNOWN.dust * pace) + ink.first
+        for run in own:
+            places = run.best.places(run.count())
+            k = np.searchsorted(run.best.at, places)
+            small = run.small[k[:-1], k[1:]]
+            for begin, end, is_small in zip(places[:-1], places[1:], small, strict=True):
+                within = inked[(inked >= begin) & (inked < end)]
+                if len(within) and not is_small:
+                    heights.append((within[-1] + 1 - within[0]) / pace)
+    usual = float(np.median(heights)) if heights else 1.0
+    share = min(1.0, register.lower * usual / WHERE_KNOWN.low)
+    return replace(WHERE_KNOWN, low=share * WHERE_KNOWN.low, flat=share * WHERE_KNOWN.flat)
 
 
 def _own_pace(
