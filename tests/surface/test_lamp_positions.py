@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,16 @@ def degrees_off(capture: Capture) -> float:
     normals = surface_normals(capture)[0]
     cosine = (normals * normals_of(height())).sum(axis=2)
     return float(np.degrees(np.arccos(np.clip(cosine, -1, 1))).mean())
+
+
+def test_many_lamps_are_placed_in_little_memory():
+    capture = near(directions(80, (35.0, 55.0)), np.full(80, 1.2))
+    tracemalloc.start()
+    placed = place_lamps(capture)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 200e6
+    assert np.abs(np.linalg.norm(placed.positions, axis=1) / SHAPE[1] / 1.2 - 1).max() < 0.12
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,8 @@ _NEARNESS, _TURNS, _STRENGTH = 0, slice(1, 3), 3  # columns of the unknowns of a
 class NearnessSettings:
     """How lamps are placed.
 
-    pixels: most pixels looked at. dark: brightness below which a pixel is not looked at, in any lamp.
+    pixels: most pixels looked at. products: of pixels and pairs of lamps at most: of many lamps fewer pixels
+        are looked at. dark: brightness below which a pixel is not looked at, in any lamp.
     least: pixels needed. alike: weight that draws the lamps' distances together. rounds: most steps.
     converged: step that ends them. turn: degrees by which directions are expected to be off. nearness: by
         which 1/d of the flat sheet is, in widths of the photograph. telling: most pixels that count as
@@ -43,6 +44,7 @@ class NearnessSettings:
     """
 
     pixels: int = 2000
+    products: int = 4_000_000
     dark: float = 0.03
     least: int = 200
     alike: float = 0.05
@@ -167,7 +169,8 @@ def _sheet_of(capture: Capture, settings: NearnessSettings) -> _Sheet:
             f"expected four lamps or more, whose distances contradict each other, got {count}",
             zh=f"要推算燈的遠近，至少要 4 盞燈，這裡有 {count} 盞。",
         )
-    pixels = pixels_of(capture.mask, about=2 * settings.pixels)
+    most = min(settings.pixels, max(settings.products // count**2, settings.telling))
+    pixels = pixels_of(capture.mask, about=2 * most)
     seen = capture.photographs.at(pixels)
     raw = (seen if seen.ndim == 2 else seen.mean(axis=2)).astype(np.float64)
     lit = ((raw > settings.dark) & (raw < SATURATION)).all(axis=0)
@@ -176,7 +179,7 @@ def _sheet_of(capture: Capture, settings: NearnessSettings) -> _Sheet:
             f"expected {settings.least} pixels that every lamp lights, got {np.count_nonzero(lit)}",
             zh=f"每盞燈都照亮的像素至少要 {settings.least} 個，這裡只有 {np.count_nonzero(lit)} 個。",
         )
-    chosen = np.flatnonzero(lit)[:: max(1, np.count_nonzero(lit) // settings.pixels)]
+    chosen = np.flatnonzero(lit)[:: max(1, np.count_nonzero(lit) // most)]
     strengths = np.ones(count) if capture.strengths is None else capture.strengths
     x, y = places(pixels[chosen], capture.mask.shape)
     first = np.cross(capture.lights, (0.0, 0.0, 1.0))
