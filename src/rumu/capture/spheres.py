@@ -86,11 +86,13 @@ def find_spheres(stack: ImageStack, *, settings: SphereSettings | None = None) -
         if _shows_a_lamp(frames, circle, settings):
             found.append(circle)
     if not found:
+        least = max(round(settings.smallest * min(height, width)), round(settings.least_radius))
         raise CaptureError(
-            "expected a mirror sphere, found none that is round and shows a lamp that moves; give it as "
-            "--sphere x,y,r: its centre from the top left corner and its radius, in pixels",
-            zh="找不到反光的球：應是圓的，且映出移動的燈；請用 --sphere x,y,r 指出球心（從左上角起）"
-            "與半徑（像素）。",
+            f"expected a mirror sphere of a radius of {least} pixels or more, found none that is round and "
+            "shows a lamp that moves; give it as --sphere x,y,r: its centre from the top left corner and its "
+            "radius, in pixels",
+            zh=f"找不到反光的球：應是圓的，半徑至少 {least} 像素，且映出移動的燈；請用 --sphere x,y,r "
+            "指出球心（從左上角起）與半徑（像素）。",
         )
     ratio = np.array([width / size[0], height / size[1]])
     return sorted(
