@@ -71,7 +71,8 @@ def test_photographs_without_a_highlight_have_no_lamp() -> None:
 
 def test_a_sheet_without_a_sphere_and_spheres_that_cannot_be_used() -> None:
     stack = scene(())
-    with pytest.raises(CaptureError, match=r"a mirror sphere of a radius of 12 pixels or more, found none .* --sphere x,y,r") as none:
+    expected = r"a mirror sphere of a radius of 12 pixels or more, found none .* --sphere x,y,r"
+    with pytest.raises(CaptureError, match=expected) as none:
         find_spheres(stack)
     assert none.value.zh is not None
     with pytest.raises(CaptureError, match="a radius of 12 pixels or more within 560 x 380"):
