@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rumu.database.tables import Attempt
-from rumu.gallery.assets import assets_of
+from rumu.gallery.assets import assets_of, derived_folder
 from rumu.gallery.catalog import work
 from rumu.gallery.cover import choose_cover
 from rumu.gallery.derived import stored_file
@@ -31,9 +31,10 @@ def test_the_home_page_is_prepared_before_the_thumbnails(gallery, storage):
         raise CancelledError
 
     choose_cover(gallery, "running-shui")
+    assets = assets_of(gallery.store, work(gallery, "running-shui"))
+    gallery.store.delete(derived_folder(assets.digest))  # what came with the package
     with pytest.raises(CancelledError):
         prepare(gallery, {}, stop, storage)
-    assets = assets_of(gallery.store, work(gallery, "running-shui"))
     kinds = ("cover", "cover-normals", "thumb")
     made = [stored_file(gallery.store, assets, kind) is not None for kind in kinds]
     assert made == [True, True, False]
