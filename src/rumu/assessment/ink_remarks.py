@@ -13,7 +13,7 @@ from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, ink_severity, severity
 from rumu.strokes.correspondence import StrokeMatch, to_master_cell
 from rumu.strokes.naming import place_of
-from rumu.values import Bilingual, Remark
+from rumu.values import Bilingual, FloatArray, Remark
 
 _AHEAD = 1.0
 """Least cotangent of the angle between a stroke's way and that to the ink which sticks out at its end."""
@@ -81,14 +81,19 @@ def _find_edge_fault(ink: InkMeasures, limits: RemarkThresholds, *, dry: bool) -
     yield Finding(remark, ink.torn / limits.torn, WHOLE["torn"], "edge")
 
 
+def _distances(patch: InkPatch, match: StrokeMatch) -> FloatArray:
+    """(n,) how far the strokes' points lie from the middle of a patch, in fractions of the picture."""
+    return np.asarray(np.hypot(*(match.framed.on_picture(match.moved) - patch.outline.mean(axis=0)).T))
+
+
 def _is_stroke(
     patch: InkPatch, strokes: Sequence[NamedStroke], match: StrokeMatch, limits: RemarkThresholds
 ) -> bool:
     """Whether what touches a stroke is the stroke itself, out of its place or too long."""
     if not patch.attached:
         return False
-    nearest = ((match.framed.on_picture(match.moved) - patch.outline.mean(axis=0)) ** 2).sum(axis=1).argmin()
-    named = strokes[int(match.master.points.owner[int(nearest)])]
+    nearest = int(_distances(patch, match).argmin())
+    named = strokes[int(match.master.points.owner[nearest])]
     away = float(np.hypot(*named.shift)) * named.cell
     return away >= limits.off * limits.displaced or named.stroke.length - 1.0 >= limits.off * limits.length
 
@@ -121,7 +126,7 @@ def _pressed_end(patch: InkPatch, strokes: Sequence[NamedStroke], match: StrokeM
     """What is said where the ink lies at a free end of a stroke, which was pressed there; else None."""
     owner = match.master.points.owner
     on_ink = np.array([named.is_on_ink for named in strokes])[owner]
-    away = np.hypot(*(match.framed.on_picture(match.moved) - patch.outline.mean(axis=0)).T)
+    away = _distances(patch, match)
     nearest = int(np.where(on_ink, away, np.inf).argmin())
     named, own = strokes[int(owner[nearest])], np.flatnonzero(owner == owner[nearest])
     share = float(np.searchsorted(own, nearest)) / max(len(own) - 1, 1)

@@ -16,6 +16,7 @@ from rumu.assessment.missing_remarks import (
 )
 from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import (
+    PLACE_DOUBT,
     RemarkThresholds,
     agreed,
     as_lines,
@@ -105,7 +106,7 @@ def _sideways_shift(named: NamedStroke) -> FloatArray:
     grown = limits.stretched * abs(named.length_change) * stroke.line.length
     shifts = np.stack([named.shift, *named.other_shifts])
     aside = (shifts - np.clip(shifts @ along, -grown, grown)[:, None] * along) * named.cell
-    told = np.array([agreed(readings, doubt=limits.place_doubt) for readings in aside.T])
+    told = np.array([agreed(readings, doubt=PLACE_DOUBT) for readings in aside.T])
     with_its_part = named.explained * told > 0  # is told of the part
     return np.where(with_its_part & (np.abs(told) > np.abs(aside[0])), aside[0], told)
 

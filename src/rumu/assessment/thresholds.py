@@ -32,8 +32,7 @@ class RemarkThresholds:
     extra, blot: share of the copy's ink; extra_reach: stroke widths that a stroke too many which joins
         another must go away from it; round: how slender a blot may be; off: what is at a stroke
         that is so many times out of its place, or too long, is that stroke and no blot.
-    displaced: fraction of the cell; place_doubt: the same up to which two readings of a place may have
-        different signs and still agree; stretched: share of a stroke's change of length by which its middle
+    displaced: fraction of the cell; stretched: share of a stroke's change of length by which its middle
         may have moved along it. turn: degrees, of a stroke `slender` widths long or longer; of a shorter one
         more, up to turn_short times.
     unlike: share of its ink by which a stroke must differ from the master's, once the whole's size, place and
@@ -89,7 +88,6 @@ class RemarkThresholds:
     unlike_end: float = 0.1
     taken_out: float = 0.9
     displaced: float = 0.018
-    place_doubt: float = 0.01
     put_wrong: float = 1.6
     most_end: float = 0.9
     stretched: float = 0.55
@@ -130,6 +128,9 @@ class RemarkThresholds:
     at_most: int = 3
     slight: float = 0.4
 
+
+PLACE_DOUBT = 0.01
+"""Fraction of the cell up to which two readings of a place may have different signs and still agree."""
 
 SEVERITIES: Mapping[str, float] = {
     "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 7.0, "squeeze": 7.0, "part_place": 6.0, "inner": 7.0,

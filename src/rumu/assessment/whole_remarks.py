@@ -11,7 +11,7 @@ from rumu.assessment.advice import WHOLE
 from rumu.assessment.features import ink_weight
 from rumu.assessment.findings import Fault, Finding
 from rumu.assessment.part_measures import InnerMeasures, PartMeasures
-from rumu.assessment.thresholds import RemarkThresholds, agreed, as_lines, box, severity
+from rumu.assessment.thresholds import PLACE_DOUBT, RemarkThresholds, agreed, as_lines, box, severity
 from rumu.strokes.correspondence import StrokeMatch
 from rumu.strokes.naming import direction_of, way_of
 from rumu.values import Bilingual, BoolArray, FloatArray, Registration, Remark
@@ -29,8 +29,7 @@ _EXTENT = {
 _DOUBT = 0.05
 """Logarithm of a width up to which two measures of it may have different signs and still agree."""
 _SIZE_DOUBT = 0.02
-"""Relative size, and _PLACE_DOUBT the fraction of the cell, up to which the same holds."""
-_PLACE_DOUBT = 0.01
+"""Relative size up to which the same holds."""
 _ONLY_TO_EXPLAIN = 0.99
 """Excess of a fault that is told only where a low part of the mark has no other."""
 _OFF = 0.06
@@ -75,7 +74,7 @@ class PoseSeen:
         if match.squeeze is None:  # a squeeze keeps the outer edges and moves all between them
             readings.append(match.pose.linear @ middle + match.pose.shift - middle)
         away = np.stack(readings) * self.registration.reference.radius
-        return np.array([agreed(each, doubt=_PLACE_DOUBT) for each in away.T.tolist()])
+        return np.array([agreed(each, doubt=PLACE_DOUBT) for each in away.T.tolist()])
 
     @property
     def heaviness(self) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
@@ -149,18 +149,18 @@ class FolderImages:
 
 def files(folder: Path) -> list[Path]:
     """Files of a folder, by name, without hidden ones: copying from a Mac leaves a ._NAME beside each."""
-    try:
-        return sorted(p for p in folder.iterdir() if p.is_file() and not p.name.startswith("."))
-    except OSError as error:
-        raise capture_error(
-            folder, en=f"cannot be read ({error.strerror})", zh=f"無法讀取（{error.strerror}）"
-        ) from error
+    return _shown(folder, Path.is_file)
 
 
 def folders(folder: Path) -> list[Path]:
     """Folders within a folder, by name, without hidden ones."""
+    return _shown(folder, Path.is_dir)
+
+
+def _shown(folder: Path, kind: Callable[[Path], bool]) -> list[Path]:
+    """What a folder shows of a kind, by name. Raises CaptureError when it cannot be read."""
     try:
-        return sorted(p for p in folder.iterdir() if p.is_dir() and not p.name.startswith("."))
+        return sorted(p for p in folder.iterdir() if kind(p) and not p.name.startswith("."))
     except OSError as error:
         raise capture_error(
             folder, en=f"cannot be read ({error.strerror})", zh=f"無法讀取（{error.strerror}）"

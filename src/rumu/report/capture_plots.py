@@ -107,12 +107,12 @@ def draw_maps(pages: FilledPages, whole: Surface, residual: FloatArray, words: C
         (share_picture(surface.confidence), words["confidence"]),
     )
     gap = 4.0
-    first = min((WIDTH - gap) / 2 * surface.height.shape[0] / surface.height.shape[1], _PICTURE)
-    pages.heading(words["maps"], below=first + 8)
-    for part in (pictures[:2], pictures[2:]):
-        width = (WIDTH - gap * (len(part) - 1)) / len(part)
-        rows, columns = surface.height.shape
-        height = min(width * rows / columns, _PICTURE)
+    rows, columns = surface.height.shape
+    parts = (pictures[:2], pictures[2:])
+    widths = [(WIDTH - gap * (len(part) - 1)) / len(part) for part in parts]
+    heights_shown = [min(width * rows / columns, _PICTURE) for width in widths]
+    pages.heading(words["maps"], below=heights_shown[0] + 8)
+    for part, width, height in zip(parts, widths, heights_shown, strict=True):
         pages.make_room(height + 8)
         for k, (picture, caption) in enumerate(part):
             left = k * (width + gap)
