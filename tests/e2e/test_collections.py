@@ -8,7 +8,7 @@ import re
 import zipfile
 from collections.abc import Callable
 
-from playwright.sync_api import expect
+from playwright.sync_api import Route, expect
 from tests.e2e.conftest import Visitor
 from tests.e2e.test_access import faults
 
@@ -79,3 +79,22 @@ def test_nobody_else_is_offered_to(visitor: Visitor, as_person: LogIn) -> None:
     for page in (visitor.go("/collections"), as_person("teacher").go("/collections")):
         expect(page.locator(".collection-card").first).to_be_visible()
         expect(page.get_by_role("button", name=re.compile("^(Edit|Delete)"))).to_have_count(0)
+
+
+def test_what_is_below_the_pictures_stays_where_it_is_when_they_arrive(visitor: Visitor) -> None:
+    """Else a click that began on a button ends beside it, and nothing happens."""
+    page, held = visitor.page, list[Route]()
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
+    page.route("**/api/works?collection=*", hold)
+    page.goto(f"{visitor.url}/#/collections")
+    headings = page.locator(".collection-card h2")
+    expect(headings.first).to_be_visible()
+    top = "(all) => all.map((heading) => Math.round(heading.getBoundingClientRect().top))"
+    before = headings.evaluate_all(top)
+    for route in held:
+        route.continue_()
+    expect(page.locator(".collection-card").first.locator("img").first).to_be_visible()
+    assert headings.evaluate_all(top) == before

@@ -42,9 +42,11 @@ function CollectionItem({ item, onChange }: { item: Collection; onChange: (() =>
   return (
     <li class="collection-card">
       <a class="collection-works" href={`#/collections/${encodeURIComponent(item.id)}`} aria-label={localize(item.title)}>
-        {(works.value?.items ?? []).map((work) => (
-          <RelitThumb key={work.id} work={work} />
-        ))}
+        {/* places for those that have not arrived, so that what is below them does not move under a finger */}
+        {Array.from({ length: Math.min(item.works, THUMB_COUNT) }, (_, k) => {
+          const work = works.value?.items[k];
+          return work ? <RelitThumb key={work.id} work={work} /> : <span key={k} class="thumb" />;
+        })}
       </a>
       <div>
         <h2><a href={`#/collections/${encodeURIComponent(item.id)}`}>{localize(item.title)}</a></h2>
