@@ -113,3 +113,26 @@ def test_a_licence_is_told_in_the_reader_s_language(visitor: Visitor) -> None:
     chinese = page.get_by_role("link", name=re.compile("姓名標示-禁止改作"))
     expect(chinese).to_have_attribute("href", re.compile("licenses/by-nd/3.0/tw/deed.zh-hant$"))
     expect(page.locator(".facts")).to_contain_text("原樣展示")
+
+
+DRAWS = """(() => {
+    window.draws = 0;
+    const kind = WebGL2RenderingContext.prototype;
+    for (const name of ["drawElements", "drawArrays"]) {
+        const draw = kind[name];
+        kind[name] = function (...values) { window.draws++; return draw.apply(this, values); };
+    }
+})()"""
+
+
+def test_what_stands_still_is_drawn_once(visitor: Visitor) -> None:
+    """Drawing on and on empties a battery; drawing twice makes everybody wait."""
+    visitor.page.add_init_script(DRAWS)
+    page = opened(visitor, "/works/regular-shui")
+    page.wait_for_function("window.draws > 0")
+    page.wait_for_timeout(1000)
+    assert page.evaluate("window.draws") == 1
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function("window.draws > 1")
+    page.wait_for_timeout(500)
+    assert page.evaluate("window.draws") == 2

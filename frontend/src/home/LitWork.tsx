@@ -1,10 +1,10 @@
-// A work under a lamp that circles until it follows the pointer, the finger or the tilt of a phone.
+// A work under a lamp that circles once and follows the pointer, the finger or the tilt of a phone.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { common, localize } from "../i18n";
 import { t } from "../i18n/home";
 import type { CoverWork } from "../types";
-import { circling, type Lamp, pointed, tilted } from "./lampMotion";
+import { circling, hasCircled, type Lamp, pointed, tilted } from "./lampMotion";
 import { createLampPicture } from "./lampPicture";
 import "./home.css";
 
@@ -48,15 +48,16 @@ export function LitWork({ work }: { work: CoverWork }) {
   );
 }
 
-/** Lets the lamp circle, unless the reader wants no motion; returns what stops it. */
+/** Lets the lamp circle once, unless the reader wants no motion; returns what stops it. */
 function startCircling(light: (lamp: Lamp) => void): () => void {
   light(circling(0));
   if (matchMedia("(prefers-reduced-motion: reduce)").matches) return () => undefined;
   const start = performance.now();
   let frame = 0;
   const step = (now: number) => {
-    light(circling((now - start) / 1000));
-    frame = requestAnimationFrame(step);
+    const seconds = (now - start) / 1000;
+    light(circling(hasCircled(seconds) ? 0 : seconds));
+    if (!hasCircled(seconds)) frame = requestAnimationFrame(step);
   };
   frame = requestAnimationFrame(step);
   return () => cancelAnimationFrame(frame);

@@ -1,4 +1,4 @@
-// Where the lamp of the home page stands: it circles by itself until somebody moves it.
+// Where the lamp of the home page stands: it circles once by itself, unless somebody moves it.
 
 export type Lamp = { tilt: number; slant: number };
 
@@ -16,6 +16,9 @@ export const circling = (seconds: number): Lamp => ({
   tilt: (((135 - (seconds / TURN_SECONDS) * 360) % 360) + 360) % 360,
   slant: CIRCLING_SLANT,
 });
+
+/** Whether the lamp has been all around: then it rests, since drawing on and on empties a battery. */
+export const hasCircled = (seconds: number): boolean => seconds >= TURN_SECONDS;
 
 /** The lamp of a pointer at (x, y) in a picture of this size, origin top left. */
 export function pointed(x: number, y: number, size: { width: number; height: number }): Lamp {

@@ -51,6 +51,8 @@ class SheetViewer implements Viewer {
   private readonly cleanups: (() => void)[] = [];
   private other: Viewer | null = null;
   private frame = 0;
+  /** Width, height and pixels for a CSS pixel, as they are drawn. */
+  private size = "";
   private animation = 0;
   private lens: { x: number; y: number } | null = null;
   private drawn: { line: "section" | "ruler"; from: { x: number; y: number } } | null = null;
@@ -149,8 +151,11 @@ class SheetViewer implements Viewer {
 
   resize(): void {
     const { clientWidth: width, clientHeight: height } = this.host;
-    if (!width || !height) return;
-    this.scene.resize(width, height, Math.min(devicePixelRatio || 1, 2));
+    const ratio = Math.min(devicePixelRatio || 1, 2);
+    const size = [width, height, ratio].join();
+    if (!width || !height || size === this.size) return; // an observer also reports the size that it finds at first
+    this.size = size;
+    this.scene.resize(width, height, ratio);
     this.draw();
   }
 
@@ -190,6 +195,7 @@ class SheetViewer implements Viewer {
 
   async immerse(kind: SessionMode): Promise<void> {
     await enterSession(this.scene, () => this.state, kind);
+    this.size = ""; // the headset's was drawn
     this.resize();
   }
 

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { circling, pointed, tilted } from "../../src/home/lampMotion";
+import { circling, hasCircled, pointed, tilted } from "../../src/home/lampMotion";
 
 const size = { width: 400, height: 300 };
 
@@ -20,6 +20,10 @@ describe("the lamp of the home page", () => {
     expect(tilted(10, 0).tilt).toBeCloseTo(90); // laid flatter
     expect(tilted(60, 0).tilt).toBeCloseTo(270);
     expect(tilted(35, 10).slant).toBeLessThan(tilted(35, 30).slant);
+  });
+  it("rests when it has been all around, and not before", () => {
+    expect([0, 7, 13.9].map(hasCircled)).toEqual([false, false, false]);
+    expect([14, 60].map(hasCircled)).toEqual([true, true]);
   });
   it("circles by itself, at one height", () => {
     const turn = Array.from({ length: 28 }, (_, k) => circling(k / 2));
