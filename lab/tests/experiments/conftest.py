@@ -28,7 +28,7 @@ def _graded(task: GradingTask, quality: float, *, noise: float = 0.02) -> Grades
     return Grades(task.key, task.cluster, raw | {OURS: quality})
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def graded():
     """(task, quality, noise=) -> a copy of that quality, measured by every method."""
     return _graded

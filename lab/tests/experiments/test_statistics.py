@@ -57,6 +57,15 @@ def test_whole_clusters_are_drawn():
 def test_holm():
     assert s.holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
     assert s.holm([0.9, 0.8]) == pytest.approx([1.0, 1.0])
+    assert s.holm([]) == []
+
+
+def test_holm_as_statsmodels_has_it():
+    from statsmodels.stats.multitest import multipletests
+
+    p = np.random.default_rng(5).random(40) ** 3
+    p[7] = p[3]  # a tie
+    assert s.holm(list(p)) == pytest.approx(multipletests(p, method="holm")[1])
 
 
 def test_pairs_that_do_not_differ():
