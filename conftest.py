@@ -3,6 +3,7 @@ the command line; databases."""
 
 from __future__ import annotations
 
+import gc
 import itertools
 import json
 import os
@@ -30,6 +31,12 @@ _numbers = itertools.count()
 def pytest_make_parametrize_id(val: object) -> str | None:
     """Name long bytes by their length: a zip holds the time, so that its own text would differ by process."""
     return f"{len(val)} bytes" if isinstance(val, bytes) and len(val) > 24 else None
+
+
+def pytest_collection_finish() -> None:
+    """Leave what was imported and collected out of every later collection of garbage, which took seconds."""
+    gc.collect()
+    gc.freeze()
 
 
 def absent(what: str) -> None:
@@ -116,9 +123,11 @@ def rumu() -> Callable[..., Ended]:
 # --- browsers and node -----------------------------------------------------------------------------
 
 FRONTEND = Path(__file__).parent / "frontend"
-# A GPU in software: the same WebGL2 wherever the tests run.
+# A GPU in software: the same WebGL2 wherever the tests run. The page around it is put together without that
+# GPU, which took half of the time.
 SWITCHES = [
     "--no-sandbox",
+    "--disable-gpu-compositing",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--disable-background-networking",

@@ -12,6 +12,8 @@ from rumu.surface.skeleton import skeletonise, strokes
 
 Line = tuple[tuple[float, float], ...]
 
+STEP = 8  # points of a centre line from one move of the mouse to the next, each of which waits for a frame
+
 
 @cache
 def lines_of(work_id: str) -> tuple[Line, ...]:
@@ -19,7 +21,7 @@ def lines_of(work_id: str) -> tuple[Line, ...]:
     mask = surface_of(find_work(work_id).path).mask
     rows, columns = mask.shape
     return tuple(
-        tuple((float(x) / columns, float(y) / rows) for x, y in stroke.points[::4])
+        tuple((float(x) / columns, float(y) / rows) for x, y in (*stroke.points[:-1:STEP], stroke.points[-1]))
         for stroke in strokes(skeletonise(mask))
     )
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Request, Response, expect
 
@@ -130,58 +131,85 @@ def visitor(arrive: Arrive) -> Visitor:
 
 @pytest.fixture(scope="session")
 def people(site: Site, browser: Browser) -> dict[str, tuple[str, str]]:
-    """Names and passwords of an owner, a teacher and two pupils, who joined by their links."""
-    made: dict[str, tuple[str, str]] = {}
+    """Names and passwords of an owner, a teacher and two pupils: the owner joined by their link, the others
+    as its page does."""
+    made = {"owner": ("Mistress Wei", _password("owner"))}
     context = _context(browser)
     page = context.new_page()
-    _join(page, site.owner_link, "Mistress Wei", made, "owner")
-    for role, name in (("teacher", "Teacher Ouyang"), ("pupil", "Xiao Ming"), ("pupil", "Xiao Hua")):
-        link = page.evaluate(
+    page.goto(site.owner_link)
+    page.get_by_label("Name").fill(made["owner"][0])
+    for field in page.locator("input[type=password]").all():
+        field.fill(made["owner"][1])
+    page.locator("form button[type=submit]").click()
+    expect(page.get_by_role("button", name="Log out")).to_be_visible()
+    for key, name in (("teacher", "Teacher Ouyang"), ("pupil", "Xiao Ming"), ("other pupil", "Xiao Hua")):
+        token = page.evaluate(
             """async (role) => {
                 const { csrf } = await (await fetch("/api/session")).json();
                 const headers = { "Content-Type": "application/json", "X-CSRF-Token": csrf };
                 const body = JSON.stringify({ role });
                 const answer = await fetch("/api/invitations", { method: "POST", headers, body });
-                return (await answer.json()).link;
+                return (await answer.json()).token;
             }""",
-            role,
+            key.removeprefix("other "),
         )
-        other = _context(browser)
-        _join(other.new_page(), site.url + link, name, made, role if role not in made else f"other {role}")
-        other.close()
+        with httpx.Client(base_url=site.url, timeout=PATIENCE / 1000, trust_env=False) as other:
+            headers = {"X-CSRF-Token": other.get("/api/session").json()["csrf"]}
+            facts = {"name": name, "password": _password(key)}
+            joined = other.post(f"/api/invitations/{token}", json=facts, headers=headers)
+        assert joined.status_code == 201, joined.text
+        made[key] = (name, facts["password"])
     context.close()
     return made
 
 
-def _join(page: Page, link: str, name: str, made: dict[str, tuple[str, str]], key: str) -> None:
-    password = f"brush and ink {key}"
-    page.goto(link)
-    page.get_by_label("Name").fill(name)
-    for field in page.locator("input[type=password]").all():
-        field.fill(password)
-    page.locator("form button[type=submit]").click()
-    expect(page.get_by_role("button", name="Log out")).to_be_visible()
-    made[key] = (name, password)
+def _password(key: str) -> str:
+    return f"brush and ink {key}"
+
+
+@pytest.fixture(scope="session")
+def sessions() -> dict[str, Any]:
+    """The cookies of those who have logged in by the form, which need not do it for each test."""
+    return {}
 
 
 @pytest.fixture
-def as_person(arrive: Arrive, people: dict[str, tuple[str, str]]) -> Callable[[str], Visitor]:
+def as_person(
+    arrive: Arrive, people: dict[str, tuple[str, str]], sessions: dict[str, Any]
+) -> Callable[..., Visitor]:
     """A visitor who logged in as 'owner', 'teacher', 'pupil' or 'other pupil'."""
 
     def log_in(key: str, **options: Any) -> Visitor:
         visitor = arrive(**options)
-        page = visitor.go("/login")
-        name, password = people[key]
-        page.locator("input[autocomplete=username]").fill(name)
-        page.locator("input[type=password]").fill(password)
-        page.locator("form button[type=submit]").click()
+        page = visitor.page
+        if key in sessions:
+            page.context.add_cookies(sessions[key])
+            visitor.go("/about")
+        else:
+            visitor.go("/login")
+            name, password = people[key]
+            page.locator("input[autocomplete=username]").fill(name)
+            page.locator("input[type=password]").fill(password)
+            page.locator("form button[type=submit]").click()
         expect(page.get_by_role("button", name=re.compile("Log out|登出"))).to_be_visible()
+        sessions[key] = page.context.cookies()
         return visitor
 
     return log_in
 
 
 @pytest.fixture(scope="module")
-def sent() -> dict[str, str]:
-    """What is known of the work that a module sends, once its first test has sent it."""
-    return {}
+def sent(site: Site, sessions: dict[str, Any]) -> Iterator[dict[str, str]]:
+    """What is known of the work that a module sends, once its first test has sent it. path: that of its page.
+
+    It is deleted afterwards: other modules count what is in the gallery.
+    """
+    known: dict[str, str] = {}
+    yield known
+    if "path" not in known:
+        return
+    cookies = {one["name"]: one["value"] for one in sessions["owner"]}
+    with httpx.Client(base_url=site.url, cookies=cookies, timeout=60, trust_env=False) as owner:
+        headers = {"X-CSRF-Token": owner.get("/api/session").json()["csrf"]}
+        deleted = owner.delete(f"/api{known['path']}", headers=headers)
+    assert deleted.is_success, deleted.text

@@ -16,8 +16,10 @@ from tests.e2e.test_deep_zoom import LINES, SHARP, canvas, large_page, steps
 from rumu_lab.simulation.lamps import photographs
 
 LogIn = Callable[..., Visitor]
+SMALL = {"viewport": {"width": 800, "height": 520}}  # a processor draws here
 TILTS, SLANT = (0, 90, 180), 40
 MARGIN = 550  # pixels on both sides, so that no line is seen in a map of 1024 pixels
+ROWS = 600  # pixels around the lines: how sharp the maps are is told by the longer side alone
 NEAR = "cam=0,0,0.2,0,0,0"  # about two pixels of the screen for one of the work
 FAR = "cam=0,0,0.8,0,0,0"
 
@@ -25,7 +27,8 @@ FAR = "cam=0,0,0.8,0,0,0"
 def large_capture() -> bytes:
     """A zip of three photographs of a sheet with low waves, and lines of two pixels at its middle."""
     page = np.asarray(large_page().convert("L"))
-    sheet = np.pad(page, ((0, 0), (MARGIN, MARGIN)), mode="edge") / 255
+    top = (page.shape[0] - ROWS) // 2
+    sheet = np.pad(page[top : top + ROWS], ((0, 0), (MARGIN, MARGIN)), mode="edge") / 255
     y, x = np.mgrid[: sheet.shape[0], : sheet.shape[1]] / 80
     images, lights = photographs(3 * np.sin(x) * np.sin(y), sheet**2.2, tilts=TILTS, slant=SLANT)
     stream = io.BytesIO()
@@ -66,6 +69,7 @@ def open_capture(visitor: Visitor, sent: dict[str, str], query: str) -> Page:
         assert facts["state"] == "done", facts
         found = page.evaluate("async () => (await fetch('/api/works?q=A%20large%20capture')).json()")
         sent["work"] = found["items"][0]["id"]
+        sent["path"] = f"/works/{sent['work']}"
     page.goto("about:blank")  # so that what is seen next was drawn for this address
     page = visitor.go(f"/works/{sent['work']}?{query}")
     expect(page.locator(SHARP)).to_be_visible(timeout=240_000)
@@ -73,7 +77,7 @@ def open_capture(visitor: Visitor, sent: dict[str, str], query: str) -> Page:
 
 
 def test_the_mix_of_three_photographs_is_as_sharp_as_they_are(as_person: LogIn, sent: dict[str, str]) -> None:
-    owner = as_person("owner")
+    owner = as_person("owner", **SMALL)
     page = open_capture(owner, sent, f"{NEAR}&lamps=3&tilt=90&slant={SLANT}")
     assert page.get_attribute(".viewer-canvas", "data-factor") == "1"
     mixed = canvas(page)
@@ -89,7 +93,7 @@ def test_the_mix_of_three_photographs_is_as_sharp_as_they_are(as_person: LogIn, 
 @pytest.mark.parametrize("lens", ["magnify", "picture", "normals"])
 def test_the_lens_shows_the_pixels_of_the_work(as_person: LogIn, sent: dict[str, str], lens: str) -> None:
     """Magnified, more than the view around it; another layer, as sharp as the view."""
-    owner = as_person("owner")
+    owner = as_person("owner", **SMALL)
     place = FAR if lens == "magnify" else NEAR
     plain = canvas(open_capture(owner, sent, place))
     page = open_capture(owner, sent, f"{place}&lens={lens}")
