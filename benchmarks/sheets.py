@@ -108,6 +108,7 @@ def read_one(
     folder: Path,
     marks: int,
     *,
+    gamma: float | None = None,
     save: Path | None = None,
 ) -> None:
     """Print, write, photograph and read one sheet."""
@@ -121,7 +122,8 @@ def read_one(
     page = lay_out(whole)[0]
     flat, written = print_and_write(page, masters, copies, rng)
     conditions = draw_conditions(rng)
-    conditions = replace(conditions, turn=float(rng.choice([0, 90, 180, 270])) + conditions.turn)
+    turn = float(rng.choice([0, 90, 180, 270])) + conditions.turn
+    conditions = replace(conditions, turn=turn, gamma=gamma)
     photograph = take_photograph(flat, conditions, seed=number)
     figures.cells += len(written)
     started = time.perf_counter()
@@ -161,19 +163,19 @@ def read_one(
 def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figures: Figures) -> float:
     """Ink and, with a master, mark of a photographed cell against its copy; by how much the mark is off."""
     side, character = len(copy), one.cell.character
-    try:
-        ink = cv2.resize(find_ink(one.picture).mask.astype(np.float32), (side, side)) > 0.5
-    except RefusedImage:
+    surface = surface_of_cell(one.picture)
+    if isinstance(surface, np.ndarray):
+        print(f"{character} {len(one.picture)} px: nothing written is seen", flush=True)
         figures.overlaps.append(0.0)
-        return 0.0
+        if master is not None:
+            figures.off.append(100.0)
+        return 100.0
+    ink = cv2.resize(surface.mask.astype(np.float32), (side, side)) > 0.5
     true = find_ink(copy).mask
     figures.overlaps.append(float(np.count_nonzero(ink & true) / np.count_nonzero(ink | true)))
     if master is not None:
         prepared = pipeline.prepare_master(master, character=character)
-        both = [
-            pipeline.assess(each, prepared, framed=True, remarks=False).score
-            for each in (surface_of_cell(one.picture), copy)
-        ]
+        both = [pipeline.assess(each, prepared, framed=True, remarks=False).score for each in (surface, copy)]
         if None not in both:
             figures.off.append(abs(both[0] - both[1]))
             if figures.off[-1] > 3:
@@ -193,6 +195,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--marks", type=int, default=4, help="cells of each sheet that are marked")
     parser.add_argument("--save", type=Path, help="folder for pictures of cells whose marks differ")
+    parser.add_argument("--gamma", type=float, help="of the camera's tone curve; that of sRGB unless given")
     parser.add_argument("--time", action="store_true")
     asked = parser.parse_args()
     copies, templates = read_copies()
@@ -207,7 +210,7 @@ def main() -> None:
             return
         figures = Figures()
         for number in range(asked.first, asked.first + asked.count):
-            read_one(number, figures, copies, folder, asked.marks, save=asked.save)
+            read_one(number, figures, copies, folder, asked.marks, gamma=asked.gamma, save=asked.save)
     corners, overlaps, off = (
         np.array(v or [np.nan]) for v in (figures.corners, figures.overlaps, figures.off)
     )

@@ -53,11 +53,18 @@ def copy_of(masters: SheetMasters, character: str) -> np.ndarray:
 
 
 def photograph(
-    flat: np.ndarray, *, size: tuple[int, int] = (1800, 1500), tilt: float = 0.12, turn: float = 0.0
+    flat: np.ndarray,
+    *,
+    size: tuple[int, int] = (1800, 1500),
+    tilt: float = 0.12,
+    turn: float = 0.0,
+    blur: float = 0.8,
+    gamma: float = 1.0,
 ) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
     """A picture (H, W, 3) of a page on a brown table, and the map from millimetres to its pixels.
 
-    tilt: by how much the far side is shorter. turn: degrees clockwise.
+    tilt: by how much the far side is shorter. turn: degrees clockwise. blur: pixels of the page by which it
+    is smeared. gamma: light is smeared, and stored as its root of this degree.
     """
     height, width = size
     h, w = (n / DPI * 25.4 for n in flat.shape[:2])
@@ -71,10 +78,15 @@ def photograph(
     matrix = cv2.getPerspectiveTransform(paper.astype(np.float32), corners.astype(np.float32))
     scale = DPI / 25.4
     from_pixels = np.array([[1 / scale, 0, 0.5 / scale], [0, 1 / scale, 0.5 / scale], [0, 0, 1]])
-    shown = cv2.GaussianBlur(flat, (0, 0), 0.8)
+    shown = cv2.GaussianBlur((flat / np.float32(255)) ** np.float32(gamma), (0, 0), blur)
     picture = cv2.warpPerspective(
-        shown, matrix @ from_pixels, (width, height), flags=cv2.INTER_LINEAR, borderValue=(96, 80, 64)
+        shown,
+        matrix @ from_pixels,
+        (width, height),
+        flags=cv2.INTER_LINEAR,
+        borderValue=tuple((level / 255) ** gamma for level in (96, 80, 64)),
     )
+    picture = 255 * picture ** (1 / gamma)
 
     def pixels(points: np.ndarray) -> np.ndarray:
         return cv2.perspectiveTransform(points.reshape(-1, 1, 2).astype(np.float64), matrix).reshape(-1, 2)

@@ -21,6 +21,11 @@ def intersection_over_union(a: np.ndarray, b: np.ndarray) -> float:
     return np.count_nonzero(a & b) / np.count_nonzero(a | b)
 
 
+def half_way(gamma: float) -> float:
+    """The level half-way in light from the ink that `write_in` leaves to the paper."""
+    return 255 * (1 + 0.12**gamma) / 2
+
+
 @pytest.mark.parametrize("turn", [0, 97, 180])
 def test_cells_are_found_however_the_sheet_is_turned(turn, written, page, masters, sheets):
     picture, pixels = sheets.photograph(written, turn=turn)
@@ -40,7 +45,18 @@ def test_what_was_written_comes_back_without_the_print(written, masters, sheets)
         ink = cv2.resize(
             sheets.copy_of(masters, found.cell.character), (side, side), interpolation=cv2.INTER_AREA
         )
-        assert intersection_over_union(found.picture < 110, ink > 0.5) > 0.93
+        assert intersection_over_union(found.picture < half_way(gamma=1.0), ink > 0.5) > 0.93
+
+
+@pytest.mark.parametrize("gamma", [1.0, 1.6, 2.2])
+def test_strokes_keep_their_width_whatever_the_tone_curve_of_the_camera(gamma, written, masters, sheets):
+    sheet = locate_sheet(sheets.photograph(written, size=(3000, 2400), blur=1.8, gamma=gamma)[0])
+    for found in read_cells(sheet, masters.shapes):
+        side = len(found.picture)
+        ink = cv2.resize(
+            sheets.copy_of(masters, found.cell.character), (side, side), interpolation=cv2.INTER_AREA
+        )
+        assert np.mean(found.picture < half_way(gamma)) == pytest.approx(np.mean(ink > 0.5), rel=0.035)
 
 
 @pytest.mark.parametrize(
@@ -182,9 +198,29 @@ def test_no_cell_is_read_in_what_is_no_sheet(name, turn):
     assert refusal(np.ascontiguousarray(np.rot90(drawn_pictures()[name], turn))) == "no sheet"
 
 
-def test_a_blurred_or_dark_picture_is_told(written, sheets):
+@pytest.mark.parametrize("turn", [0, 180, 265])
+@pytest.mark.parametrize("blur", [3.5, 6.0, 9.0])
+def test_a_sheet_is_told_to_be_blurred_however_blurred_it_is(blur, turn, written, sheets):
+    picture, _ = sheets.photograph(written, turn=turn)
+    blurred = cv2.GaussianBlur(picture, (0, 0), blur)
+    cv2.circle(blurred, (700, 40), 25, (60, 60, 60), -1)  # something on the table
+    assert is_sheet(blurred)
+    assert refusal(blurred) == "blurred"
+
+
+def test_dark_spots_that_stand_elsewhere_are_no_blurred_sheet():
+    rng = np.random.default_rng(8)
+    for _ in range(5):
+        page = np.full((1800, 1300, 3), 235, np.uint8)
+        for x, y in rng.uniform(80, 1220, (60, 2)).astype(int).tolist():
+            cv2.rectangle(page, (x, y), (x + 48, y + 48), (20, 20, 20), -1)
+        blurred = cv2.GaussianBlur(page, (0, 0), 9)
+        assert not is_sheet(blurred)
+        assert refusal(blurred) == "no sheet"
+
+
+def test_a_dark_picture_is_told(written, sheets):
     picture, _ = sheets.photograph(written)
-    assert refusal(cv2.GaussianBlur(picture, (0, 0), 3.5)) in ("blurred", "no sheet")
     rng = np.random.default_rng(1)
     dark = np.clip(0.12 * picture + rng.normal(0, 2, picture.shape), 0, 255).astype(np.uint8)
     assert refusal(dark) in ("dark", "no sheet")

@@ -17,7 +17,7 @@ from rumu.pages.sheet_layout import SheetPage, lay_out
 from rumu.pages.sheet_pdf import sheet_pdf
 from rumu.studio import sheet_marks
 from rumu.studio.sheet_inputs import read_photo, sheet_photos
-from rumu.studio.sheet_marks import FACTS, TABLE, mark_sheets
+from rumu.studio.sheet_marks import FACTS, TABLE, mark_sheets, surface_of_cell
 from rumu.studio.sheet_reports import by_pupil, write_reports
 from rumu_lab.simulation.camera import Conditions, take_photograph
 
@@ -172,3 +172,15 @@ def test_a_sheet_whose_masters_are_elsewhere_is_told(photos, tmp_path, monkeypat
     monkeypatch.setenv("RUMU_HOME", str(tmp_path / "another"))
     (facts,) = mark_sheets([tmp_path / "a.png"], tmp_path / "out", jobs=1)
     assert "not on this machine" in facts["refused"] and facts["cells"] == []
+
+
+def test_soft_strokes_of_a_small_cell_are_writing_and_a_shade_is_none():
+    # blur of .4 mm in a cell of 12 mm that is enlarged to 320 pixels, after what sharpening gives back
+    cell = np.full((320, 320), 255, np.uint8)
+    cv2.line(cell, (70, 60), (250, 260), 0, 26)
+    cv2.line(cell, (250, 60), (70, 260), 0, 26)
+    surface = surface_of_cell(cv2.GaussianBlur(cell, (0, 0), 4.0))
+    assert not isinstance(surface, np.ndarray)
+    assert np.mean(surface.mask) == pytest.approx(np.mean(cell < 128), rel=0.05)
+    shade = cv2.GaussianBlur(cell, (0, 0), 20.0)
+    assert surface_of_cell(shade) is shade

@@ -94,6 +94,15 @@ def test_light_shadow_and_colour_are_seen():
     assert warm[h // 2, w // 2, 0] > warm[h // 2, w // 2, 2] + 20
 
 
+def test_a_pixel_gathers_light_and_stores_it_by_the_tone_curve():
+    lines = np.zeros((400, 400, 3), np.uint8)
+    lines[:, ::2] = 255  # half of the light, however it is stored
+    for gamma, half in ((None, 188), (1.0, 128), (2.2, 186)):
+        photograph = take_photograph(lines, Conditions(megapixels=0.05, fill=0.9, gamma=gamma))
+        height, width = photograph.picture.shape[:2]
+        assert np.median(photograph.picture[height // 2 - 5 :, width // 2]) == pytest.approx(half, abs=3)
+
+
 def test_the_same_seed_gives_the_same_photograph():
     conditions = draw_conditions(np.random.default_rng(4))
     first, second = (take_photograph(dotted(), conditions, seed=9).picture for _ in range(2))

@@ -12,7 +12,8 @@ import numpy.typing as npt
 from rumu.pages.sheet_markers import SIDE
 from rumu.values import FloatArray
 
-_PER_MODULE = 8  # pixels of a module in the patch of a marker
+PER_MODULE = 8
+"""Pixels of a module in what is cut out of a marker."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +31,12 @@ class MarkerLight:
 
 def measure_markers(picture: npt.NDArray[np.uint8], markers: Sequence[tuple[int, FloatArray]]) -> MarkerLight:
     """Contrast and blur of a photograph (H, W, 3). markers: one or more, with their corners (4, 2)."""
+    import cv2
+
+    gray = np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
     spreads, contrasts = [], []
     for _, corners in markers:
-        patch = _marker_patch(picture, corners)
+        patch = cut_marker(gray, corners)
         white, black = float(np.quantile(patch, 0.95)), float(np.quantile(patch, 0.05))
         contrasts.append(white - black)
         spreads.append(_smear(patch, max(white - black, 1.0)))
@@ -40,21 +44,20 @@ def measure_markers(picture: npt.NDArray[np.uint8], markers: Sequence[tuple[int,
     return MarkerLight(float(np.median(contrasts)), float(np.median(spreads)) * side / SIDE, side)
 
 
-def _marker_patch(picture: npt.NDArray[np.uint8], corners: FloatArray) -> npt.NDArray[np.float32]:
-    """A marker and a module of paper around it, upright, in gray levels."""
+def cut_marker(picture: npt.NDArray[np.uint8], corners: FloatArray) -> npt.NDArray[np.float32]:
+    """A marker and a module of paper around it, upright, of one channel (H, W) of a photograph."""
     import cv2
 
-    side = (SIDE + 2) * _PER_MODULE
-    inner, outer = _PER_MODULE - 0.5, side - _PER_MODULE - 0.5
+    side = (SIDE + 2) * PER_MODULE
+    inner, outer = PER_MODULE - 0.5, side - PER_MODULE - 0.5
     square = np.array([[inner, inner], [outer, inner], [outer, outer], [inner, outer]], np.float32)
     matrix = cv2.getPerspectiveTransform(corners.astype(np.float32), square)
-    patch = cv2.warpPerspective(picture, matrix, (side, side), flags=cv2.INTER_LINEAR)
-    return np.asarray(cv2.cvtColor(patch, cv2.COLOR_RGB2GRAY), np.float32)
+    return np.asarray(cv2.warpPerspective(picture, matrix, (side, side), flags=cv2.INTER_LINEAR), np.float32)
 
 
 def _smear(patch: npt.NDArray[np.float32], contrast: float) -> float:
     """Standard deviation, in modules, of the blur: from how steep the outer edges of the marker are."""
-    k, n = _PER_MODULE, len(patch)
+    k, n = PER_MODULE, len(patch)
     steepest = []
     for view in (patch, patch[::-1], patch.T, patch.T[::-1]):
         profile = view[: 2 * k, 2 * k : n - 2 * k].mean(axis=1)

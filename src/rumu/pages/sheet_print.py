@@ -33,7 +33,6 @@ OUTLINE: Colour = (0.94, 0.47, 0.40)
 DOT: Colour = (0.96, 0.58, 0.52)
 
 _MODELS = {"faint": FAINT, "outlined": OUTLINE, "dots": DOT}
-_LINEAR = 1.6  # exponent: where blur mixes ink and paper half and half, the level is half-way, as in light
 _BRIGHTEST = 1.2  # times the paper around it that paper is at most
 _PLAIN = 0.06  # grayness up to which nothing needs to be taken away
 _MORE = 1.25  # times as much print as expected is taken away: paper stays white, ink stays dark
@@ -56,17 +55,18 @@ def take_print_away(
     master: MasterShape | None,
     *,
     gray: float,
+    gamma: float,
     blur: float,
 ) -> npt.NDArray[np.uint8]:
-    """(n, n): what was written in a cell, dark on white.
+    """(n, n): what was written in a cell, dark on white, linear in light.
 
-    colours: (n, n, 3), 1 on bare paper. gray: see `grayness`. blur: of the photograph, in millimetres, which
-    is taken back.
+    colours: (n, n, 3), 1 on bare paper. gray: see `grayness`. gamma: exponent that turns them into light.
+    blur: of the photograph, in millimetres, which is taken back.
     """
     red = colours[:, :, 0]
     if gray > _PLAIN:
         red = red / _printed_light(cell, grid, master, len(red), gray=gray, blur=blur)
-    light = np.clip(red, 0, _BRIGHTEST) ** np.float32(_LINEAR)
+    light = np.clip(red, 0, _BRIGHTEST) ** np.float32(gamma)
     sharp = sharpen(light, smear=blur * len(red) / cell.box.width)
     return np.asarray(255 * np.clip(sharp, 0, 1), np.uint8)
 

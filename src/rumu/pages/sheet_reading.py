@@ -13,11 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import RefusedImage
+from rumu.pages.blurred_markers import blur_of_unread_markers
 from rumu.pages.marker_light import measure_markers
+from rumu.pages.marker_tone import MarkerTone, fit_tone
 from rumu.pages.sheet_code import find_code
 from rumu.pages.sheet_frames import FlatSheet, flatten, frame_grayness, refine_by_frames
-from rumu.pages.sheet_layout import PAPERS, Box, SheetCell, SheetPage
+from rumu.pages.sheet_layout import MARKER, PAPERS, Box, SheetCell, SheetPage
 from rumu.pages.sheet_markers import (
+    SIDE,
     PaperMap,
     find_markers,
     map_paper,
@@ -55,14 +58,16 @@ class LocatedSheet:
     """A sheet found in a photograph.
 
     picture: (H, W, 3) uint8, the photograph. page: what its code says. places: from the paper to pixels.
-    flat: the page flattened. blur: standard deviation by which edges are smeared, in millimetres. gray: how
-    gray the print is, see `grayness`.
+    flat: the page flattened. gamma: exponent that turns levels of the red channel, over the paper's, into
+    light. blur: standard deviation by which edges are smeared in it, in millimetres. gray: how gray the print
+    is, see `grayness`.
     """
 
     picture: Picture
     page: SheetPage
     places: PaperMap
     flat: FlatSheet
+    gamma: float
     blur: float
     gray: float
 
@@ -88,7 +93,10 @@ class WrittenCell:
 
 def is_sheet(picture: Picture) -> bool:
     """Whether a picture (H, W, 3) shows a printed sheet of ours, even one that will be refused."""
-    return len({number for number, _ in find_markers(_gray(picture))}) >= 3
+    if len({number for number, _ in find_markers(_gray(picture))}) >= 3:
+        return True
+    blur = blur_of_unread_markers(picture)
+    return blur is not None and blur > SheetReadingSettings().blur
 
 
 def locate_sheet(picture: Picture, *, settings: SheetReadingSettings | None = None) -> LocatedSheet:
@@ -100,19 +108,20 @@ def locate_sheet(picture: Picture, *, settings: SheetReadingSettings | None = No
     settings = settings or SheetReadingSettings()
     markers = find_markers(_gray(picture))
     if len({number for number, _ in markers}) < 3:
+        unread = blur_of_unread_markers(picture)
+        if unread is not None and unread > settings.blur:
+            raise _refuse_blurred()
         raise RefusedImage(
             "expected a practice sheet that rumu printed, found none of its black squares",
             reason="no sheet",
             zh="照片裡沒有找到練習紙四邊的黑色方塊；請把整張練習紙拍清楚。",
         )
-    light = _check_light(picture, markers, settings)
+    _check_light(picture, markers, settings)
     for paper in PAPERS:
         places = map_paper(markers, paper)
         page = _read_code(picture, places, scale=settings.flat)
         if page is not None:
-            return _locate(picture, page, places, settings, blur=light / places.scale())
-    if light / places.scale() > settings.blur:
-        raise _refuse_blurred()
+            return _locate(picture, page, places, settings, fit_tone(picture[:, :, 0], markers))
     raise RefusedImage(
         "expected the printed code of the sheet, it cannot be read; is it covered or creased?",
         reason="unreadable",
@@ -135,7 +144,13 @@ def read_cells(
         side = int(np.clip(round(cell.box.width * sheet.places.scale()), settings.smallest, settings.largest))
         colours = _cut(sheet, cell, side)
         gray = take_print_away(
-            colours, cell, sheet.page.grid, masters.get(cell.character), gray=sheet.gray, blur=sheet.blur
+            colours,
+            cell,
+            sheet.page.grid,
+            masters.get(cell.character),
+            gray=sheet.gray,
+            gamma=sheet.gamma,
+            blur=sheet.blur,
         )
         if _is_written(gray, settings):
             cells.append(WrittenCell(cell, gray, sheet.places.pixels(cell.box.corners)))
@@ -143,20 +158,19 @@ def read_cells(
 
 
 def _locate(
-    picture: Picture, page: SheetPage, places: PaperMap, settings: SheetReadingSettings, *, blur: float
+    picture: Picture, page: SheetPage, places: PaperMap, settings: SheetReadingSettings, tone: MarkerTone
 ) -> LocatedSheet:
     """The sheet whose code was read, mapped by all that is printed on it."""
     height, width = picture.shape[:2]
     corners = np.concatenate([cell.box.corners for cell in page.cells])
-    if blur > settings.blur:
-        raise _refuse_blurred()
     flat = flatten(picture, places, scale=settings.flat)
     places = refine_by_frames(flat, page, places)
     x, y = places.pixels(corners).T
     if min(x.min(), y.min()) < 0 or x.max() > width - 1 or y.max() > height - 1:
         raise refuse_cut_off()
     flat = flatten(picture, places, scale=settings.flat)
-    return LocatedSheet(picture, page, places, flat, blur, gray=frame_grayness(flat, page))
+    gray, blur = frame_grayness(flat, page), tone.smear * MARKER / SIDE
+    return LocatedSheet(picture, page, places, flat, tone.gamma, blur, gray)
 
 
 def _read_code(picture: Picture, places: PaperMap, *, scale: float) -> SheetPage | None:
@@ -178,8 +192,8 @@ def _gray(picture: Picture) -> Picture:
 
 def _check_light(
     picture: Picture, markers: list[tuple[int, FloatArray]], settings: SheetReadingSettings
-) -> float:
-    """Standard deviation, in pixels, by which the markers' edges are smeared; raises where it is too dark."""
+) -> None:
+    """Raise RefusedImage where the markers are too dark or their edges smeared too far."""
     seen = measure_markers(picture, markers)
     if seen.contrast < settings.contrast:
         raise RefusedImage(
@@ -187,7 +201,8 @@ def _check_light(
             reason="dark",
             zh="照片太暗，黑白分不清；請在亮一點的地方再拍。",
         )
-    return seen.blur
+    if seen.blur * MARKER / seen.side > settings.blur:
+        raise _refuse_blurred()
 
 
 _BESIDE = 2.0  # millimetres by which the code of a bent page may lie beside its place

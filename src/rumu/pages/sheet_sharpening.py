@@ -17,14 +17,13 @@ import numpy.typing as npt
 class SharpeningSettings:
     """How much of the smear is taken back.
 
-    noise: power of the noise over that of the writing, the same at all frequencies. share: of the measured
-    smear that is taken back, since a part of it is the measuring. least: pixels of smear, as a standard
-    deviation, below which the picture is left as it is. rim: smears by which it is mirrored at its border.
+    noise: power of the noise over that of the writing, the same at all frequencies. least: pixels of smear,
+    as a standard deviation, below which the picture is left as it is. rim: smears by which it is mirrored at
+    its border.
     """
 
     noise: float = 0.02
-    share: float = 0.85
-    least: float = 0.3
+    least: float = 0.35
     rim: float = 6.0
 
 
@@ -38,7 +37,6 @@ def sharpen(
     from scipy.fft import irfft2, rfft2
 
     settings = settings or SharpeningSettings()
-    smear = settings.share * smear
     if smear < settings.least:
         return light
     rim = min(int(np.ceil(settings.rim * smear)), min(light.shape) - 1)

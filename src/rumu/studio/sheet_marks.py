@@ -38,6 +38,7 @@ COLUMNS = (
     *("percentile", "brushwork", "structure", "ink", "refused", "refused_zh", "praise_zh", "praise_en"),
     *("remarks_zh", "remarks_en"),
 )
+_SHADE = 0.15  # step across an outline, over the contrast, below which it is that of a shade and no stroke's
 _FEW = 2  # photographs for each process from which they, and not their cells, are spread over processes
 
 Facts = dict[str, Any]
@@ -159,9 +160,12 @@ def surface_of_cell(picture: npt.NDArray[np.uint8]) -> Surface | npt.NDArray[np.
     """
     from rumu.surface.ink import InkMaskSettings, find_ink
     from rumu.surface.relief import relief
+    from rumu.surface.writing import WritingLimits
 
+    # the sheet as a whole was sharp enough; a small cell of it, enlarged, has edges several pixels wide
+    settings = InkMaskSettings(grid=False, writing=WritingLimits(blurred=_SHADE))
     try:
-        return relief(find_ink(picture, settings=InkMaskSettings(grid=False)))
+        return relief(find_ink(picture, settings=settings))
     except RefusedImage:
         return picture
 

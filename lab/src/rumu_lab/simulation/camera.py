@@ -53,6 +53,8 @@ class Conditions:
         middle grey; JPEG quality 1-100, or None.
     desk
         Colour of the desk, sRGB 0-255.
+    gamma
+        The camera stores light to the power of 1 / gamma; None for the curve of sRGB.
     """
 
     tilt: float = 0.0
@@ -72,6 +74,7 @@ class Conditions:
     noise: float = 0.0
     jpeg: int | None = None
     desk: tuple[int, int, int] = (96, 78, 60)
+    gamma: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,8 +133,10 @@ def take_photograph(flat: Picture, conditions: Conditions, *, seed: int = 0) -> 
     camera = _Camera(_size(conditions), (height, width), conditions)
     x, y = camera.unproject()
     per_pixel = _scale(x, y)  # pixels of the flat picture for each of the photograph
-    smoothed = cv2.GaussianBlur(flat, (0, 0), 0.5 * per_pixel) if per_pixel > 1 else flat
-    paper = cv2.remap(_to_linear(smoothed), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    gathered = _to_linear(flat)
+    if per_pixel > 1:
+        gathered = cv2.GaussianBlur(gathered, (0, 0), 0.5 * per_pixel)
+    paper = cv2.remap(gathered, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     on_sheet = _coverage(x, width) * _coverage(y, height)
     grain = cv2.GaussianBlur(rng.normal(0, 1, x.shape).astype(np.float32), (0, 0), 3) * 0.15
     desk = _to_linear(np.array(conditions.desk, np.uint8)[None, None]) * (1 + grain[..., None])
@@ -141,7 +146,9 @@ def take_photograph(flat: Picture, conditions: Conditions, *, seed: int = 0) -> 
     blur = conditions.blur * float(np.sqrt(conditions.megapixels / 12.0))
     if blur > 0:
         seen = cv2.GaussianBlur(seen, (0, 0), blur)
-    picture = _to_srgb(seen) * 255.0
+    picture = 255.0 * (
+        _to_srgb(seen) if conditions.gamma is None else np.clip(seen, 0, 1) ** (1 / conditions.gamma)
+    )
     if conditions.noise > 0:
         picture += rng.normal(0, conditions.noise, picture.shape).astype(np.float32) * np.sqrt(
             0.25 + picture / 170.0
