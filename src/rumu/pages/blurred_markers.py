@@ -88,7 +88,7 @@ def _find_spots(small: npt.NDArray[np.uint8], settings: BlurredMarkerSettings) -
     fits &= area >= settings.filled * wide * high
     column, row = centres[1:].astype(int).T
     fits &= level[row, column] > settings.light * np.quantile(level, 0.9)  # on paper, not on the desk
-    return np.column_stack([centres[1:], np.sqrt(area)])[fits]
+    return np.asarray(np.column_stack([centres[1:], np.sqrt(area)])[fits])
 
 
 def _corner_choices(places: FloatArray, pixels: int, settings: BlurredMarkerSettings) -> Iterator[FloatArray]:
