@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,7 @@ def functions(tree: ast.Module) -> list[tuple[str, int, int]]:
     return [(n.name, n.lineno, n.end_lineno or n.lineno) for n in ast.walk(tree) if isinstance(n, kinds)]
 
 
+@cache
 def citations() -> tuple[dict[int, set[tuple[str, str]]], list[str]]:
     """equation -> {(file, function)}, and the citations that stand outside of every function."""
     homes: dict[int, set[tuple[str, str]]] = defaultdict(set)

@@ -45,6 +45,12 @@ def master(work: str) -> Surface:
     return pipeline.surface_of(picture(darkness(work)))
 
 
+@lru_cache(maxsize=64)
+def prepared(work: str) -> pipeline.PreparedMaster:
+    """The same, made ready once for all of its copies, as a service does."""
+    return pipeline.prepare_master(master(work))
+
+
 def mask(work: str) -> np.ndarray:
     return darkness(work) > 0.5
 
@@ -57,12 +63,18 @@ def moved(work: str, *, lean: float = 0.0, scale: float = 1.0) -> np.ndarray:
 
 
 def marked(copy: np.ndarray, work: str, **options) -> Assessment:
-    return rumu.assess(copy, master(work), **options)
+    return rumu.assess(copy, prepared(work), **options)
 
 
-def points(copy: np.ndarray, work: str, **options) -> float:
+def points(copy: np.ndarray, work: str) -> float:
     """The score; a refused copy has none, which is less than any."""
-    assessment = marked(copy, work, remarks=False, **options)
+    return _points(copy.tobytes(), copy.shape, work)
+
+
+@lru_cache(maxsize=256)
+def _points(pixels: bytes, shape: tuple[int, ...], work: str) -> float:
+    """The same of the bytes of a picture: every fault begins with the same one, without a fault."""
+    assessment = marked(np.frombuffer(pixels, np.uint8).reshape(shape), work, remarks=False)
     return -1.0 if assessment.score is None else assessment.score
 
 

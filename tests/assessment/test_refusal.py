@@ -34,12 +34,18 @@ def master(work: str) -> Surface:
     return rumu.relief(picture_of(mask(work)))
 
 
+@lru_cache(maxsize=64)
+def prepared(work: str) -> PreparedMaster:
+    """The same, made ready once for all of its copies."""
+    return PreparedMaster(master(work))
+
+
 def against(page: np.ndarray, master_page: np.ndarray, **options) -> Measurement:
     return measure(rumu.relief(page), PreparedMaster(rumu.relief(master_page)), **options)
 
 
 def code(page: np.ndarray, work: str, **options) -> str | None:
-    found = measure(rumu.relief(page), PreparedMaster(master(work)), **options).refusal
+    found = measure(rumu.relief(page), prepared(work), **options).refusal
     return found.code if found else None
 
 
@@ -147,8 +153,8 @@ def test_learners_copies_are_not_refused(data):
 
 
 @lru_cache(maxsize=32)
-def template(path) -> Surface:
-    return rumu.relief(path)
+def template(path) -> PreparedMaster:
+    return PreparedMaster(rumu.relief(path))
 
 
 # what must be
@@ -176,9 +182,11 @@ def test_a_reversed_character_is_told(work, kind, why):
 def test_a_photograph_on_its_side_says_how_to_turn_it(work, degrees, name):
     page = picture_of(faults.apply(mask(work), "uneven", severity=2, seed=4).ink)
     turned = np.ascontiguousarray(np.rot90(page, degrees // 90))  # anticlockwise: to be turned back clockwise
-    answer = rumu.assess(turned, master(work), remarks=False)
+    answer = rumu.assess(turned, prepared(work), remarks=False)
     assert (answer.refused, answer.turned_by) == (f"{name}: {turned_refusal(degrees).en}", degrees)
-    upright = rumu.assess(np.ascontiguousarray(np.rot90(turned, -degrees // 90)), master(work), remarks=False)
+    upright = rumu.assess(
+        np.ascontiguousarray(np.rot90(turned, -degrees // 90)), prepared(work), remarks=False
+    )
     assert upright.refused is None and upright.turned_by is None
 
 
@@ -225,7 +233,7 @@ def test_an_outline_is_told_and_a_thin_pen_is_not_one(work):
 def test_what_is_no_character_is_refused_or_worth_little(kind, work):
     found = code(impostor(mask(work), kind, seed=5), work)
     assert found in ("another character", "several characters", "mirrored", "upside down", None)
-    mark = rumu.assess(impostor(mask(work), kind, seed=5), master(work), remarks=False)
+    mark = rumu.assess(impostor(mask(work), kind, seed=5), prepared(work), remarks=False)
     assert mark.refused or mark.score < 40
 
 
@@ -308,7 +316,7 @@ def test_another_character_is_refused_mostly():
     pairs = [(a, b) for a in works for b in works if a.script == b.script and a.character != b.character]
     refused = 0
     for copy, own in pairs[::5]:
-        mark = rumu.assess(master(copy.id), master(own.id), remarks=False)
+        mark = rumu.assess(master(copy.id), prepared(own.id), remarks=False)
         refused += mark.refused is not None
         assert mark.refused or mark.score < 40, (copy.id, own.id, mark.score)
     assert refused / len(pairs[::5]) > 0.7
