@@ -214,13 +214,18 @@ def test_an_upload_that_was_cut_off_leaves_nothing(start, tmp_path):
     assert not any((tmp_path / "files").rglob("uploads/*/*"))
 
 
-def test_a_queued_job_waits_for_the_next_server(start):
+def test_a_queued_job_waits_for_the_next_server_which_ends_with_all_its_processes(start):
     with start.gallery.database.writing() as session:
         job_id = job_queue.add(session, "prepare", {}, person_id=None).id
     server = start()
     assert wait_for_job(start.gallery, job_id, seconds=200).result["works"] >= 30
+    children = _children(server.process.pid)
     server.end(signal.SIGTERM)
     assert server.process.returncode in (0, 143, -signal.SIGTERM)
+    until = time.monotonic() + 15
+    while any(_alive(pid) for pid in children) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert children and not [pid for pid in children if _alive(pid)]
 
 
 def test_others_reach_nothing_that_nobody_owns(tmp_path):
@@ -268,7 +273,7 @@ def serve_again(start, tmp_path):
     )
 
 
-def test_a_second_server_on_the_database_is_refused(start, tmp_path):
+def test_beside_a_server_a_second_one_is_refused_and_commands_work(start, tmp_path):
     first = start()
     second = serve_again(start, tmp_path)
     assert second.returncode == 1 and second.stdout == "" and second.stderr.count("\n") == 1
@@ -276,13 +281,6 @@ def test_a_second_server_on_the_database_is_refused(start, tmp_path):
         assert word in second.stderr, second.stderr
     assert f"since {date.today():%Y}" in second.stderr
     assert first.client.get("/api/works").status_code == 200
-    first.end(signal.SIGKILL)
-    again = start()  # what a killed server left stands in nobody's way
-    assert again.client.get("/api/works").status_code == 200
-
-
-def test_commands_work_beside_a_server(start, tmp_path):
-    server = start()
     folder = tmp_path / "more"
     folder.mkdir()
     with zipfile.ZipFile(io.BytesIO(zip_of_pictures(3))) as archive:
@@ -299,17 +297,10 @@ def test_commands_work_beside_a_server(start, tmp_path):
         )
         assert ended.returncode == 0, ended.stderr
     time.sleep(1.1)  # seconds that a list is kept
-    assert server.client.get("/api/works?q=號").json()["total"] == 3
-
-
-def test_no_process_is_left_when_a_server_ends(start):
-    server = start()
-    children = _children(server.process.pid)
-    server.end(signal.SIGTERM)
-    until = time.monotonic() + 15
-    while any(_alive(pid) for pid in children) and time.monotonic() < until:
-        time.sleep(0.05)
-    assert children and not [pid for pid in children if _alive(pid)]
+    assert first.client.get("/api/works?q=號").json()["total"] == 3
+    first.end(signal.SIGKILL)
+    again = start()  # what a killed server left stands in nobody's way
+    assert again.client.get("/api/works").status_code == 200
 
 
 def _children(pid: int) -> list[int]:
