@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rumu.pages.cell_scores import CellSettings, EdgeMaps, fit_at, fit_everywhere
+from rumu.pages.cell_scores import CellSettings, EdgeMaps, fit_at, fit_of_pairs, opposite_edges
 from rumu.values import BoolArray, FloatArray
 
 Place = tuple[int, int]
@@ -68,10 +68,12 @@ def fits_of_sizes(
 ) -> list[tuple[tuple[float, ...], float, float]]:
     """The same with the mean fit of the best so many cells, for each of the counts; the first orders them."""
     settings = settings or CellSettings()
+    sides = [opposite_edges(edges, width * edges.pitch, along="x") for width in settings.widths]
     found = []
     for height in settings.heights:
-        for width in settings.widths:
-            fits = fit_everywhere(edges, width * edges.pitch, height * edges.pitch)
+        ends = opposite_edges(edges, height * edges.pitch, along="y")
+        for width, side in zip(settings.widths, sides, strict=True):
+            fits = fit_of_pairs(side, ends)
             squareness = 1 - (np.log(height / width) / settings.square) ** 2
             means = tuple(squareness * one for one in _means_of_peaks(fits, edges, counts))
             found.append((means, width * edges.pitch, height * edges.pitch))
@@ -91,7 +93,8 @@ def _means_of_peaks(fits: FloatArray, edges: EdgeMaps, counts: Sequence[int]) ->
     rows = fits[: fits.shape[0] // apart * apart, : fits.shape[1] // apart * apart]
     if not rows.size:
         return [0.0] * len(counts)
-    blocks = rows.reshape(rows.shape[0] // apart, apart, -1, apart).max(axis=(1, 3)).ravel()
+    belts = rows.reshape(rows.shape[0] // apart, apart, -1).max(axis=1)
+    blocks = belts.reshape(len(belts), -1, apart).max(axis=2).ravel()
     highest = np.sort(blocks)[::-1]
     return [float(highest[:count].mean()) for count in counts]
 
@@ -149,8 +152,11 @@ def _seeds(
     width, height = size
     best, chosen = None, None
     sizes = [(width * a, height * b) for a in settings.sizes for b in settings.sizes]
-    for k, one in enumerate(sizes):
-        fits = fit_everywhere(strengths, *one)
+    sides = [opposite_edges(strengths, width * a, along="x") for a in settings.sizes]
+    ends = [opposite_edges(strengths, height * a, along="y") for a in settings.sizes]
+    for k in range(len(sizes)):
+        side, end = divmod(k, len(settings.sizes))
+        fits = fit_of_pairs(sides[side], ends[end])
         if best is None or chosen is None:
             best, chosen = fits, np.zeros(fits.shape, np.intp)
             continue

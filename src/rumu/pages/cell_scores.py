@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -73,9 +74,10 @@ def _edge_map(response: Map, pitch: float, stride: int, reduction: int, settings
     count = min(settings.samples, max(5, int(pitch / reduction) | 1))
     along = (np.arange(count) - count // 2) / (count - 1) * settings.covered * pitch
     best = np.zeros_like(response)
-    for slope in settings.slopes:
-        edge = sum_of_moved(response, [(round(slope * x), round(x / reduction)) for x in along])
-        np.maximum(best, edge, out=best)
+    # short edges that lean a little lie on the same pixels
+    leaning = {tuple((round(slope * x), round(x / reduction)) for x in along) for slope in settings.slopes}
+    for steps in leaning:
+        np.maximum(best, sum_of_moved(response, steps), out=best)
     reach = 2 * int(np.ceil(settings.tolerance * pitch)) + (stride | 1)
     near = cv2.dilate(best, np.ones((reach, 1), np.uint8))
     best = (settings.beside * near + (1 - settings.beside) * best)[stride // 2 :: stride]
@@ -83,17 +85,38 @@ def _edge_map(response: Map, pitch: float, stride: int, reduction: int, settings
     return np.asarray(cv2.resize(best, size, interpolation=cv2.INTER_LINEAR) / count)
 
 
-def fit_everywhere(
-    edges: EdgeMaps, width: float, height: float, *, settings: CellSettings | None = None
-) -> Map:
-    """(h, w): how well a cell of this size in pixels, centred there, is drawn: mean and weakest edge."""
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgePair:
+    """Two opposite edges of a cell that is centred at each place, (h, w) each.
+
+    mean: half of their mean, as it is weighed. weakest: the weaker one, likewise.
+    """
+
+    mean: Map
+    weakest: Map
+
+
+def opposite_edges(
+    edges: EdgeMaps, size: float, *, along: Literal["x", "y"], settings: CellSettings | None = None
+) -> EdgePair:
+    """The left and right edges of cells of this width in pixels, or the upper and lower of this height."""
+    import cv2
+
     settings = settings or CellSettings()
-    x, y = round(width / 2 / edges.stride), round(height / 2 / edges.stride)
-    four = [sum_of_moved(edges.down, [(0, step)]) for step in (-x, x)]
-    four += [sum_of_moved(edges.across, [(step, 0)]) for step in (-y, y)]
-    weakest = np.minimum(np.minimum(four[0], four[1]), np.minimum(four[2], four[3]))
-    mean = (four[0] + four[1] + four[2] + four[3]) / 4
-    return np.asarray(settings.least * weakest + (1 - settings.least) * mean)
+    step = round(size / 2 / edges.stride)
+    values = edges.down if along == "x" else edges.across
+    first, second = (sum_of_moved(values, [(0, one) if along == "x" else (one, 0)]) for one in (-step, step))
+    share = (1 - settings.least) / 4
+    mean = np.asarray(cv2.addWeighted(first, share, second, share, 0), np.float32)
+    return EdgePair(mean, np.float32(settings.least) * np.minimum(first, second))
+
+
+def fit_of_pairs(sides: EdgePair, ends: EdgePair) -> Map:
+    """(h, w): how well a cell with these edges is drawn: their mean and the weakest."""
+    import cv2
+
+    weakest = cv2.min(sides.weakest, ends.weakest)
+    return np.asarray(cv2.add(cv2.add(sides.mean, ends.mean), weakest), np.float32)
 
 
 def fit_at(edges: EdgeMaps, cells: FloatArray, *, settings: CellSettings | None = None) -> FloatArray:

@@ -114,6 +114,8 @@ def _find(shown: Picture) -> PageGrid | FreePage:
 def _picture(picture: str | os.PathLike[str] | npt.NDArray[Any]) -> Picture:
     """(H, W, 3) uint8 sRGB of a file or an array."""
     if isinstance(picture, np.ndarray):
+        if picture.dtype == np.uint8 and picture.ndim == 3 and picture.shape[2] == 3:
+            return np.ascontiguousarray(picture)
         samples = eight_bits(as_image(picture))
         return np.ascontiguousarray(np.dstack([samples] * 3) if samples.ndim == 2 else samples)
     return read_colours(picture, reduction=READ_SIZE)

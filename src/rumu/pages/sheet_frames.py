@@ -53,8 +53,8 @@ class FlatSheet:
         dark = levels < 0.8 * closed
         return np.asarray(cv2.GaussianBlur(np.where(dark, closed, levels), (3, 3), 0), np.float32)
 
-    def paper_of(self, box: Box, side: int) -> npt.NDArray[np.float32]:
-        """(side, side, 3): how bright the bare paper is under each pixel of a part of the page."""
+    def red_paper(self, box: Box, side: int) -> npt.NDArray[np.float32]:
+        """(side, side): how bright the bare paper is in red under each pixel of a part of the page."""
         import cv2
 
         block = round(_BLOCK * self.scale) / self.scale
@@ -62,9 +62,8 @@ class FlatSheet:
         x = (box.left + at * box.width) / block - 0.5
         y = (box.top + at * box.height) / block - 0.5
         columns, rows = np.meshgrid(x.astype(np.float32), y.astype(np.float32))
-        return np.asarray(
-            cv2.remap(self.paper, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        )
+        red = np.ascontiguousarray(self.paper[:, :, 0])
+        return np.asarray(cv2.remap(red, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE))
 
     def darkness(self, rows: slice, columns: slice, *, channels: slice) -> npt.NDArray[np.float32]:
         """(h, w): how much darker than the paper a part of the page is, in `RED` or in `GREEN_AND_BLUE`.

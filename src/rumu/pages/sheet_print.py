@@ -49,7 +49,7 @@ def grayness(red: float, rest: float) -> float:
 
 
 def take_print_away(
-    colours: npt.NDArray[np.float32],
+    red: npt.NDArray[np.float32],
     cell: SheetCell,
     grid: Grid,
     master: MasterShape | None,
@@ -60,10 +60,9 @@ def take_print_away(
 ) -> npt.NDArray[np.uint8]:
     """(n, n): what was written in a cell, dark on white, linear in light.
 
-    colours: (n, n, 3), 1 on bare paper. gray: see `grayness`. gamma: exponent that turns them into light.
-    blur: of the photograph, in millimetres, which is taken back.
+    red: (n, n), the red channel, 1 on bare paper. gray: see `grayness`. gamma: exponent that turns it into
+    light. blur: of the photograph, in millimetres, which is taken back.
     """
-    red = colours[:, :, 0]
     if gray > _PLAIN:
         red = red / _printed_light(cell, grid, master, len(red), gray=gray, blur=blur)
     light = np.clip(red, 0, _BRIGHTEST) ** np.float32(gamma)
@@ -79,8 +78,11 @@ def _printed_light(
 
     light = np.ones((side, side), np.float32)
     scale = side / cell.box.width
-    for (start, end), width, colour in _lines(cell, grid):
-        _draw(light, [np.array([start, end])], width * scale, _level(colour, gray), closed=False)
+    kinds: dict[tuple[float, Colour], list[FloatArray]] = {}
+    for ends, width, colour in _lines(cell, grid):
+        kinds.setdefault((width, colour), []).append(np.array(ends))
+    for (width, colour), lines in kinds.items():
+        _draw(light, lines, width * scale, _level(colour, gray), closed=False)
     if cell.model in _MODELS and master is not None:
         level = _level(_MODELS[cell.model], gray)
         if cell.model == "faint":
@@ -88,8 +90,8 @@ def _printed_light(
         elif cell.model == "outlined":
             _draw(light, master.outlines, OUTLINE_WIDTH * scale, level, closed=True)
         else:
-            for dot in master.dots:
-                _draw(light, [np.array([dot, dot])], 2 * DOT_RADIUS * side, level, closed=False)
+            dots = [np.array([dot, dot]) for dot in master.dots]
+            _draw(light, dots, 2 * DOT_RADIUS * side, level, closed=False)
     smear = max(blur * scale, 0.4)
     return np.asarray(cv2.GaussianBlur(light, (0, 0), smear), np.float32)
 

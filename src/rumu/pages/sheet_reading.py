@@ -105,6 +105,8 @@ def locate_sheet(picture: Picture, *, settings: SheetReadingSettings | None = No
     picture: (H, W, 3) uint8 sRGB; any rotation.
     Raises RefusedImage, with reason 'no sheet', 'two sheets', 'cut off', 'dark', 'blurred' or 'unreadable'.
     """
+    import cv2
+
     settings = settings or SheetReadingSettings()
     markers = find_markers(_gray(picture))
     if len({number for number, _ in markers}) < 3:
@@ -121,7 +123,13 @@ def locate_sheet(picture: Picture, *, settings: SheetReadingSettings | None = No
         places = map_paper(markers, paper)
         page = _read_code(picture, places, scale=settings.flat)
         if page is not None:
-            return _locate(picture, page, places, settings, fit_tone(picture[:, :, 0], markers))
+            return _locate(
+                picture,
+                page,
+                places,
+                settings,
+                fit_tone(np.asarray(cv2.extractChannel(picture, 0), np.uint8), markers),
+            )
     raise RefusedImage(
         "expected the printed code of the sheet, it cannot be read; is it covered or creased?",
         reason="unreadable",
@@ -136,15 +144,17 @@ def read_cells(
 
     masters: by character, as they were printed; only a sheet printed in black and white needs them.
     """
+    import cv2
+
     settings = settings or SheetReadingSettings()
+    red = np.asarray(cv2.extractChannel(sheet.picture, 0), np.uint8)
     cells = []
     for cell in sheet.page.cells:
         if not cell.is_for_writing:
             continue
         side = int(np.clip(round(cell.box.width * sheet.places.scale()), settings.smallest, settings.largest))
-        colours = _cut(sheet, cell, side)
         gray = take_print_away(
-            colours,
+            _cut(red, sheet, cell, side),
             cell,
             sheet.page.grid,
             masters.get(cell.character),
@@ -216,8 +226,8 @@ def _refuse_blurred() -> RefusedImage:
     )
 
 
-def _cut(sheet: LocatedSheet, cell: SheetCell, side: int) -> npt.NDArray[np.float32]:
-    """(side, side, 3): a cell of the photograph over the paper around it, 1 on paper."""
+def _cut(red: Picture, sheet: LocatedSheet, cell: SheetCell, side: int) -> npt.NDArray[np.float32]:
+    """(side, side): a cell of a channel of the photograph over the paper around it, 1 on paper."""
     import cv2
 
     nodes = 17
@@ -229,8 +239,8 @@ def _cut(sheet: LocatedSheet, cell: SheetCell, side: int) -> npt.NDArray[np.floa
     maps = [
         cv2.remap(places[:, axis].reshape(nodes, nodes), column, row, cv2.INTER_LINEAR) for axis in (0, 1)
     ]
-    pixels = cv2.remap(sheet.picture, maps[0], maps[1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-    paper = sheet.flat.paper_of(cell.box, side)
+    pixels = cv2.remap(red, maps[0], maps[1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    paper = sheet.flat.red_paper(cell.box, side)
     return np.asarray(pixels.astype(np.float32) / np.maximum(paper, 1.0), np.float32)
 
 
