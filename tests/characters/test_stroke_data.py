@@ -34,6 +34,7 @@ def names(character: str) -> list[str]:
         ("黃", "橫 豎 豎 橫 橫 豎 橫折 橫 豎 橫 撇 點"),  # and the other way round
         ("說", "點 橫 橫 橫 豎 橫折 橫 點 撇 豎 橫折 橫 撇 豎彎鉤"),  # a horizontal that was said to rise
         ("地", "橫 豎 提 橫折鉤 豎 豎彎鉤"),  # one that does rise
+        ("銘", "撇 點 橫 橫 豎 點 撇 提 撇 橫撇 點 豎 橫折 橫"),  # the side of a box that was called a dot
         ("會", "撇 捺 橫 豎 橫折 豎 點 撇 橫 豎 橫折 橫 橫"),  # a straight stroke that was said to bend
     ],
 )

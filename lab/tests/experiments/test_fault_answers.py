@@ -71,16 +71,32 @@ def test_a_heavy_entry_must_be_told_at_that_end(cross):
     assert not speaks_of(replace(line, region=(x1 + 0.1, y1 + 0.1, x1 + 0.3, y1 + 0.3)), heavy, cross)
 
 
-def test_what_strikes_many_strokes_may_be_told_of_all_at_once():
-    from rumu.gallery.starter import starter_works
+@pytest.fixture(scope="module")
+def man() -> Glyph:
+    """人, whose strokes taper."""
+    from rumu.gallery.starter import find_work
     from rumu.pipeline import surface_of
 
-    work = next(w for w in starter_works() if w.id == "regular-ren")
-    glyph = Glyph(surface_of(work.path).mask)
-    blunt = apply(glyph.mask, "blunt", severity=4)
+    return Glyph(surface_of(find_work("regular-ren").path).mask)
+
+
+@pytest.fixture(scope="module")
+def blunt(man):
+    """The same with blunt tips."""
+    return apply(man.mask, "blunt", severity=4)
+
+
+def test_what_strikes_many_strokes_may_be_told_of_all_at_once(man, blunt):
     assert len(blunt.strokes) > 1
-    lines = tuple(along(glyph, k).outline[0] for k in blunt.strokes)
-    assert speaks_of(replace(along(glyph, 0, "exit_blunt"), outline=lines), blunt, glyph)
+    lines = tuple(along(man, k).outline[0] for k in blunt.strokes)
+    assert speaks_of(replace(along(man, 0, "exit_blunt"), outline=lines), blunt, man)
+
+
+def test_a_blunt_tip_is_a_heavy_beginning_only_where_ink_was_added(man, blunt):
+    x0, y0, *_ = blunt.region
+    told = along(man, blunt.strokes[0], "entry_heavy")
+    assert speaks_of(replace(told, region=blunt.region), blunt, man)
+    assert not speaks_of(replace(told, region=(0.0, 0.0, x0 - 0.02, y0 - 0.02)), blunt, man)
 
 
 def test_beside_a_stroke_that_is_most_of_the_character_the_others_stand_off():

@@ -58,8 +58,8 @@ def find_ink_faults(
 def _find_edge_fault(ink: InkMeasures, limits: RemarkThresholds, *, dry: bool) -> Iterator[Finding]:
     """Edges that tremble, or that are torn; dry: then bare streaks make them so."""
     least = limits.tremor * (1.0 if ink.torn >= limits.frayed else limits.smooth)
-    if not dry and ink.tremor >= limits.weak * least:
-        much = ink.rough - 1.0
+    much = ink.rough - 1.0
+    if not dry and ink.tremor >= limits.weak * least and much >= limits.rougher:
         remark = Remark(
             "rough", much, "of the master", severity("rough", ink.tremor, least), None,
             f"筆畫邊緣抖動，比範本多 {much:.0%}。",

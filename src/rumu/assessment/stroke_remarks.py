@@ -164,12 +164,16 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
         return
     if change < 0 and named.is_cut_off:
         return
+    # a line may stop before its ink does, and ink that lies elsewhere is lacking, too: between the two
+    told = change
+    if change < 0 and np.isfinite(ink.lacking):
+        told = (named.stroke.length - 1.0 - max(ink.lacking, 0.0)) / 2
+    if abs(told) < limits.length_doubt:
+        return
     kind, zh, en = ("stroke_long", "長", "too long") if change > 0 else ("stroke_short", "短", "too short")
     yield named.finding(
-        Fault(
-            kind, change, "of the master", named.severity("length", change, least), abs(change) / least
-        ),
-        Bilingual(f"{zh}了 {abs(change):.0%}", f"is {abs(change):.0%} {en}"),
+        Fault(kind, told, "of the master", named.severity("length", change, least), abs(change) / least),
+        Bilingual(f"{zh}了 {abs(told):.0%}", f"is {abs(told):.0%} {en}"),
         named.kind.zh,
     )  # fmt: skip
 
@@ -210,8 +214,9 @@ def _find_end_faults(named: NamedStroke) -> Iterator[Finding]:
     is_other = limits.most_end >= abs(entry) >= limits.weak * least  # not so where NaN
     if is_other and _is_end_unlike(named, last=False) and (entry > 0 or not cut_short):
         kind, zh, en = ("entry_heavy", "重", "heavily") if entry > 0 else ("entry_light", "輕", "lightly")
+        severe = named.severity("entry" if entry > 0 else "end", entry, least)
         yield named.finding_at_end(
-            Fault(kind, entry, "of the master", named.severity("end", entry, least), abs(entry) / least),
+            Fault(kind, entry, "of the master", severe, abs(entry) / least),
             Bilingual(f"起筆太{zh}", f"begins too {en}"),
         )  # fmt: skip
     least = coarse * limits.exit

@@ -53,8 +53,9 @@ class RemarkThresholds:
     tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some;
         beyond_tip: stroke widths beyond a tip where no more ink lies.
     gap: relative change of the white between strokes; uneven: spread of the changes, over that.
-    bare: share of the strokes' inside. tremor: rms radii; smooth: so many times more where the edges are not
-        `frayed` a little, too, a least of `InkMeasures.torn`. torn: the same from which they are torn.
+    bare: share of the strokes' inside. tremor: rms radii, of `smooth` times more where the edges are not
+        `frayed` a little, too, a least of `InkMeasures.torn`; rougher: least of it relative to the master's.
+        torn: least of `InkMeasures.torn` from which they are torn.
     filled: share of its half-width that a white must have lost. pale: relative; paler: the same where all ink
         is equally pale, which a photograph's exposure may do.
     margin: stroke widths around a stroke, of the box of a remark.
@@ -74,7 +75,7 @@ class RemarkThresholds:
     inner_place: float = 0.03
     confident: float = 0.5
     border: float = 0.01
-    on_ink: float = 0.75
+    on_ink: float = 0.7
     hook_bare: float = 0.6
     hook_covered: float = 0.3
     leg_found: float = 0.25
@@ -84,11 +85,11 @@ class RemarkThresholds:
     blot: float = 0.009
     round: float = 2.6
     off: float = 2.0
-    unlike: float = 0.15
+    unlike: float = 0.1
     unlike_end: float = 0.1
     taken_out: float = 0.9
-    displaced: float = 0.018
-    put_wrong: float = 1.6
+    displaced: float = 0.016
+    put_wrong: float = 2.0
     most_end: float = 0.9
     stretched: float = 0.55
     turn: float = 3.0
@@ -98,15 +99,15 @@ class RemarkThresholds:
     length_unsure: float = 1.3
     length_doubt: float = 0.04
     short: float = 4.0
-    exaggerated: float = 2.0
+    exaggerated: float = 2.5
     longest: float = 1.0
     shrunk: float = 0.03
     put_back: float = 0.6
     sticks_out: float = 0.05
-    stroke: float = 0.2
+    stroke: float = 0.15
     believed: float = 0.8
     fuller: float = 0.5
-    entry: float = 0.13
+    entry: float = 0.1
     faint: float = 0.22
     exit: float = 0.19
     tips: float = 0.16
@@ -115,9 +116,10 @@ class RemarkThresholds:
     gap: float = 0.25
     uneven: float = 0.6
     bare: float = 0.022
-    tremor: float = 0.0014
+    tremor: float = 0.0012
+    rougher: float = 0.12
     frayed: float = 0.15
-    smooth: float = 1.6
+    smooth: float = 1.2
     torn: float = 1.2
     filled: float = 0.6
     pale: float = 0.15
@@ -134,9 +136,9 @@ PLACE_DOUBT = 0.01
 
 SEVERITIES: Mapping[str, float] = {
     "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 7.0, "squeeze": 7.0, "part_place": 6.0, "inner": 7.0,
-    "missing": 8.0, "hook": 2.4, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 6.0, "torn": 7.0,
-    "pale": 4.5, "filled": 6.0, "displaced": 3.6, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
-    "width": 3.0, "end": 2.2, "tips": 3.2, "spacing": 4.5,
+    "missing": 8.0, "hook": 2.4, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 5.5, "torn": 7.0,
+    "pale": 4.5, "filled": 6.0, "displaced": 3.4, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
+    "width": 2.5, "entry": 1.9, "end": 2.2, "tips": 3.2, "spacing": 4.5,
 }  # fmt: skip
 """Points of the mark, about, that the smallest fault worth a remark stands for."""
 GROWTH = 0.6

@@ -57,8 +57,9 @@ class PoseSeen:
 
     @property
     def size(self) -> float:
-        """What is sure of them."""
-        return agreed(self.sizes, doubt=_SIZE_DOUBT)
+        """What is sure of them: between the middle one and that of its extent, which is what the eye sees."""
+        middle = agreed(self.sizes, doubt=_SIZE_DOUBT)
+        return middle and (middle + self.sizes[1]) / 2
 
     @property
     def offset(self) -> FloatArray:

@@ -16,7 +16,7 @@ from the middle of its curve.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.resources import files
 from itertools import accumulate, pairwise
@@ -94,6 +94,8 @@ _LEVEL, _UPRIGHT, _RISING = (-35.0, 20.0), (70.0, 110.0), -9.5
 """Degrees, y downward, of a straight line that is a horizontal, or a vertical, and from which none rises."""
 _DOTS, _SLANTING = "kdl", "is"
 """Letters of dots and right-falling strokes, which may lie in any way; and of others that may be upright."""
+_AROUND_BOX, _TOUCHING = "cr", 0.09
+"""Letters of strokes around a box; and from where two do not begin together, in sides of the square."""
 
 
 def stroke_name(letter: str, centre_line: FloatArray) -> Bilingual:
@@ -125,6 +127,18 @@ def stroke_name(letter: str, centre_line: FloatArray) -> Bilingual:
         "y": right > down,
     }
     return (_SECOND_NAMES if is_second[letter] else STROKE_NAMES)[letter]
+
+
+def _is_side_of_box(letter: str, line: FloatArray, next_letter: str, next_line: FloatArray) -> bool:
+    """Whether a stroke that is called a dot is the left side of 口 or the like, as in 銘.
+
+    It stands upright, and the stroke that bends around the box begins where it begins.
+    """
+    if letter not in _DOTS or next_letter not in _AROUND_BOX:
+        return False
+    right, down = line[-1] - line[0]
+    apart = float(np.hypot(*(next_line[0] - line[0]))) * (_LINE_GRID / _SQUARE)
+    return apart < _TOUCHING and bool(_UPRIGHT[0] <= np.degrees(np.arctan2(down, right)) <= _UPRIGHT[1])
 
 
 def _plain_letter(letter: str, centre_line: FloatArray) -> str:
@@ -267,13 +281,18 @@ class _Block:
                 line, command = line + 2 * points, command + commands
         points_of = np.array(list(_COMMANDS.values()))
         steps = iter(self.outlines[2 * int(points_of[self.commands[:command]].sum()) :].tolist())
-        names, begin, strokes = list(_COMMANDS), (0, 0), []
+        names, begin, strokes = list(_COMMANDS), (0, 0), list[CanonicalStroke]()
         structure, border, count = next(heads), next(heads), next(heads)
-        for letter, points, commands in [(next(heads), next(heads), next(heads)) for _ in range(count)]:
-            centre = np.cumsum(self.lines[line : line + 2 * points].reshape(-1, 2), axis=0)
+        written: list[tuple[str, FloatArray]] = []
+        for number, points, commands in [(next(heads), next(heads), next(heads)) for _ in range(count)]:
+            centre = np.cumsum(self.lines[line : line + 2 * points].reshape(-1, 2), axis=0).astype(float)
             own = [names[c] for c in self.commands[command : command + commands]]
             outline, begin = _draw(own, steps, begin)
-            name = stroke_name(chr(ord("a") + letter), centre.astype(float))
+            letter = chr(ord("a") + number)
+            if written and _is_side_of_box(*written[-1], letter, centre):
+                strokes[-1] = replace(strokes[-1], name=STROKE_NAMES["f"])
+            written.append((letter, centre))
+            name = stroke_name(letter, centre)
             strokes.append(CanonicalStroke(name, centre * (_LINE_GRID / _SQUARE), outline))
             line, command = line + 2 * points, command + commands
         told = (None, *get_args(Structure))[structure]

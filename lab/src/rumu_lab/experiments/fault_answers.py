@@ -18,7 +18,7 @@ ANSWERS: Mapping[str, tuple[str, ...]] = {
     "squeeze": ("squeeze",),
     "lean": ("lean",),
     "entry": ("entry_heavy",),
-    "blunt": ("exit_blunt",),
+    "blunt": ("exit_blunt", "entry_heavy"),
     "small": ("size",),
     "shift": ("displaced",),
     "angle": ("stroke_angle",),
@@ -36,7 +36,10 @@ ANSWERS: Mapping[str, tuple[str, ...]] = {
     "pale": ("pale",),
     "dry": ("dry",),
 }
-"""The kinds of remark that name a fault, the faults that were asked for first."""
+"""The kinds of remark that name a fault, the faults that were asked for first.
+
+A tip that is blunt at the beginning of a stroke is one that begins too heavily, where ink was added there.
+"""
 SEEN_INK = 0.01
 """Share of the ink that blunt tips must add to be there at all."""
 SEEN_CHANGE = 0.15
@@ -96,6 +99,8 @@ def speaks_of(remark: Remark, copy: FaultyGlyph, glyph: Glyph) -> bool:
         return False
     if copy.fault == "entry" and not _meet(remark, copy):
         return False  # a heavy beginning, but of another stroke or at the wrong end
+    if copy.fault == "blunt" and remark.kind == "entry_heavy" and not _is_added(remark, copy, glyph):
+        return False
     lengths = [stroke.length for stroke in glyph.strokes]
     if copy.fault == "shift" and sum(lengths[k] for k in copy.strokes) >= _MOST * sum(lengths):
         return True  # beside a stroke that is most of the character it is the others that stand off
@@ -104,6 +109,15 @@ def speaks_of(remark: Remark, copy: FaultyGlyph, glyph: Glyph) -> bool:
     paths = np.concatenate([(glyph.strokes[k].points / size)[:, ::-1] for k in copy.strokes])
     away = np.sqrt(((points[:, None] - paths[None]) ** 2).sum(axis=2)).min(axis=1)
     return float((away < NEAR).mean()) >= 0.6
+
+
+def _is_added(remark: Remark, copy: FaultyGlyph, glyph: Glyph) -> bool:
+    """Whether at least a quarter of what a blunt tip has on average lies in the region of a remark."""
+    added = copy.mask & ~glyph.mask
+    x0, y0, x1, y1 = remark.region or copy.region
+    height, width = added.shape
+    here = added[int(y0 * height) : int(y1 * height) + 1, int(x0 * width) : int(x1 * width) + 1]
+    return bool(here.sum() >= 0.25 * added.sum() / max(len(copy.strokes), 1) > 0)
 
 
 def _meet(remark: Remark, copy: FaultyGlyph) -> bool:
