@@ -60,14 +60,6 @@ def test_holm():
     assert s.holm([]) == []
 
 
-def test_holm_as_statsmodels_has_it():
-    from statsmodels.stats.multitest import multipletests
-
-    p = np.random.default_rng(5).random(40) ** 3
-    p[7] = p[3]  # a tie
-    assert s.holm(list(p)) == pytest.approx(multipletests(p, method="holm")[1])
-
-
 def test_pairs_that_do_not_differ():
     assert s.paired_p(np.ones(9), np.ones(9)) == 1.0
     assert s.paired_p(np.arange(9.0), np.arange(9.0) + 1.0) < 0.01

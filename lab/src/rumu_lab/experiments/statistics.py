@@ -102,14 +102,10 @@ def paired_p(first: FloatArray, second: FloatArray) -> float:
 
 
 def holm(p: Sequence[float]) -> list[float]:
-    """The p values corrected for their number (Holm 1979), in the order they came.
+    """The p values corrected for their number (Holm 1979), in the order they came."""
+    from statsmodels.stats.multitest import multipletests
 
-    Three lines, since multipletests of statsmodels collects the garbage of the whole process each time.
-    """
-    values = np.asarray(p, float)
-    order = np.argsort(values)
-    corrected = np.maximum.accumulate(values[order] * np.arange(len(values), 0, -1))
-    return [float(value) for value in np.minimum(corrected, 1.0)[np.argsort(order)]]
+    return [float(value) for value in multipletests(p, method="holm")[1]] if p else []
 
 
 def spearman(a: FloatArray, b: FloatArray) -> float:
