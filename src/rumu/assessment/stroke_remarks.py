@@ -160,19 +160,18 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
         return
     if change > 0 and np.isfinite(ink.unlike):
         change = min(change, -ink.lacking)  # a line that is laid on too much ink looks far too long
-    if abs(change) < limits.weak * least or change > limits.longest or named.kind == RING:
+    # a line may stop before its ink does, and ink that lies elsewhere is lacking, too: between the two
+    line, told = named.stroke.length - 1.0, change
+    if change < 0 and np.isfinite(ink.lacking):
+        told = (line - max(ink.lacking, 0.0)) / 2
+    excess = min(abs(change) / least, max(abs(told), abs(line)) / limits.length)
+    if excess < limits.weak or change > limits.longest or named.kind == RING:
         return
     if change < 0 and named.is_cut_off:
         return
-    # a line may stop before its ink does, and ink that lies elsewhere is lacking, too: between the two
-    told = change
-    if change < 0 and np.isfinite(ink.lacking):
-        told = (named.stroke.length - 1.0 - max(ink.lacking, 0.0)) / 2
-    if abs(told) < limits.length_doubt:
-        return
     kind, zh, en = ("stroke_long", "長", "too long") if change > 0 else ("stroke_short", "短", "too short")
     yield named.finding(
-        Fault(kind, told, "of the master", named.severity("length", change, least), abs(change) / least),
+        Fault(kind, told, "of the master", named.severity("length", change, least), excess),
         Bilingual(f"{zh}了 {abs(told):.0%}", f"is {abs(told):.0%} {en}"),
         named.kind.zh,
     )  # fmt: skip
