@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import cv2
@@ -231,13 +230,25 @@ def test_a_tiny_picture_gives_none():
 LAYOUTS = json.loads((Path(__file__).parent / "practice_layouts.json").read_text())
 
 
-@pytest.mark.parametrize("page", ["4.13", "4.4-1"])
+@pytest.fixture
+def benchmarks(monkeypatch):
+    """What the benchmarks draw and measure can be imported."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
+
+
+@pytest.mark.usefixtures("data", "benchmarks")
+def test_patches_of_paper_around_the_characters_of_a_scroll_are_no_cells():
+    from scroll import draw_scroll
+
+    scroll, _ = draw_scroll("shenlong")
+    assert find_grid(np.asarray(scroll)) is None
+
+
+@pytest.mark.usefixtures("benchmarks")
+@pytest.mark.parametrize("page", ["4.13", "4.4-1", "3.15"])
 def test_cells_of_a_page_of_practice(data, page):
-    sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
-    try:
-        from practice_pages import measure
-    finally:
-        sys.path.pop(0)
+    from practice_pages import measure
+
     there, hits, told, false, _ = measure(data / "pages" / "practice" / f"{page}.jpg", LAYOUTS[page])
     assert hits >= 0.98 * there and told >= 0.98 * hits and false <= 0.02 * there
     assert Image.open(data / "pages" / "practice" / f"{page}.jpg").size[0] > 1000

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,6 +43,10 @@ class PageGridSettings:
         beyond the picture by this share of its side.
     clear: the same over that of places just beside the sides, of a lattice that is large enough, where cells
         have an inner square; beside_side: how far beside, as a share of a cell.
+    even: median share by which cells may differ in width or in height, whichever differs less, and uneven: in
+        the other; few_even: in that, of fewer than `few` cells.
+    clearly: strength of the best cells, from which lines are printed ones beyond doubt. Where no lattice has
+        it, as of patches of paper around characters, cells may differ by `faintly_even`.
     sizes: sizes of cells that are looked for, one after the other; leaf: most by which they may differ, as a
         factor.
     alike: share of the best fit that the size of a cell needs, of which the smallest is taken; one after the
@@ -63,6 +68,8 @@ class PageGridSettings:
     even: float = 0.03
     few_even: float = 0.016
     uneven: float = 0.055
+    clearly: float = 0.037
+    faintly_even: float = 0.015
     few: int = 8
     further: int = 8
     of_first: float = 0.12
@@ -138,6 +145,14 @@ Placed = list[tuple[int, int, FloatArray, float]]
 """The cells of a lattice: row, column, corners (4, 2), how well it is drawn."""
 
 
+class FoundLattice(NamedTuple):
+    """A lattice with its model. strength: of the best of its cells, as they were found."""
+
+    lattice: Lattice
+    model: LatticeModel
+    strength: float
+
+
 def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Placed]:
     """The lattices of cells in a reduced picture, from top to bottom.
 
@@ -149,16 +164,18 @@ def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Place
         return []
     evidence = find_line_evidence(picture, settings=lines)
     for alike in settings.alike:
-        found: list[tuple[Lattice, LatticeModel]] = []
+        found: list[FoundLattice] = []
         for _ in range(settings.sizes):
-            rest = _beside_lattices(evidence, [lattice for lattice, _ in found], lines)
+            rest = _beside_lattices(evidence, [one.lattice for one in found], lines)
             further = _lattices_of_one_size(rest, found, alike, lines=lines, settings=settings)
             if not further:
                 break
             found += further
-        found.sort(key=lambda one: float(np.mean([cell[1] for cell in one[0].cells.values()])))
-        placed = [_place(evidence, *one, lines=lines) for one in found]
-        even = [cells for cells in placed if _is_even(cells, settings)]
+        found.sort(key=lambda one: float(np.mean([cell[1] for cell in one.lattice.cells.values()])))
+        placed = [_place(evidence, one.lattice, one.model, lines=lines) for one in found]
+        clear = max((one.strength for one in found), default=0.0) >= settings.clearly
+        limits = settings if clear else replace(settings, even=settings.faintly_even)
+        even = [cells for cells in placed if _is_even(cells, limits)]
         if even or not found:
             return even
     return []
@@ -166,19 +183,19 @@ def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Place
 
 def _lattices_of_one_size(
     evidence: LineEvidence,
-    known: list[tuple[Lattice, LatticeModel]],
+    known: list[FoundLattice],
     alike: float,
     *,
     lines: PrintedLineSettings,
     settings: PageGridSettings,
-) -> list[tuple[Lattice, LatticeModel]]:
+) -> list[FoundLattice]:
     """The lattices of cells of the likeliest size; beside known ones, of a size like theirs."""
     pitch = line_pitch(evidence.down, settings=lines)
     if pitch is None:
         return []
     times, strength = guides_within(evidence, pitch, lines=lines)
 
-    def of_pitch(pitch: float) -> list[tuple[Lattice, LatticeModel]]:
+    def of_pitch(pitch: float) -> list[FoundLattice]:
         edges = map_edges(evidence, pitch, reduction=lines.reduction, enough=lines.enough)
         fit, *size = smallest_fitting(best_sizes(edges), alike=alike)
         if fit < settings.strength:
@@ -191,7 +208,7 @@ def _lattices_of_one_size(
     found = of_pitch(times * pitch)
     if not found:
         return []
-    between = lines_to_a_side(evidence, found[0][0], times * pitch, lines=lines)
+    between = lines_to_a_side(evidence, found[0].lattice, times * pitch, lines=lines)
     if between == 1:
         return found
     return of_pitch(between * times * pitch) or found
@@ -201,28 +218,28 @@ def _chosen_lattices(
     edges: EdgeMaps,
     evidence: LineEvidence,
     grown: list[Lattice],
-    known: list[tuple[Lattice, LatticeModel]],
+    known: list[FoundLattice],
     *,
     settings: PageGridSettings,
-) -> list[tuple[Lattice, LatticeModel]]:
+) -> list[FoundLattice]:
     """Of lattices that were grown, made whole, those that are grids beside known ones."""
-    found: list[tuple[Lattice, LatticeModel]] = []
+    found: list[FoundLattice] = []
     for lattice in grown:
         if len(lattice.cells) < settings.first or not _stands_out(edges, lattice, settings):
             continue
-        filled = fill_lattice(edges, evidence, lattice)
-        all_found = [one for one, _ in (*known, *found)]
-        if not (
-            _is_grid(filled[0], settings=settings) and _has_four_sides(edges, filled[0], settings)
-        ) or any(_overlap(filled[0], other) for other in all_found):
+        filled, model = fill_lattice(edges, evidence, lattice)
+        all_found = [one.lattice for one in (*known, *found)]
+        if not (_is_grid(filled, settings=settings) and _has_four_sides(edges, filled, settings)) or any(
+            _overlap(filled, other) for other in all_found
+        ):
             continue
-        if all_found and len(filled[0].cells) < max(
+        if all_found and len(filled.cells) < max(
             settings.further, settings.of_first * len(all_found[0].cells)
         ):
             continue
-        if known and not _is_of_like_size(filled[0], known[0][0], settings.leaf):
+        if known and not _is_of_like_size(filled, known[0].lattice, settings.leaf):
             continue
-        found.append(filled)
+        found.append(FoundLattice(filled, model, _strength(lattice)))
     return found
 
 
@@ -270,14 +287,18 @@ def _is_even(cells: Placed, settings: PageGridSettings) -> bool:
 
 def _stands_out(edges: EdgeMaps, lattice: Lattice, settings: PageGridSettings) -> bool:
     """Whether there is much less between the lines than on them, as in noise and stripes there is not."""
-    cells = np.array(list(lattice.cells.values()))
-    best = float(np.sort(list(lattice.fits.values()))[-max(4, len(lattice.fits) // 4) :].mean())
+    cells, best = np.array(list(lattice.cells.values())), _strength(lattice)
     if best >= settings.contrast * fit_between(edges, cells):
         return True
     # a quarter into a 回宮格 lies its inner square
     return len(cells) >= settings.cells and best >= settings.clear * fit_between(
         edges, cells, share=settings.beside_side
     )
+
+
+def _strength(lattice: Lattice) -> float:
+    """Mean fit of the best quarter of the cells of a lattice as it was grown."""
+    return float(np.sort(list(lattice.fits.values()))[-max(4, len(lattice.fits) // 4) :].mean())
 
 
 def _is_grid(lattice: Lattice, *, settings: PageGridSettings) -> bool:
