@@ -283,15 +283,15 @@ class _Block:
         steps = iter(self.outlines[2 * int(points_of[self.commands[:command]].sum()) :].tolist())
         names, begin, strokes = list(_COMMANDS), (0, 0), list[CanonicalStroke]()
         structure, border, count = next(heads), next(heads), next(heads)
-        written: list[tuple[str, FloatArray]] = []
+        before: tuple[str, FloatArray] | None = None
         for number, points, commands in [(next(heads), next(heads), next(heads)) for _ in range(count)]:
             centre = np.cumsum(self.lines[line : line + 2 * points].reshape(-1, 2), axis=0).astype(float)
             own = [names[c] for c in self.commands[command : command + commands]]
             outline, begin = _draw(own, steps, begin)
             letter = chr(ord("a") + number)
-            if written and _is_side_of_box(*written[-1], letter, centre):
+            if before and _is_side_of_box(*before, letter, centre):
                 strokes[-1] = replace(strokes[-1], name=STROKE_NAMES["f"])
-            written.append((letter, centre))
+            before = letter, centre
             name = stroke_name(letter, centre)
             strokes.append(CanonicalStroke(name, centre * (_LINE_GRID / _SQUARE), outline))
             line, command = line + 2 * points, command + commands
