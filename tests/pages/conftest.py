@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
 
 import cv2
@@ -110,3 +111,9 @@ def masters() -> SheetMasters:
 def page() -> SheetPage:
     (only,) = lay_out(SheetPage(TEXT, "strokes", pupil="王小明"))
     return only
+
+
+@pytest.fixture
+def benchmarks(monkeypatch):
+    """What the benchmarks draw and measure can be imported."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")

@@ -230,12 +230,6 @@ def test_a_tiny_picture_gives_none():
 LAYOUTS = json.loads((Path(__file__).parent / "practice_layouts.json").read_text())
 
 
-@pytest.fixture
-def benchmarks(monkeypatch):
-    """What the benchmarks draw and measure can be imported."""
-    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
-
-
 @pytest.mark.usefixtures("data", "benchmarks")
 def test_patches_of_paper_around_the_characters_of_a_scroll_are_no_cells():
     from scroll import draw_scroll

@@ -219,6 +219,15 @@ def test_dark_spots_that_stand_elsewhere_are_no_blurred_sheet():
         assert refusal(blurred) == "no sheet"
 
 
+@pytest.mark.usefixtures("data", "benchmarks")
+def test_sharp_characters_in_columns_are_no_blurred_sheet():
+    from scroll import draw_scroll
+
+    scroll = np.asarray(draw_scroll("shenlong")[0])
+    assert not is_sheet(scroll)
+    assert refusal(scroll) == "no sheet"
+
+
 def test_a_dark_picture_is_told(written, sheets):
     picture, _ = sheets.photograph(written)
     rng = np.random.default_rng(1)

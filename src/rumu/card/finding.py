@@ -133,7 +133,7 @@ def find_card(
     paper = _paper_of(markers, path)
     layout = CardLayout(paper)
     markers = [(number, corners) for number, corners in markers if number in layout.markers]
-    seen = _check_light(picture, markers, path, settings)
+    seen = _check_light(gray, markers, path, settings)
     _check_markers(markers, layout, path, settings)
     homography, off = _fit(markers, layout, path, side=seen.side, settings=settings)
     blur = seen.blur * MARKER_SIDE / seen.side
@@ -159,13 +159,13 @@ def _papers_with(number: int) -> list[Paper]:
 
 
 def _check_light(
-    picture: npt.NDArray[np.uint8],
+    gray: npt.NDArray[np.uint8],
     markers: list[tuple[int, FloatArray]],
     path: Path,
     settings: CardFindingSettings,
 ) -> MarkerLight:
     """What the markers tell of the light. Raises CaptureError where it is too dark or blurred."""
-    seen = measure_markers(picture, markers)
+    seen = measure_markers(gray, markers)
     if seen.contrast < settings.contrast:
         raise capture_error(
             path,

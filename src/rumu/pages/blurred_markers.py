@@ -13,10 +13,12 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
-from rumu.pages.marker_light import measure_markers
+from rumu.pages.marker_light import PER_MODULE, cut_marker, measure_markers
 from rumu.pages.sheet_layout import MARKER, PAPERS, Paper, marker_boxes
+from rumu.pages.sheet_markers import SIDE
 from rumu.values import FloatArray
 
+_SQRT_2PI = float(np.sqrt(2 * np.pi))
 _CORNERS = (0, 6, 9, 4)  # markers that are tried in four places, clockwise; that beside the code runs into it
 
 
@@ -33,6 +35,7 @@ class BlurredMarkerSettings:
         covers.
     off: sides of a marker that one may lie beside its place. size: ratio of its width to that of a marker,
         and its inverse, at most. found: markers, of all, that must be there.
+    soft: smear that the steepest edges within the markers allow, over that of their outer edges, at least.
     """
 
     look: int = 480
@@ -48,6 +51,7 @@ class BlurredMarkerSettings:
     off: float = 0.6
     size: float = 1.7
     found: int = 9
+    soft: float = 0.4
 
 
 def blur_of_unread_markers(
@@ -70,7 +74,7 @@ def blur_of_unread_markers(
         for paper in PAPERS:
             homography = _fit_sheet(spots, corners, paper, settings)
             if homography is not None:
-                return _measure(picture, homography, paper, factor)
+                return _measure(picture, homography, paper, factor, settings)
     return None
 
 
@@ -129,13 +133,37 @@ def _fit_sheet(
     return np.asarray(homography) if np.count_nonzero(there) >= settings.found else None
 
 
-def _measure(picture: npt.NDArray[np.uint8], homography: FloatArray, paper: Paper, factor: float) -> float:
-    """Millimetres by which the edges of the markers are smeared, by their places in the reduced picture."""
+def _measure(
+    picture: npt.NDArray[np.uint8],
+    homography: FloatArray,
+    paper: Paper,
+    factor: float,
+    settings: BlurredMarkerSettings,
+) -> float | None:
+    """Millimetres by which the edges of the markers are smeared, by their places in the reduced picture.
+
+    None where edges within them are steep: characters and stains stand there, in a picture that is sharp.
+    """
     import cv2
 
-    markers = []
+    gray = np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
+    markers, steepest = [], []
     for number, box in marker_boxes(paper).items():
         places = cv2.perspectiveTransform(box.corners[None], homography)[0]
-        markers.append((number, (places + 0.5) / factor - 0.5))
-    seen = measure_markers(picture, markers)
-    return seen.blur * MARKER / seen.side
+        corners = (places + 0.5) / factor - 0.5
+        markers.append((number, corners))
+        steepest.append(_steepness(cut_marker(gray, corners)))
+    seen = measure_markers(gray, markers)
+    smear = seen.blur / seen.side
+    sharpest = 1 / (_SQRT_2PI * max(float(np.median(steepest)), 1e-9) * SIDE * PER_MODULE)
+    return smear * MARKER if sharpest >= settings.soft * smear else None
+
+
+def _steepness(patch: npt.NDArray[np.float32]) -> float:
+    """How steep the steepest edges in a patch are: share of its contrast for each of its pixels."""
+    import cv2
+
+    smooth = cv2.GaussianBlur(patch, (0, 0), 1.0)
+    slope = np.hypot(*np.gradient(smooth))
+    contrast = float(np.quantile(patch, 0.95) - np.quantile(patch, 0.05))
+    return float(np.quantile(slope, 0.98)) / max(contrast, 1.0)

@@ -29,11 +29,8 @@ class MarkerLight:
     side: float
 
 
-def measure_markers(picture: npt.NDArray[np.uint8], markers: Sequence[tuple[int, FloatArray]]) -> MarkerLight:
-    """Contrast and blur of a photograph (H, W, 3). markers: one or more, with their corners (4, 2)."""
-    import cv2
-
-    gray = np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
+def measure_markers(gray: npt.NDArray[np.uint8], markers: Sequence[tuple[int, FloatArray]]) -> MarkerLight:
+    """Contrast and blur of a photograph (H, W). markers: one or more, with their corners (4, 2)."""
     spreads, contrasts = [], []
     for _, corners in markers:
         patch = cut_marker(gray, corners)

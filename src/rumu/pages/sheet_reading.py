@@ -108,7 +108,8 @@ def locate_sheet(picture: Picture, *, settings: SheetReadingSettings | None = No
     import cv2
 
     settings = settings or SheetReadingSettings()
-    markers = find_markers(_gray(picture))
+    gray = _gray(picture)
+    markers = find_markers(gray)
     if len({number for number, _ in markers}) < 3:
         unread = blur_of_unread_markers(picture)
         if unread is not None and unread > settings.blur:
@@ -118,7 +119,7 @@ def locate_sheet(picture: Picture, *, settings: SheetReadingSettings | None = No
             reason="no sheet",
             zh="照片裡沒有找到練習紙四邊的黑色方塊；請把整張練習紙拍清楚。",
         )
-    _check_light(picture, markers, settings)
+    _check_light(gray, markers, settings)
     for paper in PAPERS:
         places = map_paper(markers, paper)
         page = _read_code(picture, places, scale=settings.flat)
@@ -201,10 +202,10 @@ def _gray(picture: Picture) -> Picture:
 
 
 def _check_light(
-    picture: Picture, markers: list[tuple[int, FloatArray]], settings: SheetReadingSettings
+    gray: Picture, markers: list[tuple[int, FloatArray]], settings: SheetReadingSettings
 ) -> None:
     """Raise RefusedImage where the markers are too dark or their edges smeared too far."""
-    seen = measure_markers(picture, markers)
+    seen = measure_markers(gray, markers)
     if seen.contrast < settings.contrast:
         raise RefusedImage(
             "too dark: expected black squares on white paper, the picture hardly tells them apart",
