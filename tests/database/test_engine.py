@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
@@ -127,6 +128,17 @@ def test_writers_wait_for_each_other(database: Database, database_url):
         thread.join()
     with database.reading() as session:
         assert session.get_one(Setting, "n").value == "80"
+
+
+def test_threads_make_databases_at_once(tmp_path: Path):
+    """A server and its work open databases in threads of one process, while Alembic has one migration a process."""
+    files = [tmp_path / f"{n}.db" for n in range(8)]
+    with ThreadPoolExecutor(len(files)) as threads:
+        opened = list(threads.map(open_database, files))
+    for database in opened:
+        with database.reading() as session:
+            assert session.scalars(select(Person)).all() == []
+        database.close()
 
 
 def _open_at_once(url: str, barrier, told) -> None:

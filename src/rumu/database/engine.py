@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from threading import BoundedSemaphore
+from threading import BoundedSemaphore, Lock
 from typing import Any
 
 from sqlalchemy import Engine, create_engine, event, text
@@ -23,6 +23,7 @@ from rumu.outputs import is_full
 
 _WRITES = "rumu_writes"  # execution option of connections that write
 _UPGRADE_LOCK = 0x72756D75  # key of PostgreSQL's advisory lock for upgrades of the tables
+_UPGRADING = Lock()
 _TIMEOUT = 30.0  # seconds that a writer waits for another on SQLite, unless told otherwise
 _MAX_WRITERS = 6  # sessions of one process that write at a time
 _TURN_TIMEOUT = 1.0  # seconds that a further one waits for its turn, where writers are told not to wait long
@@ -214,8 +215,9 @@ def _upgrade(engine: Engine) -> None:
 
     config = Config()
     config.set_main_option("script_location", str(resources.files("rumu.database").joinpath("migrations")))
-    # If several processes start together, one creates the tables and the others wait.
-    with engine.execution_options(**{_WRITES: True}).begin() as connection:
+    # If several processes start together, one creates the tables and the others wait; threads take turns, as
+    # Alembic keeps the migration that runs in a module's globals.
+    with _UPGRADING, engine.execution_options(**{_WRITES: True}).begin() as connection:
         if connection.dialect.name == "postgresql":
             connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _UPGRADE_LOCK})
         config.attributes["connection"] = connection
