@@ -1,8 +1,9 @@
-"""What every test may use: the folder of real data, which is not part of the project; a home of its own;
-the command line; databases."""
+"""What every test may use: the folder of real data, which is not part of the project; a home of its own, or
+one whose first start is over; the command line; databases."""
 
 from __future__ import annotations
 
+import fcntl
 import gc
 import itertools
 import json
@@ -74,6 +75,42 @@ def own_home(
         monkeypatch.delenv(name, raising=False)
     request.addfinalizer(lambda: shutil.rmtree(home, ignore_errors=True))
     return home
+
+
+@pytest.fixture(scope="session")
+def started_home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """RUMU_HOME as it is once the first start of a service is over, with what that makes of starter works.
+
+    It is made once for all processes of a run. Servers get copies, by `copy_home`: each would make it anew.
+    """
+    own = tmp_path_factory.getbasetemp()
+    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+    home, ready = shared / "started-home", shared / "started-home.ready"
+    with (shared / "started-home.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not ready.is_file():
+            shutil.rmtree(home, ignore_errors=True)
+            first_start(str(home / "rumu.sqlite"), home / "files")
+            ready.touch()
+    return home
+
+
+def first_start(database: str, files: Path) -> None:
+    """Do what the first start of a service does with a database and a folder of files."""
+    from rumu.gallery.catalog import open_gallery
+    from rumu.studio.job_handlers import prepare
+    from rumu.studio.storage import Storage
+
+    gallery = open_gallery(database=database, files=str(files))
+    prepare(gallery, {}, lambda *_: None, Storage(database, str(files)))
+    gallery.database.close()
+
+
+def copy_home(home: Path, to: Path) -> Path:
+    """Copy a home; its files, which are only ever replaced as a whole, are the same ones on the disk."""
+    shutil.copytree(home / "files", to / "files", copy_function=os.link)
+    shutil.copy(home / "rumu.sqlite", to)
+    return to
 
 
 # --- the command line -------------------------------------------------------------------------------
@@ -206,15 +243,30 @@ def postgresql() -> Iterator[str]:
 
 
 @pytest.fixture
-def postgresql_url(postgresql: str) -> Iterator[str]:
-    """URL of an empty database of PostgreSQL, dropped afterwards."""
+def new_postgresql(postgresql: str) -> Iterator[Callable[[str], str]]:
+    """Make a database as a copy of another of the server, of which template1 is empty; return its URL.
+
+    It is dropped afterwards.
+    """
     import psycopg
 
-    name = f"test_{next(_numbers)}"
+    made: list[str] = []
     with psycopg.connect(f"{postgresql}/postgres", autocommit=True) as server:
-        server.execute(f"CREATE DATABASE {name}")
-        yield f"{postgresql}/{name}"
-        server.execute(f"DROP DATABASE {name} WITH (FORCE)")
+
+        def make(template: str) -> str:
+            made.append(f"test_{next(_numbers)}")
+            server.execute(f"CREATE DATABASE {made[-1]} TEMPLATE {template}")
+            return f"{postgresql}/{made[-1]}"
+
+        yield make
+        for name in made:
+            server.execute(f"DROP DATABASE {name} WITH (FORCE)")
+
+
+@pytest.fixture
+def postgresql_url(new_postgresql: Callable[[str], str]) -> str:
+    """URL of an empty database of PostgreSQL, dropped afterwards."""
+    return new_postgresql("template1")
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

@@ -131,7 +131,7 @@ def test_writers_wait_for_each_other(database: Database, database_url):
 
 
 def test_threads_make_databases_at_once(tmp_path: Path):
-    """A server and its work open databases in threads of one process, while Alembic has one migration a process."""
+    """A server and its work open databases in threads of one process, while Alembic has one at a time."""
     files = [tmp_path / f"{n}.db" for n in range(8)]
     with ThreadPoolExecutor(len(files)) as threads:
         opened = list(threads.map(open_database, files))

@@ -17,7 +17,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Request, Response, expect
 
-from conftest import absent
+from conftest import absent, copy_home
 
 STATIC = Path(__file__).parents[2] / "src" / "rumu" / "web" / "static"
 PATIENCE = 30_000  # milliseconds: the lamp is drawn by a processor here
@@ -36,10 +36,10 @@ class Site:
 
 
 @pytest.fixture(scope="session")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+def site(tmp_path_factory: pytest.TempPathFactory, started_home: Path) -> Iterator[Site]:
     if not (STATIC / "index.html").is_file():
         absent("the built front end (scripts/install builds it)")
-    home = tmp_path_factory.mktemp("site")
+    home = copy_home(started_home, tmp_path_factory.mktemp("site"))
     command = [sys.executable, "-m", "rumu.cli", "serve", "--port", "0", "--json"]
     with (home / "stderr").open("wb") as errors:
         server = subprocess.Popen(

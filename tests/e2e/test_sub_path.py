@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Browser, expect
 
-from conftest import absent
+from conftest import absent, copy_home
 
 ROOT = "/calligraphy"
 STATIC = Path(__file__).parents[2] / "src" / "rumu" / "web" / "static"
@@ -76,13 +76,13 @@ class PassOn(BaseHTTPRequestHandler):
 
 
 @pytest.fixture(params=[False, True], ids=["path left on", "path taken off"])
-def proxy(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Proxy, str]]:
+def proxy(request: pytest.FixtureRequest, tmp_path: Path, started_home: Path) -> Iterator[tuple[Proxy, str]]:
     """(the proxy, the path of the owner's link)."""
     if not (STATIC / "index.html").is_file():
         absent("the built front end (scripts/install builds it)")
     server = subprocess.Popen(
         [sys.executable, "-m", "rumu.cli", "serve", "--port", "0", "--json", "--root-path", ROOT],
-        env=os.environ | {"RUMU_HOME": str(tmp_path / "home")},
+        env=os.environ | {"RUMU_HOME": str(copy_home(started_home, tmp_path))},
         stdout=subprocess.PIPE,
     )
     assert server.stdout is not None

@@ -6,7 +6,6 @@ import contextlib
 import io
 import json
 import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -21,12 +20,11 @@ import httpx
 import pytest
 from PIL import Image, ImageDraw
 
+from conftest import copy_home, first_start
 from rumu.database.tables import Job
 from rumu.errors import RumuError
 from rumu.gallery.catalog import open_gallery
-from rumu.gallery.seed import add_starter_works
 from rumu.studio import job_queue
-from rumu.studio.job_handlers import prepare
 from rumu.studio.people import create_person
 from rumu.studio.storage import Storage
 from rumu.web.server import is_loopback, listen, serve
@@ -78,22 +76,29 @@ class Server:
 
 
 @pytest.fixture(scope="module")
-def derived(tmp_path_factory):
-    """The folder of what a first start makes of the starter works, made once: every server would make it."""
-    home = tmp_path_factory.mktemp("derived")
-    gallery = open_gallery(database=f"sqlite:///{home / 'rumu.sqlite'}", files=home / "files")
-    add_starter_works(gallery)
-    storage = Storage(database=f"sqlite:///{home / 'rumu.sqlite'}", files=home / "files")
-    prepare(gallery, {}, lambda *_: None, storage)
-    gallery.database.close()
-    return home / "files" / "derived"
+def postgresql_template(postgresql, started_home):
+    """The name of a database of the server whose URL `postgresql` is, as after a first start."""
+    import psycopg
+
+    with psycopg.connect(f"{postgresql}/postgres", autocommit=True) as server:
+        server.execute("CREATE DATABASE started")
+    first_start(f"{postgresql}/started", started_home / "files")
+    return "started"
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_url(request, tmp_path, started_home):
+    """A database as after a first start, of each kind in turn."""
+    if request.param == "sqlite":
+        return f"sqlite:///{tmp_path / 'rumu.sqlite'}"
+    return request.getfixturevalue("new_postgresql")(request.getfixturevalue("postgresql_template"))
 
 
 @pytest.fixture
-def start(tmp_path, database_url, derived):
-    """Start a server; every start uses the same database and store."""
+def start(tmp_path, database_url, started_home):
+    """Start a server, whose first start is over; every start uses the same database and store."""
     started = []
-    shutil.copytree(derived, tmp_path / "files" / "derived", copy_function=os.link)
+    copy_home(started_home, tmp_path)
     gallery = open_gallery(database=database_url, files=tmp_path / "files")
     with gallery.database.writing() as session:
         create_person(session, name="館主", password=PASSWORD, role="owner")
