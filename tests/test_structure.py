@@ -72,6 +72,13 @@ def test_every_public_name_is_documented_for_an_ide(name):
         assert re.search(entry, thing.__doc__, re.MULTILINE), parameter
 
 
+def test_a_server_marks_nothing_itself():
+    """It stores what its workers have marked: what they need for that made its start a third longer."""
+    assert not {"scipy", "cv2", "skimage", "numba", "PIL"} & loaded_by(
+        "import rumu.web.app, rumu.studio.attempts as a; a.MarkedCopy"
+    )
+
+
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = rumu.nothing

@@ -8,8 +8,8 @@ from sqlalchemy import func, select
 from rumu.database.tables import Attempt, Invitation, Membership, SchoolClass, Task, TeacherMark
 from rumu.gallery.catalog import open_gallery
 from rumu.studio import attempts, classes, invitations
+from rumu.studio.attempts import MarkedCopy
 from rumu.studio.errors import Missing, NotAllowed
-from rumu.studio.marking import MarkedCopy
 from rumu.studio.people import create_person, identity
 from rumu.studio.pictures import UprightPicture
 

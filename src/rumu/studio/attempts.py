@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
@@ -19,13 +19,20 @@ from rumu.studio.access import attempts_of, find_visible_attempt
 from rumu.studio.classes import find_row
 from rumu.studio.errors import NotAllowed, Unusable
 from rumu.studio.people import Identity
-
-if TYPE_CHECKING:
-    from rumu.studio.marking import MarkedCopy
+from rumu.studio.pictures import UprightPicture
 
 KINDS = ("pen", "photo")
 GRIDS = ("", "mi", "jiu", "tian")
 MAX_STROKES = 2**20  # characters of JSON
+
+
+@dataclass(frozen=True, slots=True)
+class MarkedCopy:
+    """A copy's picture as it is stored, its mark (see `mark_facts`), and its residuals, None when refused."""
+
+    picture: UprightPicture
+    facts: dict[str, Any]
+    residual: dict[str, list[list[float]]] | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from sqlalchemy import select
 
 from rumu.database.tables import Attempt, Person, Task
 from rumu.studio import classes
-from rumu.studio.attempts import add_attempt
+from rumu.studio.attempts import MarkedCopy, add_attempt
 from rumu.studio.sheet_cells import copy_cell, png_of, work_of_master
 from rumu.studio.sheet_inputs import SheetPhoto, sheet_photos
 from rumu.studio.sheet_marks import (
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from rumu.assessment.calibration import Calibration
     from rumu.gallery.store import Gallery
     from rumu.studio.job_queue import Progress
-    from rumu.studio.marking import MarkedCopy
 
 ARCHIVE = "marks.zip"
 MAX_PHOTOS = 500

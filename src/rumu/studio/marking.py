@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import time
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -17,21 +16,13 @@ from rumu.pipeline import PreparedMaster
 from rumu.registration.points import RADIUS
 from rumu.report.overlay import OverlaySettings, plane_points
 from rumu.report.wording import LEVELS, PARTS, SOURCES, deduction_note, kind_name
-from rumu.studio.pictures import UprightPicture, normalise_picture
+from rumu.studio.attempts import MarkedCopy
+from rumu.studio.pictures import normalise_picture
 from rumu.studio.storage import Storage
 from rumu.values import Assessment, FloatArray, IntArray, PointSet, Registration, Remark
 
 POINTS = 1500  # of a cell, at most, in what a page receives
 _FAR = OverlaySettings().full  # rms radii at which a point counts as far off
-
-
-@dataclass(frozen=True, slots=True)
-class MarkedCopy:
-    """A copy's picture as it is stored, its mark (see `mark_facts`), and its residuals, None when refused."""
-
-    picture: UprightPicture
-    facts: dict[str, Any]
-    residual: dict[str, list[list[float]]] | None
 
 
 def mark_copy(

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rumu.gallery.sheet_masters import Place, SheetMaster
     from rumu.gallery.store import Gallery
     from rumu.pages.sheet_reading import LocatedSheet, WrittenCell
-    from rumu.studio.marking import MarkedCopy
+    from rumu.studio.attempts import MarkedCopy
     from rumu.studio.sheet_marks import CellTask
     from rumu.values import Assessment
 
@@ -125,7 +125,8 @@ def marked_copy(
     picture: UprightPicture, mark: Assessment, master: SheetMaster, *, seconds: float
 ) -> MarkedCopy:
     """A cell as a copy of the work that its master is."""
-    from rumu.studio.marking import MarkedCopy, mark_facts, residual_facts
+    from rumu.studio.attempts import MarkedCopy
+    from rumu.studio.marking import mark_facts, residual_facts
 
     residual = None if mark.registration is None else residual_facts(mark.registration)
     facts = mark_facts(mark, seconds=seconds) | {"framed": PRINTED}

@@ -12,13 +12,12 @@ from sqlalchemy.orm import Session
 from rumu.database.tables import Attempt, Person, SchoolClass, SheetUpload, new_id
 from rumu.pages.sheet_layout import LONGEST_PUPIL
 from rumu.studio.access import attempts_of
-from rumu.studio.attempts import add_attempt
+from rumu.studio.attempts import MarkedCopy, add_attempt
 from rumu.studio.errors import Missing, NotAllowed
 from rumu.studio.people import Identity, name_key
 
 if TYPE_CHECKING:
     from rumu.gallery.store import Gallery
-    from rumu.studio.marking import MarkedCopy
     from rumu.studio.sheet_cells import ReadSheet
 
 Facts = dict[str, Any]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rumu.gallery.store import Gallery
     from rumu.gallery.tile_maps import MapName
     from rumu.pipeline import PreparedMaster
-    from rumu.studio.marking import MarkedCopy
+    from rumu.studio.attempts import MarkedCopy
     from rumu.studio.sheet_cells import ReadSheet
 
 _MAX_MASTERS = 12  # prepared masters that stay in memory of each process

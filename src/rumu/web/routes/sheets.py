@@ -12,9 +12,9 @@ from fastapi import APIRouter, File, Path, Response, UploadFile
 
 from rumu.database.tables import SchoolClass, new_id
 from rumu.studio import classes, sheet_uploads, worker_tasks
+from rumu.studio.attempts import MarkedCopy
 from rumu.studio.class_sheets import MAX_PHOTOS
 from rumu.studio.job_handlers import upload_folder
-from rumu.studio.marking import MarkedCopy
 from rumu.studio.people import Identity
 from rumu.studio.pictures import check_picture
 from rumu.studio.sheet_cells import MAX_BYTES, MAX_PIXELS, ReadSheet
