@@ -44,6 +44,12 @@ def pixels_of(mask: npt.NDArray[np.bool_], *, about: int) -> npt.NDArray[np.intp
     return np.flatnonzero(mask)[::step].copy()
 
 
+def begin(what: str, progress: Progress | None) -> None:
+    """Tell that something is begun whose parts are not counted."""
+    if progress is not None:
+        progress(what, 0, 1)
+
+
 class ScratchFile:
     """Samples of one photograph on disk, in a file without a name that goes with the last reference to it."""
 

@@ -13,6 +13,7 @@ from rumu.capture.folder import read_capture
 from rumu.errors import CaptureError
 from rumu.image_stack import ImageStack
 from rumu.pipeline import reconstruct
+from rumu.surface.folder import read_surface
 from rumu.surface.near_lamps import NearSettings, shading, solve_near
 from rumu.surface.photograph_table import photograph_table
 from rumu.surface.solve import solve
@@ -139,6 +140,20 @@ def test_a_folder_with_a_dome_becomes_a_surface_in_millimetres(tmp_path):
     assert len(short.positions) == 7 and short.positions[3] == pytest.approx(capture.positions[4])
 
 
+def test_a_dome_that_does_not_say_how_wide_a_photograph_is(rumu, tmp_path):
+    """The scale tells it; without one the lamps count as far away, which is said."""
+    dome_folder(tmp_path / "capture", lamps_at(1.0), imageWidth=0)
+    places = np.array([one.position for one in lamps_at(1.0)])
+    scaled = read_capture(tmp_path / "capture", mm_per_pixel=0.05)
+    assert scaled.positions == pytest.approx(places) and scaled.spacing == 0.05 and not scaled.notes
+    far = read_capture(tmp_path / "capture")
+    assert far.positions is None and far.lights == pytest.approx(places / SIDE) and far.spacing is None
+    assert '"imageWidth" is 0' in far.notes[0].en and "--mm-per-pixel" in far.notes[0].zh
+    options = ("-o", tmp_path / "out", "--write", "floats", "--mm-per-pixel", "0.05", "--json")
+    assert rumu("reconstruct", tmp_path / "capture", *options).facts["notes"] == []
+    assert angles(read_surface(tmp_path / "out").normals).mean() < 0.4
+
+
 def vectors(rows, names="xyz"):
     return [dict(zip(names, row, strict=True)) for row in rows]
 
@@ -157,10 +172,14 @@ def test_the_kinds_of_a_dome(tmp_path):
     unit = (np.array(FOUR) / np.linalg.norm(FOUR, axis=1, keepdims=True)).tolist()
     ball = {"directions": vectors(unit), "imageWidth": 200, "lightConfiguration": "spherical"}
     around = dome(**ball, domeDiameter=600, verticalOffset=10)
-    assert around.positions[0] == pytest.approx([300 * 0.70710678 / 200, 0, (300 * 0.70710678 + 10) / 200])
+    assert around.positions[0] == pytest.approx([300 * 0.70710678, 0, 300 * 0.70710678 + 10])
     assert np.linalg.norm(around.lights, axis=1) == pytest.approx(np.ones(4))
     told = dome(**ball, positionsSphere=vectors([[200 * v for v in row] for row in FOUR]))
-    assert told.positions == pytest.approx(np.array(FOUR, float))
+    assert told.positions == pytest.approx(200 * np.array(FOUR, float))
+    nowhere = dome(**ball, domeDiameter=0, positionsSphere=vectors([(0, 0, 0)] * 4))  # as RelightLab has it
+    assert nowhere.positions is None and nowhere.lights == pytest.approx(np.array(unit))
+    old = dome(lightConfiguration="lights3d", positions=vectors(FOUR), imageWidth=4)
+    assert old.positions == pytest.approx(np.array(FOUR, float))
     led = dome(
         directions=vectors(FOUR), ledAdjust=vectors([(1, 1, 1), (2, 2, 2), (1, 1, 1), (1, 1, 1)], "rgb")
     )
@@ -171,8 +190,10 @@ def test_the_kinds_of_a_dome(tmp_path):
     ("entries", "words"),
     [
         ({"lightConfiguration": "ring"}, '"lightConfiguration" among'),
-        ({"lightConfiguration": "lights3d", "positions3d": vectors(FOUR)}, '"imageWidth" above 0'),
-        ({"lightConfiguration": "spherical", "directions": vectors(FOUR), "imageWidth": 9}, "domeDiameter"),
+        (
+            {"lightConfiguration": "lights3d", "positions3d": vectors(FOUR), "imageWidth": -2},
+            '"imageWidth" above 0',
+        ),
         ({"directions": vectors([(1, 0, -1)] * 4)}, "above the sheet"),
         ({"directions": []}, "above the sheet"),
         ({"directions": [1, 2]}, "a list of"),

@@ -29,9 +29,9 @@ _KINDS = ("directional", "spherical", "lights3d")
 class Dome:
     """Lamps of a dome.
 
-    lights: (N, 3) unit vectors from the middle of the sheet. positions: (N, 3) as shares of the width of the
-    photograph, from its middle; None of lamps far away. strengths: (N,), mean 1, None when they are not told.
-    width: of the photograph in mm; None when it is not told.
+    lights: (N, 3) unit vectors from the middle of the sheet. positions: (N, 3) from the middle of the
+    photograph, in mm; None of lamps far away. strengths: (N,), mean 1, None when they are not told.
+    width: of the photograph in mm; None when it is not told, as by domes that were never given one.
     """
 
     lights: FloatArray
@@ -50,17 +50,20 @@ def read_dome(path: Path) -> Dome:
             en=f'expected "lightConfiguration" among {", ".join(_KINDS)}, got {kind!r}',
             zh=f'"lightConfiguration" 應是 {"、".join(_KINDS)} 之一，卻是 {kind!r}',
         )
-    width = _length(path, content, "imageWidth", needed=kind != "directional")
+    width = _length(path, content, "imageWidth")
     directions = _vectors(path, content, "directions", "xyz")
     positions = None
     if kind == "lights3d":
-        positions = _vectors(path, content, "positions3d", "xyz")
+        key = "positions3d" if content.get("positions3d") else "positions"  # as versions before 2024 call it
+        positions = _vectors(path, content, key, "xyz")
     elif kind == "spherical":
         positions = _vectors(path, content, "positionsSphere", "xyz")
-        if not len(positions):
-            radius = (_length(path, content, "domeDiameter", needed=True) or 0.0) / 2
+        diameter = _length(path, content, "domeDiameter")
+        if not len(positions) and diameter is not None:
             lift = _number(path, "verticalOffset", content.get("verticalOffset", 0.0))
-            positions = radius * directions + (0.0, 0.0, lift)
+            positions = diameter / 2 * directions + (0.0, 0.0, lift)
+        if diameter is None and not np.any(positions):
+            positions = None  # a sphere of no size: only directions are told
     vectors = directions if positions is None else positions
     length = np.linalg.norm(vectors, axis=1)
     if not len(vectors) or not (length > 0).all() or not (vectors[:, 2] > 0).all():
@@ -69,8 +72,7 @@ def read_dome(path: Path) -> Dome:
             en=f"expected lamps above the sheet (z > 0), got {len(vectors)} of which not all are",
             zh=f"燈都應在紙的上方（z > 0）；這裡有 {len(vectors)} 盞，並非都是",
         )
-    shares = None if positions is None or width is None else positions / width
-    return Dome(vectors / length[:, None], shares, _strengths(path, content, len(vectors)), width)
+    return Dome(vectors / length[:, None], positions, _strengths(path, content, len(vectors)), width)
 
 
 def dome_text(positions: FloatArray, strengths: FloatArray | None, *, spacing: float, columns: int) -> str:
@@ -108,18 +110,16 @@ def _vectors(path: Path, content: dict[str, Any], key: str, names: str) -> Float
     return np.array(found, dtype=np.float64).reshape(-1, 3)
 
 
-def _length(path: Path, content: dict[str, Any], key: str, *, needed: bool) -> float | None:
-    """A length above 0; None where it is not told and not needed."""
+def _length(path: Path, content: dict[str, Any], key: str) -> float | None:
+    """A length; None where it is not told, or 0, as RelightLab writes what it was not told."""
     value = _number(path, key, content.get(key, 0.0))
-    if value > 0:
-        return value
-    if needed:
+    if value < 0:
         raise capture_error(
             path,
             en=f'expected "{key}" above 0, in the unit of the positions, got {value:g}',
             zh=f'"{key}" 應大於 0，單位與燈的位置相同，卻是 {value:g}',
         )
-    return None
+    return value or None
 
 
 def _number(path: Path, key: str, value: Any) -> float:

@@ -45,7 +45,7 @@ class _Lamps:
 
     strengths: (N,) of the lamps, mean 1, None when they are not told. as_shown: whether the lamps are told
     by how the pictures look on a screen. notes: what a person should know. positions: (N, 3) of near lamps,
-    in shares of the width of the photograph, which is `width` mm wide; None when they are not told.
+    in mm; None when they are not told. width: of the photograph in mm; None when it is not told.
     """
 
     images: tuple[Path, ...]
@@ -65,6 +65,7 @@ def read_capture(
     orientation: Orientation = "auto",
     within: Path | None = None,
     leave_out: Collection[str] = (),
+    mm_per_pixel: float | None = None,
     progress: Progress | None = None,
 ) -> Capture:
     """Read a capture folder.
@@ -86,6 +87,8 @@ def read_capture(
         an .lp and capture.json may name files anywhere.
     leave_out : collection of str, optional
         Names of photographs that are not used, with or without their suffix.
+    mm_per_pixel : float, optional
+        Scale of the photographs, instead of what the folder says.
     progress : callable, optional
         Called with what is done, how many parts of it are done and how many there are.
 
@@ -130,10 +133,10 @@ def read_capture(
         orientation=turned,
         progress=progress,
     )
-    wide = frames.stack.shape[2]
-    positions = None if lamps.positions is None else lamps.positions * wide
+    of_dome = None if lamps.width is None else lamps.width / frames.stack.shape[2]
+    spacing = mm_per_pixel or description.spacing_mm or of_dome
+    positions, told = _in_pixels(lamps, of_dome or spacing)
     stack = frames.stack if positions is None else without_fall_off(frames.stack, positions)
-    spacing = description.spacing_mm or (lamps.width / wide if lamps.width is not None else None)
     return Capture(
         images=stack,  # type: ignore[arg-type]
         lights=lamps.lights,
@@ -145,10 +148,27 @@ def read_capture(
             for image in lamps.images
         ),
         orientation=frames.orientation,
-        notes=(*lamps.notes, *frames.notes),
+        notes=(*lamps.notes, *told, *frames.notes),
         lamps_as_given=description.lamps_as_given,
         positions=positions,
     )
+
+
+def _in_pixels(lamps: _Lamps, spacing: float | None) -> tuple[FloatArray | None, list[Bilingual]]:
+    """Places of near lamps in pixels, and a note where no scale tells them. spacing: mm of a pixel."""
+    if lamps.positions is None:
+        return None, []
+    if spacing is not None:
+        return lamps.positions / spacing, []
+    where = place(lamps.file)
+    note = Bilingual(
+        f'{where.zh}：有燈的位置，卻沒有照片的寬度（"imageWidth" 為 0），因此只取燈的方向、當作很遠。'
+        "請給比例（--mm-per-pixel，或 capture.json 的 spacing_mm）；或用 --near-lamps 由照片求距離。",
+        f'{where.en}: tells where the lamps stood, but not how wide the photograph is ("imageWidth" is 0), '
+        "so only their directions are used, as if they were far away; give the scale (--mm-per-pixel, or "
+        "spacing_mm in capture.json), or find how far away they were from the photographs (--near-lamps)",
+    )
+    return None, [note]
 
 
 def check_capture_files(path: str | os.PathLike[str], *, within: Path | None = None) -> None:

@@ -141,11 +141,13 @@ def read_lit_capture(
     flat_field: Path | None,
     align: bool,
     leave_out: Sequence[str],
+    mm_per_pixel: float | None,
     progress: Progress,
 ) -> LitCapture:
     """The capture of a folder.
 
-    flat_field: of --flat-field, by which the photographs are divided. align: of --align.
+    flat_field: of --flat-field, by which the photographs are divided. align: of --align. mm_per_pixel: the
+    scale, instead of what the folder or the card says.
     Raises wrong usage for options that exclude each other.
     """
     from rumu.capture.flat_frames import divide_by_flat_frames
@@ -166,7 +168,9 @@ def read_lit_capture(
     elif source.unknown:
         capture = _without_lamps(folder, source, leave_out, progress)
     else:
-        capture = read_capture(folder, leave_out=leave_out, progress=progress)
+        capture = read_capture(folder, leave_out=leave_out, mm_per_pixel=mm_per_pixel, progress=progress)
+    if mm_per_pixel is not None:
+        capture = capture.changed(spacing=mm_per_pixel)
     moved = None
     if align:
         done = align_photographs(capture, progress=progress)

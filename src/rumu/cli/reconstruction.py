@@ -10,6 +10,7 @@ import typer
 
 from rumu.cli.lighting import LampSource, LitCapture, read_lit_capture
 from rumu.cli.options import check_writable
+from rumu.cli.run_time import Stage, reconstruct_stages
 from rumu.cli.surfaces import REPORT, write_result
 from rumu.cli.terminal import Outcome, stages
 from rumu.errors import SurfaceError
@@ -101,15 +102,17 @@ def make_surface(settings: ReconstructSettings, out: Path, made_by: str | None) 
     made_by: a person's name, for the record. Raises wrong usage for settings that exclude each other, and as
     `rumu.reconstruct` does.
     """
+    from rumu.image_stack import begin
     from rumu.outputs import whole_folder
     from rumu.surface.folder import MARKER
     from rumu.surface.photograph_table import table_text
 
     files = _files_to_write(settings.write)
     check_writable(whole_folder(out, marker=MARKER))
-    with stages() as progress:
+    with stages(_stages(settings, files)) as progress:
         photographs = _read(settings, progress)
         surface = _solve(photographs.capture, settings, progress)
+        begin("Looking at each photograph", progress)
         account = _account(settings, photographs, surface, made_by)
         del photographs  # they take memory, which writing needs
         done = write_result(
@@ -126,6 +129,17 @@ def make_surface(settings: ReconstructSettings, out: Path, made_by: str | None) 
     return Outcome(facts, f"{done.text}\n{table_text(account.table)}"), surface
 
 
+def _stages(settings: ReconstructSettings, files: Sequence[str]) -> list[Stage]:
+    """The stages to come, for how long the whole will take."""
+    return reconstruct_stages(
+        files,
+        solver=settings.solver,
+        align=settings.align,
+        near=settings.near_lamps,
+        card=settings.card,
+    )
+
+
 def _read(settings: ReconstructSettings, progress: Progress) -> _Photographs:
     """The photographs and their lamps."""
     from rumu.surface.processing import digest_files
@@ -137,13 +151,12 @@ def _read(settings: ReconstructSettings, progress: Progress) -> _Photographs:
         flat_field=flat_field,
         align=settings.align,
         leave_out=settings.leave_out,
+        mm_per_pixel=settings.mm_per_pixel,
         progress=progress,
     )
     capture = lit.capture
     lamps_found = bool(settings.sphere) or settings.card or settings.lamps_unknown
     inputs = digest_files(_files_read(settings.folder, capture, flat_field, lamps_found=lamps_found))
-    if settings.mm_per_pixel is not None:
-        capture = capture.changed(spacing=settings.mm_per_pixel)
     if settings.lamps_as_given:
         capture = capture.changed(lamps_as_given=True)
     return _Photographs(lit, capture, inputs)

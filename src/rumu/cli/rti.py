@@ -15,10 +15,12 @@ from rumu.cli.lighting import (
     LampSource,
     LampsUnknownOption,
     LeaveOutOption,
+    NearLampsOption,
     SphereOption,
     read_lit_capture,
 )
 from rumu.cli.options import AsJson, check_writable, finite
+from rumu.cli.run_time import rti_stages
 from rumu.cli.terminal import Outcome, counted, print_outcome, stages
 
 Basis = Literal["ptm", "hsh"]
@@ -62,6 +64,7 @@ def rti(
     card: CardOption = False,
     lamps_unknown: LampsUnknownOption = False,
     inside_out: InsideOutOption = False,
+    near_lamps: NearLampsOption = False,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
     mm_per_pixel: Annotated[
@@ -82,17 +85,16 @@ def rti(
         raise typer.BadParameter(".rti holds each channel by itself, not lrgb", param_hint="'--channels'")
     chosen = basis or implied or "ptm"
     check_writable(whole_file(out) if implied else whole_folder(out, marker=INFO))
-    with stages() as progress:
+    with stages(rti_stages(channels or chosen, align=align, near=near_lamps, card=card)) as progress:
         capture = read_lit_capture(
             capture_dir,
-            LampSource(tuple(sphere or ()), card, lamps_unknown, inside_out),
+            LampSource(tuple(sphere or ()), card, lamps_unknown, inside_out, near_lamps),
             flat_field=flat_field,
             align=align,
             leave_out=leave_out or (),
+            mm_per_pixel=None if mm_per_pixel is None else finite(mm_per_pixel),
             progress=progress,
         ).capture
-        if mm_per_pixel is not None:
-            capture = capture.changed(spacing=finite(mm_per_pixel))
         fit = fit_rti(capture, basis=chosen, order=order, channels=channels, progress=progress)
         progress("Writing files", 0, 1)
         write_rti(fit.image, out, capture=capture)

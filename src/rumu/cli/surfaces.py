@@ -276,10 +276,13 @@ def write_result(
 
     files: which, and REPORT. beside: more files by name. processing: how it was made, for surface.json.
     """
+    from rumu.image_stack import begin
     from rumu.report.pages import surface_page
     from rumu.report.wording import SOURCES, quality_meaning
-    from rumu.surface.folder import write_surface
+    from rumu.surface.folder import MESH, write_surface
 
+    if {REPORT, MESH} & set(files):
+        begin("Drawing the mesh and the report", progress)
     report = {REPORT: surface_page(surface, title=title, notes=notes)} if REPORT in files else {}
     written = [name for name in files if name != REPORT]
     extra = {**report, **(beside or {})}

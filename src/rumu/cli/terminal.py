@@ -15,8 +15,9 @@ import math
 import os
 import signal
 import sys
+import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn, ParamSpec
@@ -24,6 +25,7 @@ from typing import Any, NoReturn, ParamSpec
 import typer
 
 from rumu.cli.interrupt import INTERRUPTED
+from rumu.cli.run_time import RunTime, Stage
 from rumu.errors import DiskFull, RumuError
 from rumu.outputs import is_full
 
@@ -206,34 +208,57 @@ def bar(label: str) -> Iterator[Advance]:
 
 
 @contextlib.contextmanager
-def stages() -> Iterator[Callable[[str, int, int], None]]:
-    """Yield a function of (what, done, total): a bar that says what is done, how far, and for how long yet.
+def stages(planned: Sequence[Stage] = ()) -> Iterator[Callable[[str, int, int], None]]:
+    """Yield a function of (what, done, total): bars that say what is done, how far, and for how long yet.
 
-    Each `what` begins a bar of its own, below those that are full. Silent when stderr is no terminal.
+    planned: the stages that are to come. Each `what` begins a bar of its own, below those that are full;
+    above them all one says how long the whole will take. Silent when stderr is no terminal.
     """
     if not sys.stderr.isatty():
         yield lambda what, done, total: None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(elapsed_when_finished=True),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[so_far]}"))
+    console, whole = Console(stderr=True), RunTime(planned)
+    with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as progress:
+        altogether = progress.add_task("Altogether", total=None, so_far="")
         tasks: dict[str, Any] = {}
 
         def show(what: str, done: int, total: int) -> None:
+            left = whole.left(what, done, total)
+            if left is not None:
+                so_far = _Until(time.monotonic() + left)
+                progress.update(
+                    altogether, completed=whole.elapsed, total=whole.elapsed + left, so_far=so_far
+                )
             if what not in tasks:
                 for task in tasks.values():
                     progress.update(task, completed=progress.tasks[task].total)
-                tasks[what] = progress.add_task(what, total=total)
-            progress.update(tasks[what], completed=done, total=total)
+                    progress.stop_task(task)
+                tasks[what] = progress.add_task(what, total=total, so_far="")
+            counted = f"{done}/{total}" if total > 1 else ""
+            progress.update(tasks[what], completed=done, total=total, so_far=counted)
 
         yield show
+
+
+@dataclass(frozen=True, slots=True)
+class _Until:
+    """How long it is until a time of `time.monotonic`, whenever it is shown."""
+
+    end: float
+
+    def __str__(self) -> str:
+        return f"about {clock_time(max(0.0, self.end - time.monotonic()))} left"
+
+
+def clock_time(seconds: float) -> str:
+    """A time as a person reads it: '1:05' of minutes and seconds, '2:01:05' with hours."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
 
 
 @contextlib.contextmanager

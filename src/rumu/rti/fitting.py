@@ -1,7 +1,7 @@
 """Photographs of a capture fitted as a relightable image, by least squares, some pixels at a time.
 
-All pixels have the same lamps, so one pseudo-inverse serves all of them. Beside the photographs in their
-own bits only the bytes of the result exist at full size.
+All pixels have the same lamps, so one pseudo-inverse serves all of them, and a few where lamps stand near.
+Beside the photographs in their own bits only the bytes of the result exist at full size.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ import numpy as np
 from rumu.capture.image import to_srgb
 from rumu.errors import CaptureError
 from rumu.image_stack import ImageStack, Progress, each_range
-from rumu.rti.image import TERMS, Basis, RtiImage, light_weights
-from rumu.values import Bilingual, Capture, FloatArray
+from rumu.rti.image import TERMS, Basis, RtiImage
+from rumu.rti.lamp_places import LampPlaces
+from rumu.values import Bilingual, Capture, FloatArray, IntArray
 
 Channels = Literal["lrgb", "rgb"]
 CHANNELS: tuple[Channels, ...] = get_args(Channels)
@@ -72,7 +73,8 @@ def fit_rti(
     Parameters
     ----------
     capture
-        Its lamps are taken as they are; strengths that its lamp file tells are evened out.
+        Its lamps are taken as they are; strengths that its lamp file tells are evened out. Those with
+        positions count as near: each place has directions of its own.
     basis
         'ptm': a polynomial of second order in the lamp's direction. 'hsh': hemispherical harmonics.
     order
@@ -106,15 +108,12 @@ def fit_rti(
             f"expected at least {terms} photographs for {terms} terms, got {lamps}",
             zh=f"{terms} 項的擬合至少要 {terms} 張照片，這裡只有 {lamps} 張。",
         )
-    weights = light_weights(capture.lights, basis=basis, terms=terms)
-    inverse = np.linalg.pinv(weights, rcond=settings.singular)
-    told = int(np.linalg.matrix_rank(weights, tol=settings.singular * np.linalg.norm(weights, 2)))
+    places = LampPlaces.of(capture, basis=basis, terms=terms, singular=settings.singular)
     weaker = np.ones(lamps) if capture.strengths is None else capture.strengths.min() / capture.strengths
-    fit = _LeastSquares(
-        stack, weights, inverse.astype(np.float32), weaker.astype(np.float32), channels, settings
-    )
+    fit = _LeastSquares(stack, places, weaker.astype(np.float32), channels, settings)
     scale, bias = fit.levels()
     image, residual = fit.whole(basis, scale, bias, progress)
+    told = places.told
     return RtiFit(image, residual, told, () if told == terms else (_too_alike(told, terms),))
 
 
@@ -128,11 +127,10 @@ def _too_alike(told: int, terms: int) -> Bilingual:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _LeastSquares:
-    """The photographs, and the matrix (K, N) that makes coefficients of them. weaker: (N,) in (0, 1]."""
+    """The photographs, and what makes coefficients of them. weaker: (N,) in (0, 1]."""
 
     stack: ImageStack
-    weights: FloatArray
-    inverse: FloatArray
+    places: LampPlaces
     weaker: FloatArray
     channels: Channels
     settings: RtiSettings
@@ -143,8 +141,8 @@ class _LeastSquares:
         The bias is a whole number in [0, 255], as .ptm files want it; so 0 is always in reach.
         """
         step = max(1, self.stack.pixels // self.settings.looked_at)
-        values = self._shown(self.stack.at(np.arange(0, self.stack.pixels, step)))
-        found, _ = self._coefficients(values)
+        pixels = np.arange(0, self.stack.pixels, step)
+        found, _ = self._coefficients(self._shown(self.stack.at(pixels), pixels), pixels)
         share = self.settings.beyond
         low, high = np.quantile(found.reshape(len(found), -1), [share, 1 - share], axis=1)
         low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
@@ -161,22 +159,23 @@ class _LeastSquares:
         colour = np.empty((self.stack.pixels, 3), np.uint8) if count == 1 else None
 
         def one(part: slice) -> float:
-            values = self._shown(self.stack.range(part.start, part.stop))
-            found, full = self._coefficients(values)
+            pixels = np.arange(part.start, part.stop)
+            values = self._shown(self.stack.range(part.start, part.stop), pixels)
+            found, full = self._coefficients(values, pixels)
             levels = found / scale[:, None, None].astype(np.float32) + bias[:, None, None].astype(np.float32)
             stored[part] = np.clip(np.round(levels), 0, 255).astype(np.uint8).transpose(1, 2, 0)
             if colour is not None:
                 colour[part] = np.round(np.clip(full, 0, 1) * 255).astype(np.uint8)
-            fitted: FloatArray = np.tensordot(self.weights.astype(np.float32), found, axes=1)
+            fitted = self.places.values(found, pixels)
             seen = values if values.ndim == 3 else values[..., None]
             off = (fitted * full if count == 1 else fitted) - seen
             return float(np.vdot(off, off)) / int(off.shape[2])
 
-        size = max(1, self.settings.tile // len(self.weights))
+        size = max(1, self.settings.tile // len(self.stack))
         sums = each_range(
             one, self.stack.pixels, size=size, label="Fitting the relightable image", progress=progress
         )
-        residual = np.sqrt(sum(sums) / (self.stack.pixels * len(self.weights)))
+        residual = np.sqrt(sum(sums) / (self.stack.pixels * len(self.stack)))
         image = RtiImage(
             basis,
             stored.reshape(height, width, count, terms),
@@ -186,17 +185,20 @@ class _LeastSquares:
         )
         return image, float(residual)
 
-    def _shown(self, light: FloatArray) -> FloatArray:
-        """(N, P[, 3]) linear light as a screen shows it, in [0, 1]."""
+    def _shown(self, light: FloatArray, pixels: IntArray) -> FloatArray:
+        """(N, P[, 3]) linear light of some pixels as a screen shows it, in [0, 1]."""
         even = light * self.weaker.reshape(-1, *[1] * (light.ndim - 1))
+        steepness = self.places.steepness(pixels)
+        if steepness is not None:
+            even *= steepness if even.ndim == 2 else steepness[..., None]
         levels = np.clip(even * np.float32(_LEVELS - 1) + np.float32(0.5), 0, _LEVELS - 1)
         return np.take(_screen_values(), levels.astype(np.uint16))
 
-    def _coefficients(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _coefficients(self, values: FloatArray, pixels: IntArray) -> tuple[FloatArray, FloatArray]:
         """(K, P, C) coefficients of values (N, P[, 3]), and (P, 3) the colour in full light, for 'lrgb'."""
         if self.channels == "rgb":
             each = values if values.ndim == 3 else np.repeat(values[..., None], 3, axis=2)
-            return np.tensordot(self.inverse, each, axes=1), np.ones((1, 3), np.float32)
+            return self.places.coefficients(each, pixels), np.ones((1, 3), np.float32)
         gray = values if values.ndim == 2 else values.mean(axis=2)
         rank = int(self.settings.bright * (len(gray) - 1))
         full = np.maximum(np.partition(gray, rank, axis=0)[rank], np.float32(1e-4))
@@ -205,7 +207,7 @@ class _LeastSquares:
             trust = np.where(gray <= full, gray, np.float32(0))
             power = np.maximum((trust * gray).sum(axis=0), np.float32(1e-8))
             colour = np.einsum("np,npc->pc", trust, values) / power[:, None]
-        return (self.inverse @ (gray / full))[..., None], colour * full[:, None]
+        return self.places.coefficients((gray / full)[..., None], pixels), colour * full[:, None]
 
 
 @lru_cache(maxsize=1)

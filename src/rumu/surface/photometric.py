@@ -14,7 +14,7 @@ import numpy as np
 
 from rumu.capture.lights import PaperLamps, paper_tilts
 from rumu.errors import SurfaceError
-from rumu.image_stack import Progress
+from rumu.image_stack import Progress, begin
 from rumu.surface.beyond_lambert import find_materials
 from rumu.surface.frame_check import check_exposure, check_still
 from rumu.surface.integrate import INTEGRATORS, integrate
@@ -44,6 +44,9 @@ _LOOKED_AT = 4_000_000
 """Pixels of a larger picture whose medians and quantiles are taken of every k-th one, to about this many."""
 _LEAST_TRUST = 0.05
 """Least weight of a slope in integration: an unsure slope is better than none."""
+CHECKING, MATERIALS = "Checking the photographs", "Looking for other materials"
+CHECKING_LAMPS, INTEGRATING = "Checking the lamps", "Integrating the height"
+"""What is told of the steps that are not counted."""
 
 
 def photometric(
@@ -79,8 +82,7 @@ def photometric(
     whole = bool(domain.all())
     measured &= domain
     fill_holes(normals, albedo, known=measured, within=domain)
-    if progress is not None:
-        progress("Integrating the height", 0, 1)
+    begin(INTEGRATING, progress)
     height = integrate(
         normals,
         mask=None if whole else domain,
@@ -129,6 +131,7 @@ def surface_normals(
     """
     if solver not in SOLVERS:
         raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
+    begin(CHECKING, progress)
     check_exposure(capture)
     if not capture.lamps_as_given:
         check_still(capture)
@@ -141,6 +144,7 @@ def surface_normals(
         solution = _solved(capture, photometry, solver, progress)
     measured = capture.mask & (solution.confidence > 0)
     if not capture.lamps_as_given:
+        begin(CHECKING_LAMPS, progress)
         check_lamps(
             capture, solution.normals, solution.albedo, known=measured, strengths=photometry.strengths
         )
@@ -177,6 +181,7 @@ def _solved(capture: Capture, photometry: Photometry, solver: str, progress: Pro
     }
     if capture.positions is None:
         if solver == "robust":
+            begin(MATERIALS, progress)
             options["materials"] = find_materials(
                 capture.photographs, lights, mask=capture.mask, black_level=photometry.black_level
             )
