@@ -159,8 +159,16 @@ def test_a_stroke_too_few_is_bad_and_less_of_it_smoothly_better():
     assert panel().score(faulty(1.0)) < panel().score(faulty(0.5)) < CUT_OFFS["panel"]["medium"]
 
 
-def test_a_stroke_too_many_costs_half_as_much_as_one_too_few():
+def test_a_stroke_too_many_costs_as_much_as_half_of_one_too_few_and_parts_of_it_in_even_steps():
     assert panel().score(faulty(1.0, kind="extra")) == pytest.approx(panel().score(faulty(0.5)))
+    marks = [panel().score(faulty(strokes, kind="extra")) for strokes in np.linspace(0.0, 1.0, 11)]
+    np.testing.assert_allclose(np.diff(marks), -6.3)
+    assert panel().score(faulty(4.0, kind="extra")) < 20.0
+
+
+def test_ink_too_much_does_not_make_up_for_a_missing_stroke():
+    both = replace(PERFECT, regions=faulty(0.5).regions + faulty(0.2, kind="extra").regions)
+    assert panel().score(both) == panel().score(faulty(0.5))
 
 
 def test_a_bad_copy_pays_for_a_stroke_though_no_ceiling_is_near():

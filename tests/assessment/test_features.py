@@ -30,6 +30,15 @@ def test_lean_is_degrees_clockwise(measured, moved, mask, lean):
     assert measured(moved(WORK, lean=lean), mask(WORK)).features.lean == pytest.approx(lean, abs=0.4)
 
 
+def test_a_character_whose_halves_stand_elsewhere_does_not_lean(measured, mask):
+    """The best pose turns by 9 degrees to meet both halves; no stroke is turned."""
+    whole = mask(WORK)
+    left, right = np.hsplit(whole, 2)
+    apart = measured(np.hstack([np.roll(left, 45, axis=0), np.roll(right, -45, axis=0)]), whole)
+    assert apart.registration.angle < -7.0
+    assert abs(apart.features.lean) < 2.0
+
+
 @pytest.mark.parametrize("shift", [(30, 40), (-50, 0)])
 def test_offset_is_a_share_of_the_cell(measured, moved, mask, shift):
     found = measured(moved(WORK, shift=shift), mask(WORK)).features.offset

@@ -52,8 +52,10 @@ class Charges:
     `cap` each. Copies that people marked lie within it but for a few, which they did not mark down; they mark
     large writing up and small writing down. A missing or surplus stroke hardly
     changes the quartiles of an otherwise perfect copy: `ceilings` give the highest score by the number of
-    usual strokes at fault, (strokes, score), linear between; surplus ink counts by `surplus`. `stroke_rate`
-    points are deducted besides for the first stroke, so that a bad copy loses points too.
+    usual strokes that are missing, (strokes, score), linear between, and `surplus_ceilings` by how many are
+    too many. These fall evenly: how much ink is too much is less sure than that a stroke is missing, and a
+    fifth of a stroke more or less must not decide the mark. `stroke_rate` points are deducted besides for the
+    first stroke, so that a bad copy loses points too; surplus ink counts by `surplus` there.
     """
 
     lean_free: float = 10.0  # degrees
@@ -67,7 +69,8 @@ class Charges:
     ceilings: tuple[tuple[float, float], ...] = (
         (0.0, 100.0), (0.1, 75.0), (0.25, 46.0), (0.5, 37.0), (3.0, 8.0),
     )  # fmt: skip
-    surplus: float = 0.5  # strokes left out for one too many
+    surplus_ceilings: tuple[tuple[float, float], ...] = ((0.0, 100.0), (1.0, 37.0), (6.0, 8.0))
+    surplus: float = 0.3  # strokes left out for one too many
     stroke_rate: float = 15.0  # points per stroke
 
     def pose_points(self, features: Features) -> dict[str, float]:
@@ -81,10 +84,13 @@ class Charges:
 
     def stroke_points(self, features: Features) -> tuple[float, float]:
         """(points deducted, highest score) for missing and surplus strokes."""
-        worth = {"missing": 1.0, "extra": self.surplus}
-        at_fault = sum(worth[region.kind] * region.strokes for region in features.regions)
-        strokes, scores = zip(*self.ceilings, strict=True)
-        return self.stroke_rate * min(at_fault, 1.0), float(np.interp(at_fault, strokes, scores))
+        missing, extra = (
+            sum(region.strokes for region in features.regions if region.kind == kind)
+            for kind in ("missing", "extra")
+        )
+        lacking = np.interp(missing, *np.array(self.ceilings).T)
+        too_many = np.interp(extra, *np.array(self.surplus_ceilings).T)
+        return self.stroke_rate * min(missing + self.surplus * extra, 1.0), float(min(lacking, too_many))
 
     def all_points(self, features: Features) -> float:
         """All points deducted, those for pose and those for strokes."""

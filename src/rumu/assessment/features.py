@@ -15,7 +15,7 @@ from rumu.assessment.edges import EDGE_NUMBERS, PATCH_NUMBERS, PLAIN
 from rumu.registration.icp import pose_probe
 from rumu.strokes.correspondence import CopyStrokes
 from rumu.strokes.omissions import MasterInk, Region, find_regions
-from rumu.values import FloatArray, Registration
+from rumu.values import FloatArray, IntArray, Registration
 
 RESIDUALS = (
     "position",
@@ -54,6 +54,10 @@ SOFTENING = 0.05
 """Residual, in rms radii, below which differences hardly count: a pixel and a half of the common canvas."""
 DIRECTIONS = 24
 """Sectors of half a turn in which the ink's directions are counted."""
+LEAN_RANGE = 40
+"""Degrees, either way, within which a lean is looked for in the ink's directions."""
+LEAN_BLUR = 5.0
+"""Standard deviation, in degrees, by which they are blurred there."""
 FULLNESS_RANGE = 0.3
 """Natural logarithm of size, either way, up to which the human marks at hand speak."""
 
@@ -98,7 +102,8 @@ class Features:
     """All that a mark is made of.
 
     residuals: see Residuals.
-    lean: degrees, positive clockwise. offset: distance from the master's place, fraction of the cell.
+    lean: degrees, positive clockwise, see `lean_of`. offset: distance from the master's place, fraction of
+        the cell.
     size: natural logarithm of the copy's size over the master's; 0 is the same.
     weight: natural logarithm of the copy's mean normalised height over the master's; for an inflated
         height above 0 means heavier strokes.
@@ -136,7 +141,7 @@ def measure_features(
     """
     return Features(
         residuals=residuals(registration),
-        lean=registration.angle,
+        lean=lean_of(registration),
         offset=float(np.hypot(*registration.shift)),
         size=float(np.log(registration.scale)),
         weight=ink_weight(registration),
@@ -149,6 +154,44 @@ def ink_weight(registration: Registration) -> float:
     """Natural logarithm of the copy's mean normalised height over the master's: above 0 is heavier."""
     copy, master = (points.xyz[:, 2].mean() for points in (registration.probe, registration.reference))
     return float(np.log(max(copy, 1e-6) / max(master, 1e-6)))
+
+
+def lean_of(registration: Registration) -> float:
+    """Degrees by which a copy leans, positive clockwise: what its pose and its directions agree upon.
+
+    Where parts stand elsewhere than in the master, the best pose may turn by ten degrees what does not lean
+    at all; the strokes' directions then stay as they are. So the lesser of both counts, and nothing where
+    they contradict.
+    """
+    turned = _turn_of_directions(registration.probe.direction, registration.reference.direction)
+    if turned * registration.angle <= 0.0:
+        return 0.0
+    return float(np.copysign(min(abs(turned), abs(registration.angle)), turned))
+
+
+def _turn_of_directions(double: FloatArray, master: FloatArray) -> float:
+    """Degrees, clockwise, by which (N, 2) doubled directions of a copy are turned against (M, 2) of a master.
+
+    The peak of the circular correlation of both's counts, in degrees of half a turn.
+    """
+    steps = np.arange(180)
+    blur = np.exp(-0.5 * (np.minimum(steps, 180 - steps) / LEAN_BLUR) ** 2)
+    of_copy, of_master = (
+        np.fft.rfft(np.bincount(_sectors(directions, 180), minlength=180)) for directions in (double, master)
+    )
+    alike = np.fft.irfft(np.conj(of_copy) * of_master * np.fft.rfft(blur) ** 2, 180)
+    turns = np.arange(-LEAN_RANGE, LEAN_RANGE + 1)
+    at = alike[turns]
+    best = int(np.clip(np.argmax(at), 1, len(turns) - 2))
+    before, peak, after = at[best - 1 : best + 2]
+    bend = before - 2.0 * peak + after  # of the parabola through the three
+    return float(turns[best] + (np.clip(0.5 * (before - after) / bend, -1.0, 1.0) if bend < 0.0 else 0.0))
+
+
+def _sectors(double: FloatArray, count: int) -> IntArray:
+    """(N,) which of `count` equal sectors of half a turn (N, 2) doubled directions lie in."""
+    turns = np.arctan2(double[:, 1], double[:, 0]) / (2.0 * np.pi) + 0.5
+    return np.asarray((turns * count).astype(np.intp) % count)
 
 
 def residuals(registration: Registration) -> Residuals:
@@ -203,9 +246,7 @@ def _spread(points: FloatArray) -> FloatArray:
 
 def _direction_shares(double: FloatArray) -> FloatArray:
     """(DIRECTIONS,) share of the points, (N, 2) doubled directions, that run each way; smoothed."""
-    turns = np.arctan2(double[:, 1], double[:, 0]) / (2.0 * np.pi) + 0.5
-    sector = (turns * DIRECTIONS).astype(np.intp) % DIRECTIONS
-    share = np.bincount(sector, minlength=DIRECTIONS) / len(double)
+    share = np.bincount(_sectors(double, DIRECTIONS), minlength=DIRECTIONS) / len(double)
     return np.asarray((share + np.roll(share, 1) + np.roll(share, -1)) / 3.0)
 
 
