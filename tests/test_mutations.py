@@ -62,7 +62,7 @@ def test_every_mutation_of_a_seed_is_the_same(mutations: ModuleType) -> None:
 
 
 def test_routes_of_marks_and_works_never_fail(mutations: ModuleType, tmp_path: Path) -> None:
-    from tests.web.conftest import Browser
+    from tests.web.conftest import World
 
     from rumu.studio.people import create_person
     from rumu.studio.storage import Storage
@@ -74,12 +74,13 @@ def test_routes_of_marks_and_works_never_fail(mutations: ModuleType, tmp_path: P
     limits = RateLimitSettings(tries="9999/minute", uploads="9999/hour")
     app = create_app(ServiceSettings(storage, processes=0, prepare=False, rate_limits=limits))
     rng = random.Random(5)
-    with TestClient(app):
+    with TestClient(app) as server:
         service = app.state.service
         with service.gallery.database.writing() as session:
             teacher = create_person(session, name="林", password="a long password", role="teacher").id
-        visitor = Browser(TestClient(app, raise_server_exceptions=False))
-        logged_in = Browser(TestClient(app, raise_server_exceptions=False)).log_in(service, teacher)
+        world = World(server, {})
+        visitor = world.browser()
+        logged_in = world.browser().log_in(service, teacher)
         for name, data in mutations.images().items():
             files = {"picture": (name, mutations.mutate(data, rng))}
             fields = {"work": "regular-ren", "keep": "false"}

@@ -57,10 +57,14 @@ def cookie_name(service: Any) -> str:
 
 @dataclasses.dataclass
 class World:
-    """app, and the ids of people, classes and attempts in it."""
+    """server: a client whose lifespan is the service's; ids: of people, classes and attempts in it."""
 
-    app: Any
+    server: TestClient
     ids: dict[str, str]
+
+    @property
+    def app(self) -> Any:
+        return self.server.app
 
     @property
     def service(self) -> Any:
@@ -70,8 +74,14 @@ class World:
     def cookie(self) -> str:
         return cookie_name(self.service)
 
+    def client(self, **options: Any) -> TestClient:
+        """A client that asks in the service's event loop; by itself it would start one for each request."""
+        client = TestClient(self.app, **options)
+        client.portal = self.server.portal
+        return client
+
     def browser(self, name: str | None = None) -> Browser:
-        browser = Browser(TestClient(self.app, raise_server_exceptions=False))
+        browser = Browser(self.client(raise_server_exceptions=False))
         return browser if name is None else browser.log_in(self.service, self.ids[name])
 
 
@@ -111,8 +121,8 @@ def add_people(app: Any) -> dict[str, str]:
 def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
     """A service for all tests of a module: they may read it, and add what does not disturb the others."""
     app = create_app(make_settings(tmp_path_factory.mktemp("world")))
-    with TestClient(app):
-        yield World(app, add_people(app))
+    with TestClient(app) as server:
+        yield World(server, add_people(app))
 
 
 @pytest.fixture
@@ -125,7 +135,7 @@ def new_world(tmp_path: Path) -> Iterator[Callable[..., World]]:
         client = TestClient(app)
         client.__enter__()
         opened.append(client)
-        return World(app, add_people(app) if people else {})
+        return World(client, add_people(app) if people else {})
 
     yield make
     for client in opened:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from starlette.testclient import TestClient
 
 from rumu.web.settings import RateLimitSettings
 
@@ -23,7 +22,7 @@ OF_THIS_ANSWER = ("date", "set-cookie")
 
 @pytest.fixture
 def client(world):
-    return TestClient(world.app, raise_server_exceptions=False)
+    return world.client(raise_server_exceptions=False)
 
 
 @pytest.mark.parametrize(
@@ -96,7 +95,7 @@ def test_errors_are_readable_for_other_sites(client, url, status, method):
 
 def test_too_many_requests_are_refused_readably(new_world):
     world = new_world(rate_limits=RateLimitSettings(all="3/minute"))
-    client = TestClient(world.app)
+    client = world.client()
     for method in ("GET", "HEAD", "OPTIONS"):
         for _ in range(5):
             answer = client.request(method, MANIFEST)
@@ -113,7 +112,7 @@ def test_every_id_in_a_manifest_is_answered_with_what_it_names(new_world):
         "text": {"zh": "逆鋒", "en": "against"},
     }
     world.browser("館主")("POST", "/api/works/regular-shui/annotations", json=note)
-    client = TestClient(world.app)
+    client = world.client()
     facts = client.get(MANIFEST).json()
     named = list(objects(facts))
     kinds = {one["type"] for one in named}

@@ -8,7 +8,6 @@ from collections import Counter
 import pytest
 import schemathesis
 from hypothesis import HealthCheck, Phase, settings
-from starlette.testclient import TestClient
 
 from rumu.web.openapi import example, render_docs
 from rumu.web.settings import RateLimitSettings
@@ -28,7 +27,7 @@ def test_nothing_that_can_be_asked_ends_in_a_fault(new_world, who):
     schema = schemathesis.openapi.from_dict(world.app.openapi())
     faults, answers = [], Counter()
     browser = world.browser(who)
-    client = TestClient(world.app, raise_server_exceptions=False)
+    client = world.client(raise_server_exceptions=False)
     for result in schema.get_all_operations():
         operation = result.ok()
         if operation.path.endswith(NOT_TESTED):

@@ -35,14 +35,14 @@ def test_another_session_s_token_does_not_do(world, code_of):
 
 def test_the_token_without_a_cookie_does_not_do(world, code_of):
     browser = world.browser()
-    answer = TestClient(world.app).post("/api/logout", headers={"X-CSRF-Token": browser.facts["csrf"]})
+    answer = world.client().post("/api/logout", headers={"X-CSRF-Token": browser.facts["csrf"]})
     assert code_of(answer) == "csrf"
 
 
 def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites(world):
-    plain = TestClient(world.app).get("/api/session").headers["set-cookie"]
+    plain = world.client().get("/api/session").headers["set-cookie"]
     assert "HttpOnly" in plain and "SameSite=lax" in plain and "Secure" not in plain
-    safe = TestClient(world.app, base_url="https://testserver").get("/api/session").headers["set-cookie"]
+    safe = world.client(base_url="https://testserver").get("/api/session").headers["set-cookie"]
     assert "Secure" in safe
 
 
@@ -50,7 +50,7 @@ def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites(world):
     "url", ["/", "/api/session", "/api/works", "/nowhere", "/api/docs", "/iiif/works/x/manifest.json"]
 )
 def test_every_answer_says_what_a_browser_may_do(world, url):
-    headers = TestClient(world.app).get(url).headers
+    headers = world.client().get(url).headers
     policy = headers["content-security-policy"]
     assert "unsafe" not in policy and "frame-ancestors 'self'" in policy and "object-src 'none'" in policy
     assert headers["x-content-type-options"] == "nosniff" and headers["referrer-policy"] == "same-origin"
@@ -59,18 +59,18 @@ def test_every_answer_says_what_a_browser_may_do(world, url):
 
 @pytest.mark.parametrize("url", ["/", "/api/docs"])
 def test_pages_keep_to_the_policy(world, url):
-    page = TestClient(world.app).get(url).text
+    page = world.client().get(url).text
     assert "<style" not in page and "style=" not in page and "onclick" not in page
     assert "<script>" not in page and re.search(r"(src|href|action)=.?https?:", page) is None
 
 
 def test_a_refusal_has_the_headers_too(world):
-    answer = TestClient(world.app).post("/api/logout")
+    answer = world.client().post("/api/logout")
     assert answer.status_code == 403 and "content-security-policy" in answer.headers
 
 
 def test_only_the_gallery_for_viewers_is_open_to_other_sites(world):
-    client = TestClient(world.app)
+    client = world.client()
     for url in ("/iiif/works/regular-shui/manifest.json", "/iiif/image/regular-shui/info.json"):
         assert client.get(url).headers["access-control-allow-origin"] == "*"
     for url in ("/api/works", "/api/session", "/"):
@@ -123,7 +123,7 @@ def test_large_bodies_of_those_who_may_not_send_them_are_not_read(world, name, s
 
 def test_a_forged_or_damaged_cookie_is_a_visitor(world):
     for cookie in ("x", "W10.x.y", '"', "a b;c", "\xff"):
-        client = TestClient(world.app)
+        client = world.client()
         assert (
             client.get(
                 "/api/session", headers={"Cookie": f"{world.cookie}={cookie}".encode("latin-1")}
@@ -256,7 +256,7 @@ def test_other_cookies_of_the_host_end_no_login(world, others):
         "many": "; ".join(f"c{k}={'x' * 100}" for k in range(500)),
     }
     ended("POST", "/api/logout")
-    client = TestClient(world.app, raise_server_exceptions=False)
+    client = world.client(raise_server_exceptions=False)
     headers = {"Cookie": others.format(**parts).encode("latin-1")}
     facts = client.get("/api/session", headers=headers)
     assert facts.status_code == 200 and facts.json()["person"]["name"] == "林", facts.text
@@ -268,7 +268,7 @@ def test_other_cookies_of_the_host_end_no_login(world, others):
 
 
 def test_with_https_no_other_host_or_path_can_set_the_cookie(new_world):
-    client = TestClient(new_world().app, base_url="https://testserver")
+    client = new_world().client(base_url="https://testserver")
     cookie = client.get("/api/session").headers["set-cookie"]
     assert cookie.startswith("__Host-") and "Path=/;" in cookie and "Secure" in cookie
     assert "Domain" not in cookie
@@ -297,7 +297,7 @@ def test_with_https_no_other_host_or_path_can_set_the_cookie(new_world):
     ],
 )
 def test_requests_of_other_sites_change_nothing(world, code_of, base, headers, status):
-    client = TestClient(world.app, base_url=base)
+    client = world.client(base_url=base)
     token = client.get("/api/session").json()["csrf"]
     answer = client.post("/api/logout", headers={"X-CSRF-Token": token} | headers)
     assert answer.status_code == status
@@ -305,7 +305,7 @@ def test_requests_of_other_sites_change_nothing(world, code_of, base, headers, s
 
 
 def test_what_other_sites_may_embed(world):
-    client = TestClient(world.app)
+    client = world.client()
     work = client.get("/api/works/regular-shui").json()
     for url in ("/", "/api/works", "/api/session", "/nowhere", "/api/docs"):
         assert client.get(url).headers["cross-origin-resource-policy"] == "same-origin", url
@@ -329,8 +329,8 @@ def test_https_is_kept_to_once_it_is_used(new_world):
 
 
 def test_https_is_not_claimed_without_it(world):
-    assert "strict-transport-security" not in TestClient(world.app).get("/").headers
-    safe = TestClient(world.app, base_url="https://testserver").get("/api/nowhere").headers
+    assert "strict-transport-security" not in world.client().get("/").headers
+    safe = world.client(base_url="https://testserver").get("/api/nowhere").headers
     assert safe["strict-transport-security"] == "max-age=31536000"
 
 
@@ -339,7 +339,7 @@ def test_an_unexpected_error_has_the_headers_too(new_world, monkeypatch, code_of
     monkeypatch.setattr(
         "rumu.web.routes.iiif.manifest", lambda *_, **__: (_ for _ in ()).throw(RuntimeError("/srv/x"))
     )
-    client = TestClient(world.app, raise_server_exceptions=False)
+    client = world.client(raise_server_exceptions=False)
     answer = client.get("/iiif/works/regular-shui/manifest.json")
     assert (answer.status_code, code_of(answer)) == (500, "unexpected") and "/srv" not in answer.text
     assert answer.headers["access-control-allow-origin"] == "*"

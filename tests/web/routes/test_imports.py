@@ -117,8 +117,8 @@ def world(tmp_path_factory):
     """A service that takes as many zips as this module sends."""
     limits = RateLimitSettings(uploads="100000/hour", all="1000000/minute")
     app = create_app(make_settings(tmp_path_factory.mktemp("world"), rate_limits=limits))
-    with TestClient(app):
-        yield World(app, add_people(app))
+    with TestClient(app) as server:
+        yield World(server, add_people(app))
 
 
 @pytest.fixture(scope="module")
