@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
+    from argon2 import PasswordHasher
     from playwright.sync_api import Browser
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parent / ".." / "shared" / "data")).resolve()
@@ -75,6 +76,22 @@ def own_home(
         monkeypatch.delenv(name, raising=False)
     request.addfinalizer(lambda: shutil.rmtree(home, ignore_errors=True))
     return home
+
+
+@pytest.fixture(scope="session", autouse=True)
+def service_hasher() -> Iterator[PasswordHasher]:
+    """What passwords are hashed with; in the process of the tests by the same algorithm with the least work.
+
+    The hundreds of hashes of the tests would take a quarter of a second and 64 MiB each, as they must.
+    """
+    from argon2 import PasswordHasher
+
+    from rumu.studio import passwords
+
+    with pytest.MonkeyPatch.context() as patch:
+        own = passwords.HASHER
+        patch.setattr(passwords, "HASHER", PasswordHasher(time_cost=1, memory_cost=8, parallelism=1))
+        yield own
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,7 @@ import time
 
 import pytest
 
+from rumu.studio import passwords
 from rumu.studio.errors import Unusable
 from rumu.studio.passwords import ADVICE, MAX_PASSWORD, check_new_password, hash_password, verify_password
 
@@ -69,9 +70,15 @@ def test_all_advice_is_translated():
     assert all(re.search("[一-鿿]", zh) for zh in ADVICE.values())
 
 
-def test_a_hash_verifies_its_password_alone():
+def test_a_service_hashes_as_rfc_9106_says(service_hasher):
+    """Its second choice, for where memory is short: 64 MiB, three passes, four lanes."""
+    assert service_hasher.hash("a long password").startswith("$argon2id$v=19$m=65536,t=3,p=4$")
+
+
+def test_a_hash_verifies_its_password_alone(service_hasher, monkeypatch):
+    monkeypatch.setattr(passwords, "HASHER", service_hasher)
     hashed = hash_password("a long password")
-    assert hashed.startswith("$argon2id$")
+    assert hashed.startswith("$argon2id$v=19$m=65536,")
     assert verify_password("a long password", hashed)
     assert not verify_password("another password", hashed) and not verify_password("a long password", None)
     assert not verify_password("a long password", "no hash")

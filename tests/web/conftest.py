@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,7 +14,6 @@ from starlette.testclient import TestClient
 from rumu.database.tables import Membership, Person
 from rumu.gallery.starter import starter_samples
 from rumu.studio.classes import create_class
-from rumu.studio.passwords import hash_password
 from rumu.studio.people import create_person, identity, start_session
 from rumu.studio.storage import Storage
 from rumu.web.addresses import COOKIE
@@ -37,7 +35,7 @@ class Browser:
         return self.client.request(method, url, headers=headers, follow_redirects=False, **more)
 
     def log_in(self, service: Any, person_id: str) -> Browser:
-        """Log in by a session that the service makes: passwords take long, and have a test of their own."""
+        """Log in by a session that the service makes; passwords have tests of their own."""
         with service.gallery.database.writing() as session:
             ticket = start_session(session, session.get_one(Person, person_id))
         self.client.cookies.clear()
@@ -90,17 +88,10 @@ def make_settings(folder: Path, **more: Any) -> ServiceSettings:
     return ServiceSettings(storage, processes=0, prepare=False, **more)
 
 
-@functools.cache
-def _hashed_once(password: str) -> str:
-    """The hash of a password, which takes a quarter of a second each time, as it must."""
-    return hash_password(password)
-
-
 def add_people(app: Any) -> dict[str, str]:
     """館主 (owner), 林 and 陳 (teachers), 吳 (pupil of 林), 周 (pupil of 陳)."""
     ids = {}
-    with app.state.service.gallery.database.writing() as session, pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rumu.studio.people.hash_password", _hashed_once)
+    with app.state.service.gallery.database.writing() as session:
         for name, role in (
             ("館主", "owner"),
             ("林", "teacher"),
