@@ -5,15 +5,18 @@ from __future__ import annotations
 import csv
 import json
 import shutil
+from pathlib import Path
 
 import pytest
 from tests.gallery.pages import COLUMNS, ROWS, draw_page, page_text
 
+from rumu.database.engine import open_database
 from rumu.errors import GalleryError
 from rumu.gallery import catalog
 from rumu.gallery.archive import export_gallery
 from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.labels import SharedMetadata
+from rumu.gallery.store import Gallery, Store
 from rumu.gallery.whole_works import characters_within
 
 COUNT = COLUMNS * ROWS
@@ -72,22 +75,32 @@ def test_a_text_outside_the_folder_is_not_read(bare, folder, tmp_path):
     assert catalog.works(bare).total == 0
 
 
+@pytest.fixture(scope="module")
+def album(folder, tmp_path_factory):
+    """(A gallery with both pages, the folder that it was exported to); tests change neither."""
+    home = tmp_path_factory.mktemp("album-gallery")
+    opened = open_database(home / "rumu.sqlite")
+    made = Gallery(opened, Store.open(home / "files"))
+    import_folder(made, folder, shared=SharedMetadata({"script": "regular", "id": "album"}))
+    export_gallery(made, home / "out")
+    yield made, home / "out"
+    opened.close()
+
+
 @pytest.fixture
-def exported(bare, folder, tmp_path):
-    import_folder(bare, folder, shared=SharedMetadata({"script": "regular", "id": "album"}))
-    export_gallery(bare, tmp_path / "out")
-    return tmp_path / "out"
+def exported(album, tmp_path):
+    return Path(shutil.copytree(album[1], tmp_path / "out"))
 
 
 @pytest.mark.parametrize("only_add", [False, True])
-def test_an_export_brings_pages_with_their_characters(gallery, bare, exported, everything, only_add):
+def test_an_export_brings_pages_with_their_characters(gallery, album, exported, everything, only_add):
     done = import_folder(gallery, exported, only_add=only_add)
     assert (done.added, done.left_out) == (2 * (COUNT + 1), ())
     again = import_folder(gallery, exported, only_add=only_add)
     assert (again.added, again.existing) == (0, 2 * (COUNT + 1))
     keys = ("id", "parent_id", "occurrence", "place", "position", "character", "text", "picture")
     there = {row["id"]: row for row in everything(gallery)["works"]}
-    for row in everything(bare)["works"]:
+    for row in everything(album[0])["works"]:
         same = [key for key in keys if there[row["id"]][key] != row[key]]
         assert same == (
             [] if not only_add or row["parent_id"] else [key for key in same if key == "position"]
@@ -117,7 +130,7 @@ def test_a_place_that_is_none_is_refused(gallery, exported, change):
         import_folder(gallery, exported)
 
 
-def test_characters_of_a_page_that_another_work_is_are_left_out(gallery, bare, exported):
+def test_characters_of_a_page_that_another_work_is_are_left_out(gallery, exported):
     """The id of the page is taken here by another work, so that its characters have no page."""
     rows = [json.loads(line) for line in (exported / "works.jsonl").read_text(encoding="utf-8").splitlines()]
     page = next(row for row in rows if row["parent_id"] is None)
