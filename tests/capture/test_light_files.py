@@ -409,3 +409,13 @@ def test_turned_frames_give_the_stored_surface(cases: Path, tmp_path: Path, case
     expected, got = (photometric(read_capture(folder)) for folder in (plain, cases / case))
     np.testing.assert_allclose(got.height, expected.height, atol=1e-3)
     assert read_capture(cases / case).notes and got.height.max() > 3
+
+
+def test_photographs_that_the_lamp_file_does_not_name_are_told(tmp_path: Path) -> None:
+    """A mask, an ambient frame and previews of another kind are none of them."""
+    for name in ("ambient.png", "p9.jpg"):
+        Image.new("L", (20, 16)).save(tmp_path / name)
+    Image.new("L", (20, 16), 255).save(tmp_path / "mask.png")
+    capture = read(write(tmp_path), lines(names=NAMES[:4]))
+    check(capture, NAMES[:4])
+    assert told(capture) == "lights.lp does not name 2 of the photographs, which are not used: p4.png, p5.png"

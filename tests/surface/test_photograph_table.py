@@ -26,7 +26,7 @@ def spoil(image, how):
     return np.clip(image * 4, 0, 1) if how == "overexposed" else image
 
 
-def table(how=None):
+def table(how=None, mask=None):
     """The table of eight photographs of a mound of blotted paper; the surface is made of good ones."""
     rng = np.random.default_rng(8)
     ink = cv2.GaussianBlur(rng.random((150, 170)).astype(np.float32), (0, 0), 1.2)
@@ -39,7 +39,8 @@ def table(how=None):
         strengths=STRENGTHS / 1.2,
         sensor=Sensor(noise=0.002),
     )
-    mask, names = np.ones((150, 170), bool), tuple(f"{i}.png" for i in range(8))
+    mask = np.ones((150, 170), bool) if mask is None else mask
+    names = tuple(f"{i}.png" for i in range(8))
     surface = photometric(Capture(images=images, lights=lights, mask=mask, names=names, lamps_as_given=True))
     changed = images.copy()
     changed[SPOILT] = spoil(images[SPOILT], how)
@@ -67,6 +68,18 @@ def test_the_spoilt_one_is_named(how, words):
     assert words in note.en and f"--leave-out {SPOILT}.png" in note.en and f"{SPOILT}.png" in note.zh
     if how == "moved":
         assert rows[SPOILT].moved == pytest.approx(5.0, abs=0.3)
+
+
+@pytest.mark.parametrize("how", [None, "moved", "blurred"])
+def test_what_lies_outside_the_mask_is_no_fault(how):
+    """Of a disc beside the middle, on paper that goes on around it."""
+    y, x = np.ogrid[:150, :170]
+    rows = table(how, mask=np.hypot(y - 60, x - 100) < 45)
+    assert [row.name for row in rows if row.faults] == ([] if how is None else [f"{SPOILT}.png"])
+    good = [row for row in rows if not row.faults]
+    assert all(0.8 < row.sharpness < 1.3 and row.moved < 0.3 for row in good)
+    if how == "moved":
+        assert rows[SPOILT].moved == pytest.approx(5.0, abs=0.4)
 
 
 def test_many_bad_ones_are_told_in_one_sentence():

@@ -266,7 +266,7 @@ def _from_lp(path: Path, images: FolderImages) -> _Lamps:
         np.array([lamp.light for lamp in listed.lamps]).reshape(-1, 3),
         path,
         strengths=strengths,
-        notes=(*listed.notes, *told, *_other_names(path.parent, found)),
+        notes=(*listed.notes, *told, *_other_names(path.parent, found), *_not_named(path, images, found)),
     )
 
 
@@ -280,12 +280,28 @@ def _other_names(folder: Path, found: dict[Path, LampLine]) -> list[Bilingual]:
     if not other:
         return []
     (lamp, image), more = other[0], len(other) - 1
+    read = image.name if image.parent.resolve() == folder.resolve() else f"{image.parent.name}/{image.name}"
     return [
         Bilingual(
-            f"{lamp.where.zh}：找不到 {lamp.name}，改讀 {image.name}"
+            f"{lamp.where.zh}：找不到 {lamp.name}，改讀 {read}"
             + (f"；另有 {more} 行也是這樣。" if more else "。"),
-            f"{lamp.where.en}: {lamp.name} is not there, {image.name} was read instead"
+            f"{lamp.where.en}: {lamp.name} is not there, {read} was read instead"
             + (f"; likewise for {more} more" if more else ""),
+        )
+    ]
+
+
+def _not_named(path: Path, images: FolderImages, found: dict[Path, LampLine]) -> list[Bilingual]:
+    """A note when photographs lie among those that the lamp file names, of which it names no lamp."""
+    left = [image.name for image in images.besides(found)]
+    if not left:
+        return []
+    names, more = left[:3], "..." if len(left) > 3 else ""
+    return [
+        Bilingual(
+            f"{path.name} 沒有提到 {len(left)} 張照片，因此不用：{'、'.join(names)}{more}",
+            f"{path.name} does not name {len(left)} of the photographs, which are not used: "
+            f"{', '.join(names)}{more}",
         )
     ]
 

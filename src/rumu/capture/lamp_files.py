@@ -8,6 +8,8 @@ from pathlib import Path
 from rumu.capture.description import DESCRIPTION, Description
 from rumu.capture.photographs import FolderImages, capture_error, files, folders
 
+LAMP_SUFFIXES = (".lp", ".dome", ".txt", ".json")
+"""Of files that say where lamps stood."""
 _KINDS = (r".+\.lp", r".+\.dome", r"light_directions.*\.txt")
 _MARKER = "surface.json"
 
@@ -25,7 +27,7 @@ def split_path(path: Path) -> tuple[Path, Path | None]:
             en="expected a capture folder or its .lp file, there is no such file",
             zh="這裡應是多燈照片的資料夾或其中的 .lp 檔，卻找不到",
         )
-    if path.suffix.lower() in (".lp", ".dome", ".txt", ".json"):
+    if path.suffix.lower() in LAMP_SUFFIXES:
         return path.parent, path
     raise capture_error(
         path,

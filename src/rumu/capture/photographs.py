@@ -66,11 +66,23 @@ class FolderImages:
     @cached_property
     def photographs(self) -> list[Path]:
         """Images in natural order (2 before 10), without masks, the ambient frame and normal maps."""
+        return self.photographs_in(self.folder)
+
+    def photographs_in(self, folder: Path) -> list[Path]:
+        """The same of another folder."""
         aside = re.compile(r"(.*\.)?(mask|ambient)|normals?(_gt)?", re.IGNORECASE)
         return sorted(
-            (p for p in self.images() if not aside.fullmatch(p.stem)),
+            (p for p in self.images(folder) if not aside.fullmatch(p.stem)),
             key=lambda p: [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", p.name)],
         )
+
+    def besides(self, found: Collection[Path]) -> list[Path]:
+        """The photographs that lie in one folder with those found and are as they by their suffix."""
+        kinds = {(path.parent, path.suffix.lower()) for path in found}
+        places = sorted({path.parent for path in found})
+        beside = [path for place in places for path in self.photographs_in(place)]
+        known = {path.resolve() for path in found}
+        return [p for p in beside if (p.parent, p.suffix.lower()) in kinds and p.resolve() not in known]
 
     def images(self, folder: Path | None = None) -> list[Path]:
         """The files of the folder, or of another one, that images may be, by their suffix."""

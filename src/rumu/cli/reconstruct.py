@@ -89,7 +89,7 @@ def reconstruct(
     """Photographs of one sheet under three or more lamps -> albedo, normals, height, mesh, report."""
     if again is not None:
         _refuse_settings(context)
-        return _made_again(again, out, made_by)
+        return _made_again(again, capture_dir, out, made_by)
     if capture_dir is None:
         raise typer.BadParameter("expected a folder of photographs, or --again", param_hint="'CAPTURE_DIR'")
     settings = ReconstructSettings(
@@ -122,15 +122,20 @@ def _refuse_settings(context: typer.Context) -> None:
         name = parameter.name or ""
         source = context.get_parameter_source(name)
         given = source is not None and source.name == "COMMANDLINE"
-        if given and name not in ("again", "out", "made_by", "as_json"):
+        if given and name not in ("again", "capture_dir", "out", "made_by", "as_json"):
             raise typer.BadParameter("--again takes the settings of the record", param_hint=f"'{name}'")
 
 
-def _made_again(again: Path, out: Path, made_by: str | None) -> Outcome:
-    """Make the result of a record again, from the same files and by the same settings, and compare."""
-    from rumu.surface.processing import check_inputs, compare_results, read_processing
+def _made_again(again: Path, moved_to: Path | None, out: Path, made_by: str | None) -> Outcome:
+    """Make the result of a record again, from the same files and by the same settings, and compare.
+
+    moved_to: where the capture lies now; None where it was.
+    """
+    from rumu.surface.processing import check_inputs, compare_results, moved_record, read_processing
 
     record = read_processing(again)
+    if moved_to is not None:
+        record = moved_record(record, place=moved_to)
     earlier = again if again.is_dir() else again.parent
     if out.resolve() == earlier.resolve():
         raise typer.BadParameter("expected another folder than that of the earlier result", param_hint="'-o'")

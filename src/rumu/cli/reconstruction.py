@@ -282,14 +282,14 @@ def _files_read(folder: Path, capture: Capture, flat_field: Path | None, *, lamp
     lamps_found: whether the photographs told the lamps, and no file.
     """
     from rumu.capture.description import description_of
-    from rumu.capture.lamp_files import lamp_files_within
+    from rumu.capture.lamp_files import LAMP_SUFFIXES, lamp_files_within
     from rumu.capture.masks import mask_file
     from rumu.capture.photographs import FolderImages, files
 
     place = _place_of(folder)
     images = FolderImages(place)
     description = description_of(place)
-    told = [one for one in files(place) if one.suffix.lower() in (".lp", ".dome", ".txt", ".json")]
+    told = [one for one in files(place) if one.suffix.lower() in LAMP_SUFFIXES]
     if not lamps_found and not any(one.suffix.lower() in (".lp", ".dome", ".txt") for one in told):
         told += lamp_files_within(images)
     mask = mask_file(images, description)

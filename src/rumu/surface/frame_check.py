@@ -65,17 +65,18 @@ def check_exposure(capture: Capture, *, settings: FrameCheckSettings | None = No
         which = _listed(names, dark)
         raise CaptureError(
             f"{which.en}: black, no lamp lit the sheet (lens cap, or the lamp was off); take the photograph "
-            "again, or leave it out of the file of lamps",
-            zh=f"{which.zh}：全黑，燈沒有照到紙（鏡頭蓋沒拿下，或燈沒開）；請重拍，或從燈位檔裡刪去這一張。",
+            "again, or leave it out (--leave-out)",
+            zh=f"{which.zh}：全黑，燈沒有照到紙（鏡頭蓋沒拿下，或燈沒開）；請重拍，或除去這一張（--leave-out）。",
         )
     usable = enough_lit(frames[:, None]).mean()
     if (white >= settings.white).any() or (usable < settings.usable and white.max() > 0.5):
         over = white >= min(settings.white, float(white.max()))
-        which = _listed(names, over)
+        which, share = _listed(names, over), 100 * white[over].min()
         raise CaptureError(
-            f"{which.en}: overexposed, {100 * white[over].min():.0f}% of the pixels or more are white; take "
-            "the photographs again with a shorter exposure",
-            zh=f"{which.zh}：曝光過度，至少 {100 * white[over].min():.0f}% 的像素全白；請縮短曝光重拍。",
+            f"{which.en}: overexposed, {'' if share >= 99.5 else 'at least '}{share:.0f}% of the pixels are "
+            "white; take the photographs again with a shorter exposure, or leave them out (--leave-out)",
+            zh=f"{which.zh}：曝光過度，{'' if share >= 99.5 else '至少 '}{share:.0f}% 的像素全白；請縮短曝光重拍，"
+            "或除去這幾張（--leave-out）。",
         )
     if usable < settings.usable:
         raise CaptureError(
@@ -163,15 +164,25 @@ def _laid_on_the_others(
 
 
 def shift_between(
-    frame: FloatArray, wanted: FloatArray, *, settings: FrameCheckSettings | None = None
+    frame: FloatArray,
+    wanted: FloatArray,
+    *,
+    within: BoolArray | None = None,
+    settings: FrameCheckSettings | None = None,
 ) -> float:
-    """By how many pixels a frame (h, w) lies beside what it should look like, by phase correlation."""
+    """By how many pixels a frame (h, w) lies beside what it should look like, by phase correlation.
+
+    within: (h, w), of which alone it is known what it should look like; None for all.
+    """
     import cv2
 
     here, there = (
         _details(np.ascontiguousarray(one), settings or FrameCheckSettings()) for one in (frame, wanted)
     )
-    (dx, dy), _ = cv2.phaseCorrelate(there, here, _window(here[None]))
+    window = _window(here[None])
+    if within is not None and not within.all():  # fading out, so that its edge is no detail of both
+        window *= cv2.GaussianBlur(within.astype(np.float32), (0, 0), 4.0) * within
+    (dx, dy), _ = cv2.phaseCorrelate(there, here, window)
     return float(np.hypot(dx, dy))
 
 

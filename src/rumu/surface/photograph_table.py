@@ -15,7 +15,7 @@ from rumu.surface.frame_check import shift_between
 from rumu.surface.near_lamps import shading
 from rumu.surface.residual_map import is_lit, lamp_and_residuals, seen_and_law
 from rumu.surface.stereo import SHADOW_FLOOR
-from rumu.values import Bilingual, Capture, FloatArray, Surface
+from rumu.values import Bilingual, BoolArray, Capture, FloatArray, Surface
 
 _NAMED = 3  # bad photographs that are each given a sentence
 
@@ -106,10 +106,11 @@ def _fit_of(values: FloatArray, law: FloatArray) -> tuple[float, float]:
 def _beside_the_law(
     capture: Capture, surface: Surface, limits: PhotographLimits
 ) -> list[tuple[float, float]]:
-    """Sharpness and movement of each photograph, in a square in the middle."""
+    """Sharpness and movement of each photograph, in a square in the middle of what was measured."""
     height, width = capture.mask.shape
-    top, left = max(0, (height - limits.side) // 2), max(0, (width - limits.side) // 2)
-    square = slice(top, top + limits.side), slice(left, left + limits.side)
+    square = _square_within(surface.mask, limits.side)
+    known = surface.mask[square]
+    inner = _inner(known)
     normals, albedo = surface.normals[square], surface.albedo[square]
     albedo = albedo if albedo.ndim == 2 else albedo.mean(axis=2)
     rows, columns = np.ogrid[square[0], square[1]]
@@ -121,18 +122,37 @@ def _beside_the_law(
     found = []
     for frame, shade in zip(frames, shown, strict=True):
         wanted = np.maximum(shade.reshape(normals.shape[:2]), np.float32(0)) * albedo
-        sharpness = _detail(frame) / max(_detail(wanted), 1e-9)
-        found.append((sharpness, shift_between(frame, wanted)))
+        sharpness = _detail(frame, inner) / max(_detail(wanted, inner), 1e-9)
+        found.append((sharpness, shift_between(frame, wanted, within=known)))
     return found
 
 
-def _detail(frame: FloatArray) -> float:
-    """How strong the finest detail of a frame (h, w) is beside its brightness, noise left out."""
+def _square_within(mask: BoolArray, side: int) -> tuple[slice, slice]:
+    """Rows and columns of a square, or of what of it is in the picture, about the middle of a mask (H, W)."""
+    found = []
+    for axis, length in enumerate(mask.shape):
+        weight = np.count_nonzero(mask, axis=1 - axis)
+        middle = float(weight @ np.arange(length)) / max(1, int(weight.sum()))
+        start = int(np.clip(round(middle - (side - 1) / 2), 0, max(0, length - side)))
+        found.append(slice(start, start + side))
+    return found[0], found[1]
+
+
+def _inner(mask: BoolArray) -> BoolArray:
+    """A mask (h, w) without its rim, over which details reach; the mask itself where nothing else is left."""
+    import cv2
+
+    inner = cv2.erode(mask.astype(np.uint8), np.ones((9, 9), np.uint8), borderValue=1) > 0
+    return np.asarray(inner if inner.any() else mask)
+
+
+def _detail(frame: FloatArray, within: BoolArray) -> float:
+    """How strong the finest detail of a part of a frame (h, w) is beside its brightness, noise left out."""
     import cv2
 
     smooth = cv2.GaussianBlur(np.ascontiguousarray(frame, dtype=np.float32), (0, 0), 1.0)
     edges = np.abs(cv2.Laplacian(smooth, cv2.CV_32F))
-    return float(np.quantile(edges, 0.95)) / max(float(frame.mean()), 1e-6)
+    return float(np.quantile(edges[within], 0.95)) / max(float(frame[within].mean()), 1e-6)
 
 
 def _with_faults(row: PhotographRow, usual: float, limits: PhotographLimits) -> PhotographRow:

@@ -10,7 +10,7 @@ import hashlib
 import os
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from rumu.capture.lamp_files import LAMP_SUFFIXES
 from rumu.errors import SurfaceError
 from rumu.inputs import open_file, read_json
 from rumu.surface.array_files import ARRAYS
@@ -112,15 +113,43 @@ def read_processing(path: str | Path) -> Processing:
         ) from error
 
 
+def moved_record(record: Processing, *, place: Path) -> Processing:
+    """The record of a capture that lies elsewhere by now.
+
+    place: its folder, or its file of lamps. What was read from beside its earlier place is looked for beside
+    this one, and left where it was when it is not there. Raises SurfaceError for a record without a capture.
+    """
+    told = record.settings.get("capture")
+    if not isinstance(told, str):
+        raise SurfaceError("expected a record that tells its capture, got one that does not")
+    there, here = Path(told), place.resolve()
+    by_file = place.is_file() or there.suffix.lower() in LAMP_SUFFIXES
+    if by_file:
+        here = here if here.is_file() else here / there.name
+        there, folder = there.parent, here.parent
+    else:
+        folder = here
+
+    def now(path: str) -> str:
+        found = Path(os.path.normpath(folder / os.path.relpath(path, there)))
+        return path if Path(path).exists() and not found.exists() else str(found)
+
+    settings = {**record.settings, "capture": str(here)}
+    if isinstance(settings.get("flat_field"), str):
+        settings["flat_field"] = now(settings["flat_field"])
+    return replace(record, settings=settings, inputs={now(path): sha for path, sha in record.inputs.items()})
+
+
 def check_inputs(record: Processing) -> None:
     """Raise SurfaceError, naming them, where files that were read are gone or are other ones now."""
     gone = [path for path in record.inputs if not Path(path).is_file()]
     there = digest_files(Path(path) for path in record.inputs if path not in gone)
     other = [path for path, digest in record.inputs.items() if there.get(path, digest) != digest]
-    for words, paths in (("are not there any more", gone), ("are not what they were", other)):
+    moved = "; if the capture was moved, give its folder: rumu reconstruct FOLDER --again surface.json"
+    for words, paths, hint in (("are not there any more", gone, moved), ("are not what they were", other, "")):
         if paths:
             names = ", ".join(Path(path).name for path in paths[:4]) + ("..." if len(paths) > 4 else "")
-            raise SurfaceError(f"{len(paths)} of {len(record.inputs)} files {words}: {names}")
+            raise SurfaceError(f"{len(paths)} of {len(record.inputs)} files {words}: {names}{hint}")
 
 
 def compare_results(record: Processing, surface: Surface, *, earlier: Path) -> ResultComparison:
