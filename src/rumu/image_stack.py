@@ -192,6 +192,11 @@ class ImageStack:
         return self.shape[1] * self.shape[2]
 
     @property
+    def stored_as_light(self) -> bool:
+        """Whether whole numbers were taken for light as they are, in any of the photographs."""
+        return any(one.curve is None and one.samples.dtype.kind == "u" for one in self._photographs)
+
+    @property
     def is_colour(self) -> bool:
         """Whether the photographs have three channels."""
         return len(self.shape) == 4

@@ -82,7 +82,14 @@ def test_a_record_of_a_lamp_file_is_moved_with_what_lies_beside_it(rumu, capture
     assert rumu("reconstruct", lamps, "-o", tmp_path / "first", "--write", "floats").code == 0
     project.rename(tmp_path / "moved")
     for number, place in enumerate(("moved/assembly-files", "moved/assembly-files/lights.lp")):
-        again = ("reconstruct", tmp_path / place, "--again", tmp_path / "first", "-o", tmp_path / f"out{number}")
+        again = (
+            "reconstruct",
+            tmp_path / place,
+            "--again",
+            tmp_path / "first",
+            "-o",
+            tmp_path / f"out{number}",
+        )
         assert rumu(*again, "--json").facts["again"]["same"]
 
 

@@ -182,6 +182,7 @@ def _account(
     """The table of the photographs, the notes, the record, and the files that lie beside the surface."""
     from rumu.capture.exif import read_facts
     from rumu.capture.light_files import lp_text
+    from rumu.surface.encoding_check import encoding_notes
     from rumu.surface.frame_check import exposure_notes
     from rumu.surface.lamp_positions import near_notes
     from rumu.surface.photograph_table import fault_notes, photograph_table
@@ -190,8 +191,12 @@ def _account(
     capture, lit = photographs.capture, photographs.lit
     table = photograph_table(capture, surface, aligned=lit.moved)
     notes = (
-        *capture.notes, *exposure_notes(capture, surface), *fault_notes(table), *near_notes(capture, surface)
-    )  # fmt: skip
+        *capture.notes,
+        *exposure_notes(capture, surface),
+        *encoding_notes(capture, surface),
+        *fault_notes(table),
+        *near_notes(capture, surface),
+    )
     facts = [read_facts(_place_of(settings.folder) / name) for name in capture.names]
     processing = record_processing(
         surface,

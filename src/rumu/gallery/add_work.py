@@ -116,6 +116,7 @@ def add_capture(
     from rumu.card.capture import read_card_capture
     from rumu.gallery.capture_copy import copy_capture, copy_card_capture, mean_photograph
     from rumu.pipeline import reconstruct
+    from rumu.surface.encoding_check import encoding_notes
     from rumu.surface.frame_check import exposure_notes
 
     path = Path(path)
@@ -133,7 +134,7 @@ def add_capture(
         del capture, made  # large photographs are in memory once only
         capture = read_capture(photographs, within=photographs)
         surface = reconstruct(capture, solver=solver, rectify=rectify)
-        notes = (*notes, *exposure_notes(capture, surface))
+        notes = (*notes, *exposure_notes(capture, surface), *encoding_notes(capture, surface))
         del capture
         photographs_key = capture_key(capture_digest)
         reconstructed = surface_key(capture_digest, solver=solver, rectify=rectify)

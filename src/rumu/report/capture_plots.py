@@ -30,6 +30,8 @@ _PALE = (0.85, 0.82, 0.77)
 _LEAST_FULL, _MOST_FULL = 0.02, 0.2  # shares of the brightness that the residual map's darkest red may mean
 _DOME = 52.0  # millimetres of the dome plot
 _PICTURE = 62.0  # most height of a map
+_BESIDE = 84  # most lamps that are told beside the dome plot
+_ACROSS = 6  # lamps in a line of the table of many
 _SECTION = 26.0  # height of a section's plot
 
 
@@ -52,13 +54,18 @@ def draw_lamps(
         paper.write(x + 0.6, y - radius * np.sin(np.radians(slant)) + 2.4, f"{slant}°", 5.5, GREY)
     canvas.line((x - radius) * MM, paper.up(y), (x + radius) * MM, paper.up(y))
     canvas.line(x * MM, paper.up(y - radius), x * MM, paper.up(y + radius))
+    few = len(lights) <= _BESIDE
     for number, light in enumerate(lights, start=1):
         canvas.setFillColorRGB(*SEAL)
         at = x + radius * light[0], y - radius * light[1]
-        canvas.circle(at[0] * MM, paper.up(at[1]), 0.9 * MM, stroke=0, fill=1)
-        paper.write(at[0] + 1.2, at[1] + 0.8, str(number), 6, INK)
-    _angles(pages, lights, names, words, left=_DOME + 8, top=top, height=_DOME)
+        canvas.circle(at[0] * MM, paper.up(at[1]), (0.9 if few else 0.5) * MM, stroke=0, fill=1)
+        if few:
+            paper.write(at[0] + 1.2, at[1] + 0.8, str(number), 6, INK)
+    if few:
+        _angles(pages, lights, names, words, left=_DOME + 8, top=top, height=_DOME)
     pages.y = top + _DOME + 2
+    if not few:
+        _many_angles(pages, lights, words)
 
 
 def _angles(
@@ -89,6 +96,20 @@ def _angles(
         paper.write(x, y, f"{k + 1}{shown}", size, INK)
         paper.write(x + aside * wide, y, f"{tilt:.1f}°", size, INK)
         paper.write(x + (aside + beside) * wide, y, f"{slant:.1f}°", size, INK)
+
+
+def _many_angles(pages: FilledPages, lights: FloatArray, words: CaptureWords) -> None:
+    """Number, tilt and slant of many lamps, from left to right over the whole width."""
+    wide = WIDTH / _ACROSS
+    heads = [(k * wide + x, words[name]) for k in range(_ACROSS) for x, name in ((8, "tilt"), (17, "slant"))]
+    pages.row(heads, 6, GREY)
+    for start in range(0, len(lights), _ACROSS):
+        cells = []
+        for k, light in enumerate(lights[start : start + _ACROSS]):
+            tilt, slant = tilt_slant(light)
+            texts = (f"{start + k + 1}", f"{tilt:.1f}°", f"{slant:.1f}°")
+            cells += [(k * wide + x, text) for x, text in zip((0, 8, 17), texts, strict=True)]
+        pages.row(cells, 6, head=heads)
 
 
 def draw_maps(pages: FilledPages, whole: Surface, residual: FloatArray, words: CaptureWords) -> None:

@@ -81,7 +81,10 @@ class _Report:
         pages.heading(self._words["figures"])
         lines = [
             (self._words["size"], f"{columns} × {rows} {self._words['pixels']}"),
-            (self._words["pixel"], f"{surface.spacing:.4g} {surface.unit}"),
+            (
+                self._words["pixel"],
+                f"{surface.spacing:.4g} mm" if surface.unit == "mm" else self._words["no_scale"],
+            ),
             (self._words["range"], f"{low:.3g} … {high:.3g} {surface.unit}"),
             *(
                 (wording.quality_meaning(name)[self._words.index], f"{value:.4g}")
@@ -104,7 +107,8 @@ class _Report:
         heads = ("name", "strength", "off", "shadow", "white", "sharp", "moved", "settings", "taken")
         places = (0.0, 44.0, 58.0, 73.0, 87.0, 101.0, 112.0, 127.0, 150.0)
         pages.y += 1
-        pages.row([(x, self._words[name]) for x, name in zip(places, heads, strict=True)], 6.5, GREY)
+        head = [(x, self._words[name]) for x, name in zip(places, heads, strict=True)]
+        pages.row(head, 6.5, GREY)
         for number, (row, facts) in enumerate(zip(told.rows, told.facts, strict=True), start=1):
             cells = (
                 f"{number}  {shorten(row.name, 26)}",
@@ -118,7 +122,7 @@ class _Report:
                 facts.taken or "",
             )
             colour = SEAL if row.faults else INK
-            pages.row(list(zip(places, cells, strict=True)), 7, colour)
+            pages.row(list(zip(places, cells, strict=True)), 7, colour, head=head)
 
     def _record(self) -> None:
         pages, record = self._pages, self._told.processing
@@ -128,6 +132,7 @@ class _Report:
         pages.write(made + who, 8.5)
         pages.write(",  ".join(_settings(record.settings)), 7.5, GREY)
         for title, digests in (("read", record.inputs), ("result", record.result)):
+            pages.make_room(16.0)  # the title and some lines of it together
             pages.y += 1.5
             pages.write(self._words[title], 8.5)
             for path, digest in digests.items():

@@ -25,7 +25,8 @@ _WORDS: dict[str, tuple[str, str]] = {
     "figures": ("數字", "Figures"),
     "size": ("大小", "Size"),
     "pixels": ("像素", "pixels"),
-    "pixel": ("每像素", "one pixel"),
+    "pixel": ("每像素", "One pixel"),
+    "no_scale": ("比例未知，高度以像素計", "scale not known; heights are in pixels"),
     "range": ("高度範圍", "Range of the height"),
     "photographs": ("照片", "Photographs"),
     "name": ("檔名", "File"),
@@ -58,7 +59,10 @@ _WORDS: dict[str, tuple[str, str]] = {
     "signed_name": ("姓名、單位", "Name, institution"),
     "signed_date": ("日期", "Date"),
     "signature": ("簽名", "Signature"),
-    "nothing": ("照片裡沒有記載。", "The photographs say nothing."),
+    "nothing": (
+        "照片檔裡沒有相機、曝光與時間的記載。",
+        "The files of the photographs tell neither camera nor exposure nor date.",
+    ),
 }
 
 

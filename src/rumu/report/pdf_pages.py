@@ -14,6 +14,9 @@ from rumu.report.pictures import Picture, png_bytes
 _SIZE = (210.0, 297.0)  # A4
 _MARGIN, _FOOT = 18.0, 14.0  # millimetres
 _HEADING = 13.0  # millimetres
+_COUNT = "pages"
+"""The form that says how many pages there are."""
+_DIGIT = 1.37  # millimetres of a digit of the page's number
 _LINE = 0.48  # millimetres of a line's height for each point of its letters
 
 WIDTH = _SIZE[0] - 2 * _MARGIN
@@ -30,11 +33,13 @@ class FilledPages:
         self._title, self._page = title, 1
         self.left, self.y = _MARGIN, _MARGIN
 
-    def make_room(self, height: float) -> None:
-        """Begin a new page unless there are so many millimetres left on this one."""
-        if self.y + height > _SIZE[1] - _MARGIN - _FOOT / 2:
-            self._end_page()
-            self.y = _MARGIN
+    def make_room(self, height: float) -> bool:
+        """Begin a new page unless there are so many millimetres left on this one; whether one was begun."""
+        if self.y + height <= _SIZE[1] - _MARGIN - _FOOT / 2:
+            return False
+        self._end_page()
+        self.y = _MARGIN
+        return True
 
     def write(
         self, text: str, size: float, colour: Any = INK, *, left: float = 0.0, width: float = WIDTH
@@ -53,9 +58,20 @@ class FilledPages:
         self.paper.line((self.left, self.y + 0.8), (self.left + WIDTH, self.y + 0.8), GREY, 0.15)
         self.y += 2.2
 
-    def row(self, cells: Sequence[tuple[float, str]], size: float, colour: Any = INK) -> None:
-        """One line of a table. cells: millimetres from the left margin, and what stands there."""
-        self.make_room(_LINE * size)
+    def row(
+        self,
+        cells: Sequence[tuple[float, str]],
+        size: float,
+        colour: Any = INK,
+        *,
+        head: Sequence[tuple[float, str]] = (),
+    ) -> None:
+        """One line of a table. cells: millimetres from the left margin, and what stands there.
+
+        head: of the table, set once more where the line begins a page.
+        """
+        if self.make_room(_LINE * size) and head:
+            self.row(head, size, GREY)
         self.y += _LINE * size
         for left, text in cells:
             self.paper.write(self.left + left, self.y - 0.12 * size, text, size, colour)
@@ -77,12 +93,18 @@ class FilledPages:
     def finish(self) -> bytes:
         """The file."""
         self._end_page()
+        self.canvas.beginForm(_COUNT)  # known only now, and shown on every page
+        place = _SIZE[0] - _MARGIN - 8, _SIZE[1] - _FOOT
+        self.paper.write(*place, f" / {self._page - 1}", 7, GREY)
+        self.canvas.endForm()
         self.canvas.save()
         return self._stream.getvalue()
 
     def _end_page(self) -> None:
         y = _SIZE[1] - _FOOT
         self.paper.write(_MARGIN, y, self._title, 7, GREY)
-        self.paper.write(_SIZE[0] - _MARGIN - 6, y, str(self._page), 7, GREY)
+        number = str(self._page)
+        self.paper.write(_SIZE[0] - _MARGIN - 8 - _DIGIT * len(number), y, number, 7, GREY)
+        self.canvas.doForm(_COUNT)
         self.canvas.showPage()
         self._page += 1

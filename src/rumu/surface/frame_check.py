@@ -75,8 +75,8 @@ def check_exposure(capture: Capture, *, settings: FrameCheckSettings | None = No
         raise CaptureError(
             f"{which.en}: overexposed, {'' if share >= 99.5 else 'at least '}{share:.0f}% of the pixels are "
             "white; take the photographs again with a shorter exposure, or leave them out (--leave-out)",
-            zh=f"{which.zh}：曝光過度，{'' if share >= 99.5 else '至少 '}{share:.0f}% 的像素全白；請縮短曝光重拍，"
-            "或除去這幾張（--leave-out）。",
+            zh=f"{which.zh}：曝光過度，{'' if share >= 99.5 else '至少 '}{share:.0f}% 的像素全白；"
+            "請縮短曝光重拍，或除去這幾張（--leave-out）。",
         )
     if usable < settings.usable:
         raise CaptureError(

@@ -107,7 +107,7 @@ def _beside_the_law(
     capture: Capture, surface: Surface, limits: PhotographLimits
 ) -> list[tuple[float, float]]:
     """Sharpness and movement of each photograph, in a square in the middle of what was measured."""
-    height, width = capture.mask.shape
+    width = capture.mask.shape[1]
     square = _square_within(surface.mask, limits.side)
     known = surface.mask[square]
     inner = _inner(known)

@@ -146,7 +146,8 @@ def check_inputs(record: Processing) -> None:
     there = digest_files(Path(path) for path in record.inputs if path not in gone)
     other = [path for path, digest in record.inputs.items() if there.get(path, digest) != digest]
     moved = "; if the capture was moved, give its folder: rumu reconstruct FOLDER --again surface.json"
-    for words, paths, hint in (("are not there any more", gone, moved), ("are not what they were", other, "")):
+    faults = (("are not there any more", gone, moved), ("are not what they were", other, ""))
+    for words, paths, hint in faults:
         if paths:
             names = ", ".join(Path(path).name for path in paths[:4]) + ("..." if len(paths) > 4 else "")
             raise SurfaceError(f"{len(paths)} of {len(record.inputs)} files {words}: {names}{hint}")
