@@ -15,6 +15,7 @@ import socket
 import subprocess
 import tempfile
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,13 +27,35 @@ if TYPE_CHECKING:
     from argon2 import PasswordHasher
     from playwright.sync_api import Browser
 
-DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parent / ".." / "shared" / "data")).resolve()
+ROOT = Path(__file__).parent
+DATA = Path(os.environ.get("RUMU_DATA", ROOT / ".." / "shared" / "data")).resolve()
+LONG = {
+    "tests/e2e/": 20,
+    "tests/frontend/": 120,
+    "tests/web/test_server.py": 20,
+    "tests/cli/test_commands.py": 16,
+    "lab/tests/experiments/test_e3c.py": 16,
+    "tests/pages/": 4,
+    "tests/test_structure.py": 0.1,
+}
+"""How many times as long as most tests those take whose path begins so; only the order rests on it."""
 _numbers = itertools.count()
 
 
 def pytest_make_parametrize_id(val: object) -> str | None:
     """Name long bytes by their length: a zip holds the time, so that its own text would differ by process."""
     return f"{len(val)} bytes" if isinstance(val, bytes) and len(val) > 24 else None
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Where files are spread over processes, begin with the long ones: the last would run alone."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return
+    seconds: dict[Path, float] = defaultdict(float)
+    for item in items:
+        name = item.path.relative_to(ROOT).as_posix()
+        seconds[item.path] += next((each for start, each in LONG.items() if name.startswith(start)), 1)
+    items.sort(key=lambda item: -seconds[item.path])  # the tests of a file stay together, in their order
 
 
 def pytest_collection_finish() -> None:
@@ -176,7 +199,7 @@ def rumu() -> Callable[..., Ended]:
 
 # --- browsers and node -----------------------------------------------------------------------------
 
-FRONTEND = Path(__file__).parent / "frontend"
+FRONTEND = ROOT / "frontend"
 # A GPU in software: the same WebGL2 wherever the tests run. The page around it is put together without that
 # GPU, which took half of the time.
 SWITCHES = [
