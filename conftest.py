@@ -146,10 +146,20 @@ def first_start(database: str, files: Path) -> None:
     gallery.database.close()
 
 
-def copy_home(home: Path, to: Path) -> Path:
-    """Copy a home; its files, which are only ever replaced as a whole, are the same ones on the disk."""
-    shutil.copytree(home / "files", to / "files", copy_function=os.link)
-    shutil.copy(home / "rumu.sqlite", to)
+@pytest.fixture(scope="session")
+def starter_home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """RUMU_HOME with the starter gallery. Tests get copies, by `copy_home`: each would seed its own."""
+    from rumu.gallery.catalog import open_gallery
+
+    home = tmp_path_factory.mktemp("starter")
+    open_gallery(database=home / "rumu.sqlite", files=home / "files").database.close()
+    return home
+
+
+def copy_home(home: Path, to: Path, *, link: bool = False) -> Path:
+    """Copy a home. link: its files are the same ones on the disk, which a test must not write to."""
+    shutil.copytree(home / "files", to / "files", copy_function=os.link if link else shutil.copyfile)
+    shutil.copyfile(home / "rumu.sqlite", to / "rumu.sqlite")
     return to
 
 
@@ -307,6 +317,19 @@ def new_postgresql(postgresql: str) -> Iterator[Callable[[str], str]]:
 def postgresql_url(new_postgresql: Callable[[str], str]) -> str:
     """URL of an empty database of PostgreSQL, dropped afterwards."""
     return new_postgresql("template1")
+
+
+@pytest.fixture(scope="session")
+def starter_postgresql(postgresql: str, starter_home: Path) -> str:
+    """The name of a database of PostgreSQL with the starter gallery, to be copied."""
+    import psycopg
+
+    from rumu.gallery.catalog import open_gallery
+
+    with psycopg.connect(f"{postgresql}/postgres", autocommit=True) as server:
+        server.execute("CREATE DATABASE starter")
+    open_gallery(database=f"{postgresql}/starter", files=starter_home / "files").database.close()
+    return "starter"
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

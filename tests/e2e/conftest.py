@@ -39,7 +39,7 @@ class Site:
 def site(tmp_path_factory: pytest.TempPathFactory, started_home: Path) -> Iterator[Site]:
     if not (STATIC / "index.html").is_file():
         absent("the built front end (scripts/install builds it)")
-    home = copy_home(started_home, tmp_path_factory.mktemp("site"))
+    home = copy_home(started_home, tmp_path_factory.mktemp("site"), link=True)
     command = [sys.executable, "-m", "rumu.cli", "serve", "--port", "0", "--json"]
     with (home / "stderr").open("wb") as errors:
         server = subprocess.Popen(

@@ -82,7 +82,7 @@ def proxy(request: pytest.FixtureRequest, tmp_path: Path, started_home: Path) ->
         absent("the built front end (scripts/install builds it)")
     server = subprocess.Popen(
         [sys.executable, "-m", "rumu.cli", "serve", "--port", "0", "--json", "--root-path", ROOT],
-        env=os.environ | {"RUMU_HOME": str(copy_home(started_home, tmp_path))},
+        env=os.environ | {"RUMU_HOME": str(copy_home(started_home, tmp_path, link=True))},
         stdout=subprocess.PIPE,
     )
     assert server.stdout is not None

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from conftest import copy_home
 from rumu.database.engine import Database, open_database
 from rumu.gallery.assets import assets_of
 from rumu.gallery.catalog import work
-from rumu.gallery.seed import add_starter_works
 from rumu.gallery.store import Gallery, Store
 from rumu.values import Surface
 
@@ -26,12 +26,15 @@ def database(database_url: str) -> Iterator[Database]:
     opened.close()
 
 
-@pytest.fixture
-def gallery(database: Database, tmp_path: Path) -> Gallery:
+@pytest.fixture(params=["sqlite", "postgresql"])
+def gallery(request: pytest.FixtureRequest, tmp_path: Path, starter_home: Path) -> Iterator[Gallery]:
     """The starter gallery, on SQLite and on PostgreSQL."""
-    made = Gallery(database, Store.open(tmp_path / "files"))
-    add_starter_works(made)
-    return made
+    url = f"sqlite:///{copy_home(starter_home, tmp_path) / 'rumu.sqlite'}"
+    if request.param == "postgresql":
+        url = request.getfixturevalue("new_postgresql")(request.getfixturevalue("starter_postgresql"))
+    opened = open_database(url)
+    yield Gallery(opened, Store.open(tmp_path / "files"))
+    opened.close()
 
 
 @pytest.fixture

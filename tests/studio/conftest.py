@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
+from conftest import copy_home
 from rumu.gallery.catalog import open_gallery
 from rumu.gallery.starter import starter_samples
 from rumu.gallery.store import Gallery
@@ -24,7 +25,8 @@ def storage(tmp_path: Path) -> Storage:
 
 
 @pytest.fixture
-def gallery(storage: Storage) -> Gallery:
+def gallery(storage: Storage, tmp_path: Path, starter_home: Path) -> Gallery:
+    copy_home(starter_home, tmp_path)
     return open_gallery(database=storage.database, files=storage.files)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
+from conftest import copy_home
 from rumu.database.tables import Membership, Person
 from rumu.gallery.starter import starter_samples
 from rumu.studio.classes import create_class
@@ -109,17 +110,18 @@ def add_people(app: Any) -> dict[str, str]:
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+def world(tmp_path_factory: pytest.TempPathFactory, starter_home: Path) -> Iterator[World]:
     """A service for all tests of a module: they may read it, and add what does not disturb the others."""
-    app = create_app(make_settings(tmp_path_factory.mktemp("world")))
+    app = create_app(make_settings(copy_home(starter_home, tmp_path_factory.mktemp("world"))))
     with TestClient(app) as server:
         yield World(server, add_people(app))
 
 
 @pytest.fixture
-def new_world(tmp_path: Path) -> Iterator[Callable[..., World]]:
+def new_world(tmp_path: Path, starter_home: Path) -> Iterator[Callable[..., World]]:
     """Make a service for this test alone, with settings."""
-    opened = []
+    opened: list[TestClient] = []
+    copy_home(starter_home, tmp_path)
 
     def make(*, people: bool = True, **settings: Any) -> World:
         app = create_app(make_settings(tmp_path, **settings))

@@ -98,7 +98,7 @@ def database_url(request, tmp_path, started_home):
 def start(tmp_path, database_url, started_home):
     """Start a server, whose first start is over; every start uses the same database and store."""
     started = []
-    copy_home(started_home, tmp_path)
+    copy_home(started_home, tmp_path, link=True)
     gallery = open_gallery(database=database_url, files=tmp_path / "files")
     with gallery.database.writing() as session:
         create_person(session, name="館主", password=PASSWORD, role="owner")
