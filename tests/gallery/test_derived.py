@@ -8,7 +8,9 @@ import os
 import subprocess
 import threading
 import time
+from contextlib import nullcontext
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -141,7 +143,9 @@ def test_a_large_photometric_mesh_stays_below_5_mb(bare):
         unit="mm",
         source="photometric",
     )
-    data = renderers.render_glb(Assets(digest="x", picture=bytes, surface=lambda: noisy), exaggeration=1.0)
+    data = renderers.render_glb(
+        Assets(digest="x", picture_file=nullcontext, surface=lambda: noisy), exaggeration=1.0
+    )
     assert 500_000 < len(data) <= renderers.GLB_BYTES
 
 
@@ -308,18 +312,20 @@ def test_the_operator_limits_the_room(gallery, monkeypatch):
         derived_file(gallery, "regular-ri", "glb")
 
 
-def test_a_picture_of_very_many_pixels_is_not_sent_whole_and_not_decoded_either(recwarn):
+def test_a_picture_of_very_many_pixels_is_not_sent_whole_and_not_decoded_either(recwarn, tmp_path):
     """Pillow warns of 90 megapixels and refuses 179; the size alone is read here."""
     import struct
     import zlib
 
     from rumu.gallery.renderers import browser_media_type
 
-    def png(side: int) -> bytes:
+    def png(side: int) -> Path:
         head = b"IHDR" + struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)
         chunks = [(13, head), (0, b"IDAT")]
         packed = [struct.pack(">I", n) + chunk + struct.pack(">I", zlib.crc32(chunk)) for n, chunk in chunks]
-        return b"\x89PNG\r\n\x1a\n" + b"".join(packed)
+        path = tmp_path / f"{side}.png"
+        path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(packed))
+        return path
 
     assert browser_media_type(png(11_000)) is None and browser_media_type(png(40_000)) is None
     assert not [one for one in recwarn if "DecompressionBomb" in str(one.category)]

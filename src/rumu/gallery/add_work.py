@@ -82,16 +82,12 @@ def add_picture(
     path = Path(path)
     check_choice(method, get_args(Method), "method")
     columns, rows = read_with_ink(path)[2]  # refuses a sheet without writing
-    return _add_picture_bytes(
-        gallery,
-        path.read_bytes(),
-        size=(columns, rows),
-        suffix=store_suffix(path),
-        metadata=replace(metadata, origin=metadata.origin or path.name),
-        collection=collection,
-        height_source=method,
-        spacing=spacing,
+    metadata = replace(metadata, origin=metadata.origin or path.name)
+    key, digest = _store_picture(gallery, path.read_bytes(), metadata, suffix=store_suffix(path))
+    files = StoredFiles(
+        picture=key, digest=digest, width=columns, height=rows, height_source=method, spacing=spacing
     )
+    return add_stored_work(gallery, metadata, files, collection=collection)
 
 
 def add_capture(
@@ -185,17 +181,13 @@ def add_glyphs(
         png = io.BytesIO()
         face.picture(character).save(png, "PNG", optimize=True)
         pictures.append(png.getvalue())
-    return tuple(
-        _add_picture_bytes(
-            gallery,
-            data,
-            size=(SIDE, SIDE),
-            suffix=".png",
-            metadata=_glyph_metadata(metadata, face, character),
-            collection=collection,
-        )
-        for character, data in zip(wanted, pictures, strict=True)
-    )
+    added = []
+    for character, data in zip(wanted, pictures, strict=True):
+        glyph = _glyph_metadata(metadata, face, character)
+        key, digest = _store_picture(gallery, data, glyph, suffix=".png")
+        files = StoredFiles(picture=key, digest=digest, width=SIDE, height=SIDE)
+        added.append(add_stored_work(gallery, glyph, files, collection=collection))
+    return tuple(added)
 
 
 def add_stored_work(
@@ -246,28 +238,11 @@ def store_suffix(path: Path) -> str:
     return suffix if suffix in SUFFIXES else ".image"
 
 
-def _add_picture_bytes(
-    gallery: Gallery,
-    data: bytes,
-    *,
-    size: tuple[int, int],
-    suffix: str,
-    metadata: WorkMetadata,
-    collection: CollectionMetadata,
-    height_source: str = "inflation",
-    spacing: float | None = None,
-) -> AddedWork:
+def _store_picture(gallery: Gallery, data: bytes, metadata: WorkMetadata, *, suffix: str) -> tuple[str, str]:
+    """(key, digest of the work) of a picture that is stored."""
     key = picture_key(data, suffix=suffix)
     gallery.store.write(key, data)
-    stored = StoredFiles(
-        picture=key,
-        digest=metadata.digest(data),
-        width=size[0],
-        height=size[1],
-        height_source=height_source,
-        spacing=spacing,
-    )
-    return add_stored_work(gallery, metadata, stored, collection=collection)
+    return key, metadata.digest(data)
 
 
 def _glyph_metadata(metadata: WorkMetadata, face: Face, character: str) -> WorkMetadata:

@@ -52,15 +52,15 @@ _SURFACE_BYTES = 25  # of one pixel: height, normals, albedo and confidence of 3
 class Assets:
     """Functions that read what derived files are computed from.
 
-    digest: of all that they depend on. picture: the bytes as they were uploaded. surface: of a capture the
-    reconstructed one, else the relief of the picture. capture: the photographs; None where there are none.
-    measured: of a capture, its reconstructed surface, to be read some rows at a time. The functions raise
+    digest: of all that they depend on. picture_file: lends the picture as it was uploaded. surface: of a
+    capture the reconstructed one, else the relief of the picture. capture: the photographs; None where there
+    are none. measured: of a capture, its surface, to be read some rows at a time. The functions raise
     GalleryError when a file is missing, ImageError or RefusedImage when the picture cannot be used,
     SurfaceError for a whole surface that does not fit into memory.
     """
 
     digest: str
-    picture: Callable[[], bytes]
+    picture_file: Callable[[], contextlib.AbstractContextManager[Path]]
     surface: Callable[[], Surface]
     capture: Callable[[], Capture] | None = None
     measured: Callable[[], contextlib.AbstractContextManager[SurfaceBands]] | None = None
@@ -78,7 +78,7 @@ def assets_of(store: Store, work: Work) -> Assets:
         return picture_assets(store, work.picture, method=work.height_source, spacing=work.spacing)
     return Assets(
         digest=_digest(work.picture, work.surface, work.capture),
-        picture=partial(store.read, work.picture),
+        picture_file=partial(_stored_file, store, work.picture),
         surface=partial(_measured_surface, store, work.surface, work.capture),
         capture=partial(_read_capture, store, work.capture),
         measured=partial(_measured_bands, store, work.surface, work.capture),
@@ -94,7 +94,7 @@ def picture_assets(
     """
     return Assets(
         digest=_digest(key, method, spacing),
-        picture=partial(store.read, key),
+        picture_file=partial(_stored_file, store, key),
         surface=partial(_relief, store, key, method, spacing),
     )
 
@@ -226,9 +226,7 @@ def _relief(store: Store, key: str, method: str, spacing: float | None) -> Surfa
     from rumu.capture.image import image_of
     from rumu.surface.relief import relief
 
-    with store.local(key) as path:
-        if not path.is_file():
-            raise GalleryError(f"{key}: expected a picture in the store, there is none")
+    with _stored_file(store, key) as path:
         stored = decode(path, reduction=Reduction(pixels=MAX_PIXELS))
         image = image_of(stored, name=path)
     try:
@@ -300,30 +298,45 @@ def _read_capture(store: Store, key: str) -> Capture:
 
 @cached(_cache, condition=_cache_changed)
 def read_picture(store: Store, key: str) -> Picture:
-    """A picture of the store, see `decode_picture`; several parts of one are often requested in a row."""
-    return decode_picture(store.read(key))
+    """A picture of the store, see `picture_of`; several parts of one are often requested in a row."""
+    with _stored_file(store, key) as path:
+        return picture_of(path)
+
+
+@contextlib.contextmanager
+def _stored_file(store: Store, key: str) -> Iterator[Path]:
+    """A picture of the store as a file. Raises GalleryError when there is none."""
+    with store.local(key) as path:
+        if not path.is_file():
+            raise GalleryError(f"{key}: expected a picture in the store, there is none")
+        yield path
 
 
 def decode_picture(data: bytes, *, longest: float = math.inf) -> Picture:
-    """A picture upright, with 8 bits, gray ('L') or RGB, transparent pixels white.
+    """The picture that data are, see `picture_of`."""
+    with picture_file(data) as path:
+        return picture_of(path, longest=longest)
 
-    longest: pixels of its longest side at most. Raises ImageError when the data are no picture.
+
+def picture_of(path: Path, *, longest: float = math.inf) -> Picture:
+    """The picture of a file upright, with 8 bits, gray ('L') or RGB, transparent pixels white.
+
+    longest: pixels of its longest side at most. Raises ImageError when the file is no picture.
     """
     from PIL import Image
 
-    return Image.fromarray(read_samples(data, longest=longest))
+    return Image.fromarray(samples_of(path, longest=longest))
 
 
-def read_samples(data: bytes, *, longest: float = math.inf) -> npt.NDArray[np.uint8]:
-    """The samples of a picture, (H, W) or (H, W, 3) uint8; otherwise as `decode_picture`."""
+def samples_of(path: Path, *, longest: float = math.inf) -> npt.NDArray[np.uint8]:
+    """The samples of a picture, (H, W) or (H, W, 3) uint8; otherwise as `picture_of`."""
     import numpy as np
 
     from rumu.capture.decoded_size import Reduction
     from rumu.capture.formats import decode
     from rumu.capture.stored import eight_bits, over_white
 
-    with picture_file(data) as path:
-        stored = decode(path, reduction=Reduction(side=longest), floats=False)
+    stored = decode(path, reduction=Reduction(side=longest), floats=False)
     return np.ascontiguousarray(over_white(eight_bits(stored.values), stored.alpha))
 
 

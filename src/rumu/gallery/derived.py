@@ -138,10 +138,10 @@ def derived_of(store: Store, assets: Assets, kind: str, *, shape: MeshShape = PL
     """A derived file of assets; see `derived_file`."""
     tag = etag(assets, kind, shape=shape)
     if kind == "picture":
-        data = assets.picture()
-        media_type = renderers.browser_media_type(data)
-        if media_type is not None:
-            return DerivedFile(data, media_type, tag)
+        with assets.picture_file() as path:
+            media_type = renderers.browser_media_type(path)
+            if media_type is not None:
+                return DerivedFile(path.read_bytes(), media_type, tag)
     return DerivedFile(_read_or_render(store, assets, kind, shape), KINDS[kind].media_type, tag)
 
 

@@ -6,13 +6,14 @@ import io
 import json
 import warnings
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import GalleryError, ImageError, SurfaceError
-from rumu.gallery.assets import Assets, decode_picture
+from rumu.gallery.assets import Assets, picture_of
 from rumu.gallery.vocabulary import HEIGHT_SOURCES
 from rumu.values import FloatArray, Surface
 
@@ -40,13 +41,14 @@ def render_picture(assets: Assets, *, longest: int, quality: int) -> bytes:
     """The picture, WebP. longest: pixels of its longest side at most."""
     from PIL import Image
 
-    picture = decode_picture(assets.picture(), longest=2 * longest)
+    with assets.picture_file() as path:
+        picture = picture_of(path, longest=2 * longest)
     if max(picture.size) > longest:
         picture.thumbnail((longest, longest), Image.Resampling.LANCZOS)
     return _webp(picture, quality=quality)
 
 
-def browser_media_type(data: bytes) -> str | None:
+def browser_media_type(path: Path) -> str | None:
     """The media type of a picture that can be sent to browsers unchanged, else None.
 
     Such a picture has a format that all browsers know, is upright and at most SHOWN pixels long.
@@ -56,7 +58,7 @@ def browser_media_type(data: bytes) -> str | None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # nothing is decoded here
-            image = Image.open(io.BytesIO(data))
+            image = Image.open(path)
         with image:
             if image.mode not in _BROWSER_MODES or max(image.size) > SHOWN:
                 return None

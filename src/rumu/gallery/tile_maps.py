@@ -20,7 +20,7 @@ from cachetools import LRUCache, cached
 
 from rumu.database.tables import Work
 from rumu.errors import GalleryError, RumuError
-from rumu.gallery.assets import VERSION, Assets, assets_of, derived_folder, read_samples
+from rumu.gallery.assets import VERSION, Assets, assets_of, derived_folder, samples_of
 from rumu.gallery.catalog import work
 from rumu.gallery.derived import derived_file, limit_room
 from rumu.gallery.renderers import MAP, lamp_photograph
@@ -139,7 +139,8 @@ def _picture(assets: Assets) -> Iterator[TileMap]:
 
 
 def _picture_map(assets: Assets) -> TileMap:
-    picture = read_samples(assets.picture())
+    with assets.picture_file() as path:
+        picture = samples_of(path)
     height, width = picture.shape[:2]
     parts = range(0, height, _ROWS)
     return TileMap(
@@ -160,7 +161,8 @@ def _normals(assets: Assets) -> Iterator[TileMap]:
             height, width = surface.shape
             yield TileMap(width, height, lambda: map(eight_bit_normals, surface.rows("normals")), "normals")
         return
-    ink = prepare_ink(read_samples(assets.picture()), assets.surface())
+    with assets.picture_file() as path:
+        ink = prepare_ink(samples_of(path), assets.surface())
     height, width = ink.dark.shape
     yield TileMap(width, height, lambda: fine_normals(ink), "normals")
 

@@ -234,8 +234,10 @@ def normals_of(height: FloatArray) -> FloatArray:
         y0, y1, x0, x1 = bounding_box(raised)
         box = slice(max(0, y0 - 2), y1 + 2), slice(max(0, x0 - 2), x1 + 2)
         down, right = _differences(height[box], axis=0), _differences(height[box], axis=1)
-        part = np.stack([-right, down, np.ones_like(down)], axis=-1)  # rows grow downward: dz/dy = -down
-        normals[box] = part / np.linalg.norm(part, axis=-1, keepdims=True)
+        length = np.sqrt(right * right + down * down + np.float32(1))
+        part = normals[box]
+        part[..., 0], part[..., 1] = -right / length, down / length  # rows grow downward: dz/dy = -down
+        part[..., 2] = 1 / length
     return normals
 
 
