@@ -10,6 +10,7 @@ import pytest
 import trimesh
 
 from rumu.errors import SurfaceError
+from rumu.surface.inflation import inflate
 from rumu.surface.mesh import MeshSettings, albedo_srgb, mesh_grid
 from rumu.surface.mesh_files import mesh_bytes
 from rumu.values import Surface
@@ -55,6 +56,36 @@ def test_what_was_not_measured_is_left_out_but_paper_is_kept():
     inside = np.abs(measured.vertices[:, :2]) < (4 * 0.0005, 4 * 0.0005)
     assert not inside.all(axis=1).any()
     assert len(mesh_grid(surface(mask=mask, source="inflation")).vertices) == 30 * 40
+
+
+def leaning_bar(lean, source, *, half=14.0, n=240):
+    """A bar that leans by degrees, and its direction: measured, or inflated from its ink."""
+    r, c = np.indices((n, n))
+    along = np.array([np.cos(np.radians(lean)), np.sin(np.radians(lean)), 0.0])
+    across = along[0] * ((n - 1) / 2 - r) - along[1] * (c - (n - 1) / 2)
+    height = 0.6 * np.sqrt(np.maximum(half**2 - across**2, 0)).astype(np.float32)
+    if source == "inflation":
+        height = inflate(np.abs(across) < half)
+    changes = {"height": height, "source": source, "unit": "px", "spacing": 1.0}
+    return surface(n, n, **changes), along
+
+
+@pytest.mark.parametrize("vertices", [60_000, 20_000])
+@pytest.mark.parametrize("lean", [8, 30, 45])
+@pytest.mark.parametrize(("source", "most"), [("inflation", 7.0), ("photometric", 12.5)])
+def test_walls_of_strokes_have_no_teeth_whichever_way_they_lean(source, most, lean, vertices):
+    """No part of a straight bar's wall faces along the bar; a wall that is cut across faces 28 to 42 degrees
+    along it."""
+    found = []
+    for way in (lean, -lean):
+        bar, along = leaning_bar(way, source)
+        grid = mesh_grid(bar, settings=MeshSettings(vertices=vertices))
+        a, b, c = (grid.vertices[grid.faces[:, k]] for k in range(3))
+        normals = np.cross(b - a, c - a)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        wall = (np.abs(a[:, :2]).max(axis=1) < 0.03) & (normals[:, 2] < 0.95)
+        found.append(np.percentile(np.degrees(np.arcsin(np.abs(normals[wall] @ along))), 95))
+    assert max(found) < most and found[0] == pytest.approx(found[1], abs=0.5)
 
 
 def test_exaggeration_and_pixels():

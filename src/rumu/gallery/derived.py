@@ -51,6 +51,7 @@ EXAGGERATIONS = (
 MAX_DERIVED_VARIABLE = "RUMU_MAX_DERIVED_MB"
 """The environment variable with the most megabytes that derived files may take together."""
 
+_MESH_VERSION = 1  # increase it when the meshes of the same surface would come out differently
 _DEFAULT_MAX_MB = 10_000
 _MB = 10**6
 _COUNTED_AGAIN = 20  # parts of the room; once one of them has been written, all files are counted again
@@ -216,7 +217,8 @@ def _key(assets: Assets, kind: str, shape: MeshShape) -> str:
     more = "" if shape.exaggeration == 1.0 else f"-x{shape.exaggeration:g}"
     more += "" if shape.width is None else f"-w{shape.width:g}"
     more += "" if shape.base == PLAIN.base else f"-b{shape.base:g}"
-    return f"{derived_folder(assets.digest)}/v{VERSION}-{kind}{more}{KINDS[kind].suffix}"
+    version = f"{VERSION}.{_MESH_VERSION}" if kind in MESHES else VERSION
+    return f"{derived_folder(assets.digest)}/v{version}-{kind}{more}{KINDS[kind].suffix}"
 
 
 # The cache holds nothing, because the file is in the store: it makes threads that request a file wait for the

@@ -25,6 +25,8 @@ class MeshSettings:
 
     texture: longest side of the pictures on the sheet, in pixels. width, base: of an STL, in millimetres:
     from its left to its right side (None: as large as the sheet), and the thickness below its lowest point.
+    soften: standard deviation, in points of the grid, of the smoothing of a relief, which takes away the
+    steps of an outline from pixel to pixel; what was measured is left as it is.
     """
 
     exaggeration: float = 1.0
@@ -32,6 +34,7 @@ class MeshSettings:
     texture: int = 1024
     width: float | None = None
     base: float = 2.0
+    soften: float = 0.7
 
     def __post_init__(self) -> None:
         for name, length in (("width", self.width), ("base", self.base)):
@@ -65,9 +68,9 @@ def mesh_grid(surface: Surface, *, settings: MeshSettings | None = None) -> Grid
     settings = settings or MeshSettings()
     h, w = surface.height.shape
     step = max(1, int(np.ceil(np.sqrt(h * w / settings.vertices))))
-    points, present, rows, columns = _points(surface, (step, step), settings.exaggeration)
+    points, present, rows, columns = _points(surface, (step, step), settings)
     uv = np.stack(np.meshgrid((columns + 0.5) / w, 1.0 - (rows + 0.5) / h), axis=-1).reshape(-1, 2)
-    faces = _faces(present)
+    faces = _faces(present, points[..., 2])
     if len(faces) == 0:
         raise _no_triangle(surface)
     used, renamed = np.unique(faces, return_inverse=True)
@@ -86,7 +89,7 @@ def solid_mesh(
     Raises SurfaceError when no triangle is left.
     """
     settings = settings or MeshSettings()
-    points, present, _, _ = _points(surface, _solid_steps(surface, settings.vertices), settings.exaggeration)
+    points, present, _, _ = _points(surface, _solid_steps(surface, settings.vertices), settings)
     if min(present.shape) < 2 or not present.any():
         raise _no_triangle(surface)
     x, y, z = (points[..., k] * 1000.0 for k in range(3))
@@ -106,7 +109,7 @@ def solid_mesh(
     vertices = np.concatenate([top, top[edge] * (1, 1, 0), [[0, 0, 0]]])
     vertices[len(top) :, 2] = -settings.base
     faces = [
-        _faces(np.ones(present.shape, dtype=bool)),
+        _faces(np.ones(present.shape, dtype=bool), top[:, 2]),
         np.stack([edge, foot, next_foot], axis=1),
         np.stack([edge, next_foot, following], axis=1),
         np.stack([centre, next_foot, foot], axis=1),
@@ -121,23 +124,27 @@ def albedo_srgb(albedo: FloatArray) -> npt.NDArray[np.uint8]:
 
 
 def _points(
-    surface: Surface, steps: tuple[int, int], exaggeration: float
+    surface: Surface, steps: tuple[int, int], settings: MeshSettings
 ) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
     """Points of a coarse grid, in metres; which of them are kept; rows and columns where they lie.
 
     steps: rows and columns of pixels for each point.
     """
-    h, w = surface.height.shape
+    import cv2
+
+    (h, w), height = surface.height.shape, surface.height
     kept = surface.mask if surface.source == "photometric" else np.ones((h, w), dtype=bool)
+    if surface.source != "photometric" and settings.soften > 0:
+        height = cv2.GaussianBlur(height, (0, 0), settings.soften * max(steps))
     pixel = surface.spacing / 1000.0 if surface.unit == "mm" else _PIXEL_SHEET / max(h, w)
-    height, present = _coarse(surface.height, kept, steps)
+    height, present = _coarse(height, kept, steps)
     rows, columns = (
         np.minimum((np.arange(n) + 0.5) * step - 0.5, last)
         for n, step, last in zip(height.shape, steps, (h - 1, w - 1), strict=True)
     )
     x = (columns - (w - 1) / 2) * pixel
     y = ((h - 1) / 2 - rows) * pixel
-    z = height * (pixel / surface.spacing) * exaggeration
+    z = height * (pixel / surface.spacing) * settings.exaggeration
     return np.stack([*np.meshgrid(x, y), z], axis=-1), present, rows, columns
 
 
@@ -171,12 +178,20 @@ def _no_triangle(surface: Surface) -> SurfaceError:
     return SurfaceError(f"expected a surface with room for a triangle, got {kept} pixels of {h} x {w}")
 
 
-def _faces(present: BoolArray) -> npt.NDArray[np.int64]:
-    """Two triangles for each square of four kept points; y runs up, so rows run down."""
+def _faces(present: BoolArray, height: FloatArray) -> npt.NDArray[np.int64]:
+    """Two triangles for each square of four kept points; y runs up, so rows run down.
+
+    A square is cut along the diagonal whose ends differ less in height: one that crosses the wall of a
+    stroke would make a tooth of it.
+    """
     index = np.arange(present.size).reshape(present.shape)
-    whole = present[:-1, :-1] & present[:-1, 1:] & present[1:, :-1] & present[1:, 1:]
-    top_left, top_right = index[:-1, :-1][whole], index[:-1, 1:][whole]
-    low_left, low_right = index[1:, :-1][whole], index[1:, 1:][whole]
-    one = np.stack([top_left, low_left, low_right], axis=1)
-    two = np.stack([top_left, low_right, top_right], axis=1)
+    corners = [slice(None, -1), slice(1, None)]
+    whole = np.logical_and.reduce([present[rows, columns] for rows in corners for columns in corners])
+    top_left, top_right, low_left, low_right = (
+        index[rows, columns][whole] for rows in corners for columns in corners
+    )
+    z = height.ravel()
+    falling = np.abs(z[top_left] - z[low_right]) <= np.abs(z[top_right] - z[low_left])
+    one = np.stack([top_left, low_left, np.where(falling, low_right, top_right)], axis=1)
+    two = np.stack([np.where(falling, top_left, low_left), low_right, top_right], axis=1)
     return np.concatenate([one, two]).astype(np.int64)
