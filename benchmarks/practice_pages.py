@@ -4,7 +4,7 @@ The true layout of every page stands in `tests/pages/practice_layouts.json`: a l
 for a cell with writing, o for an empty one, a dot where there is none. Cells that the border of the picture
 cuts in two, or that a pencil covers, are not in it. Printed for each page and for all: cells that are there
 and found, cells found where there are none, and of the cells found how many are rightly called written or
-empty.
+empty. The pages are read as `rumu page` reads them: set straight and turned upright first.
 """
 
 from __future__ import annotations
@@ -16,11 +16,10 @@ import time
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 from scipy.optimize import linear_sum_assignment
 
-from rumu.pages.grids import find_grid
 from rumu.pages.page import PageCharacter
+from rumu.pages.reading import find_characters
 
 LAYOUTS = Path(__file__).parent.parent / "tests" / "pages" / "practice_layouts.json"
 
@@ -55,18 +54,17 @@ def compare(truth: list[str], found: list[str], *, reach: int = 2) -> tuple[int,
 
 def measure(path: Path, truth: list[list[str]]) -> tuple[int, int, int, int, float]:
     """Cells that are there, found, rightly told, found where none is; seconds of the processor."""
-    picture = np.asarray(Image.open(path).convert("RGB"))
     began = time.process_time()
-    grid = find_grid(picture)
+    cells = find_characters(path).cells
     seconds = time.process_time() - began
-    found = layout_of(grid.cells) if grid else []
+    found = layout_of(cells)
     there = sum(len(row.replace(".", "")) for register in truth for row in register)
     counts = np.array([[compare(one, other) for other in found] for one in truth]).reshape(
         len(truth), len(found), 2
     )
     pairs = linear_sum_assignment(counts[..., 0], maximize=True)
     hits, told = (int(total) for total in counts[pairs].sum(axis=0))
-    return there, hits, told, (len(grid.cells) if grid else 0) - hits, seconds
+    return there, hits, told, len(cells) - hits, seconds
 
 
 def main() -> None:

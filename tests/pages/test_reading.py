@@ -376,8 +376,13 @@ def test_names_of_a_printed_page(data):
     assert page.text == "\n".join("\n".join(register) for register in true)
 
 
-def test_the_cells_of_a_printed_grid_are_named_too(data):
-    text = "此情难寄。斜阳独倚西楼，遥山恰对帘钩。人面不知何处，绿波依旧东流。"
+def test_the_cells_of_a_grid_on_two_leaves_are_named(data):
+    text = (
+        "红笺小字，说尽平生意。鸿雁在云鱼在水，惆怅"
+        "此情难寄。斜阳独倚西楼，遥山恰对帘钩。人面不知何处，绿波依旧东流。"
+    )
     page = rumu.read_page(data / "pages" / "practice" / "3.15.jpg", text=text)
     assert len(page.cells) > len(page.characters)
-    assert "".join(str(one.character) for one in page.characters) == re.sub("[，。]", "", text)
+    named = [one.character for one in page.characters if one.character is not None]
+    assert len(named) >= len(page.characters) - 1  # a shadow lies in an empty cell
+    assert "".join(named) == re.sub("[，。]", "", text)

@@ -184,7 +184,7 @@ def fill_lattice(
 ) -> tuple[Lattice, LatticeModel]:
     """The lattice without cells that lie off its rows and columns, with those that were missing on them.
 
-    Its fits become how well each cell is drawn, about 0 to 1.
+    Its fits become how well each cell is drawn, about 0 to 1. No cells are left where none is seen again.
     """
     settings = settings or FillSettings()
     slots = Slots(edges, evidence, lattice, settings)
@@ -203,7 +203,7 @@ def fill_lattice(
                 _add_line(slots, whole, model, axis, side)
         whole, model = without_strays(whole, settings.strayed)
         _drop_contradicted(slots, whole)
-        if set(whole.cells) == before:
+        if not whole.cells or set(whole.cells) == before:
             break
         model = fit_model(whole)
     return whole, model

@@ -39,6 +39,8 @@ READ_SIZE = Reduction(pixels=12_600_000, above=25_000_000)
 WORKING_SIDE = 2400
 """Longest side, in pixels, at which a page is searched; its picture keeps all of its own."""
 
+_MORE_CELLS = 1.05  # how much more of a photograph its cells must cover than those of the page as it lies flat
+
 
 def find_characters(
     picture: str | os.PathLike[str] | npt.NDArray[Any],
@@ -51,8 +53,7 @@ def find_characters(
     picture, text: as of `rumu.read_page`, which also says what is raised. name_looks: asked where there is
     no text.
     """
-    shown = flatten_photo(_picture(picture)).picture
-    found = _find(shown)
+    shown, found = _find_in_photo(_picture(picture))
     turns = quarter_turns(written_looks(found) if isinstance(found, PageGrid) else found.looks())
     if turns:
         shown = np.ascontiguousarray(np.rot90(shown, turns))
@@ -94,6 +95,31 @@ def _straightened(page: Page, found: PageGrid | FreePage) -> Page:
         characters=tuple(map(moved, page.characters)),
         cells=tuple(map(moved, page.cells)),
     )
+
+
+def _find_in_photo(photo: Picture) -> tuple[Picture, PageGrid | FreePage]:
+    """The page as it lies flat and what stands on it; the photograph itself where that shows more cells.
+
+    Two leaves that do not lie in one plane are flat in no one view.
+    """
+    flat = flatten_photo(photo)
+    found = _find(flat.picture)
+    if isinstance(found, PageGrid) and flat.picture is not photo:
+        grid = find_grid(photo)
+        if grid is not None and holds_writing(grid, photo):
+            areas = [
+                _area([view(cell.polygon) for cell in one.cells])
+                for one, view in ((grid, np.asarray), (found, flat.photo_from_flat))
+            ]
+            if areas[0] > _MORE_CELLS * areas[1]:
+                return photo, grid
+    return flat.picture, found
+
+
+def _area(polygons: list[FloatArray]) -> float:
+    """The area of polygons (n, 2), in square pixels."""
+    x, y = np.moveaxis(np.array(polygons), -1, 0)
+    return float(np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)).sum() / 2)
 
 
 def _find(shown: Picture) -> PageGrid | FreePage:
