@@ -69,10 +69,12 @@ def ink_of(path: Path) -> np.ndarray:
     return np.clip(gray / paper, 0, 1) ** 1.5
 
 
-def draw_scroll(version: str, *, seed: int = 1) -> tuple[Image.Image, str]:
-    """The scroll, and its text with a line for each column."""
+def draw_scroll(
+    version: str, *, seed: int = 1, first: int = 0, count: int | None = None
+) -> tuple[Image.Image, str]:
+    """The scroll, of so many characters from the first on, and its text with a line for each column."""
     rng = np.random.default_rng(seed)
-    characters = crops(version)
+    characters = crops(version)[first:][:count]
     columns = [characters[at : at + ROWS] for at in range(0, len(characters), ROWS)]
     height = ROWS * CELL + 2 * MARGIN
     width = len(columns) * COLUMN + 2 * MARGIN
@@ -139,6 +141,8 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--out", type=Path)
     parser.add_argument("--version", default="shenlong", choices=["shenlong", "yu", "chu"])
+    parser.add_argument("--first", type=int, default=0, help="character of the text that it begins at")
+    parser.add_argument("--count", type=int, help="how many characters it holds")
     parser.add_argument("--pages", action="store_true")
     parser.add_argument("--names", action="store_true", help="open no surfaces")
     options = parser.parse_args()
@@ -148,7 +152,7 @@ def main() -> None:
             pages = list(printed_pages())
         else:
             path = options.out or Path(folder, "scroll.png")
-            picture, text = draw_scroll(options.version)
+            picture, text = draw_scroll(options.version, first=options.first, count=options.count)
             picture.save(path)
             path.with_suffix(".txt").write_text(text + "\n", encoding="utf-8")
             pages = [(path, text)]

@@ -231,10 +231,11 @@ LAYOUTS = json.loads((Path(__file__).parent / "practice_layouts.json").read_text
 
 
 @pytest.mark.usefixtures("data", "benchmarks")
-def test_patches_of_paper_around_the_characters_of_a_scroll_are_no_cells():
+@pytest.mark.parametrize("seed", [1, 2])
+def test_patches_of_paper_around_the_characters_of_a_scroll_are_no_cells(seed):
     from scroll import draw_scroll
 
-    scroll, _ = draw_scroll("shenlong")
+    scroll, _ = draw_scroll("yu", seed=seed, first=160, count=84)
     assert find_grid(np.asarray(scroll)) is None
 
 

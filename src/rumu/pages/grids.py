@@ -19,6 +19,7 @@ from rumu.pages.cell_lattice import (
     smallest_fitting,
 )
 from rumu.pages.cell_scores import EdgeMaps, edges_at, map_edges
+from rumu.pages.even_cells import evenness_of_lines, uneven_sizes
 from rumu.pages.lattice_fill import fill_lattice
 from rumu.pages.lattice_model import LatticeModel
 from rumu.pages.line_evidence import (
@@ -46,7 +47,8 @@ class PageGridSettings:
     even: median share by which cells may differ in width or in height, whichever differs less, and uneven: in
         the other; few_even: in that, of fewer than `few` cells.
     clearly: strength of the best cells, from which lines are printed ones beyond doubt. Where no lattice has
-        it, as of patches of paper around characters, cells may differ by `faintly_even`.
+        it, as of patches of paper around characters, cells may differ by `faintly_even`, and the lightest
+        stretch of their sides must have this share of the mean darkness: `evenly`.
     sizes: sizes of cells that are looked for, one after the other; leaf: most by which they may differ, as a
         factor.
     alike: share of the best fit that the size of a cell needs, of which the smallest is taken; one after the
@@ -68,8 +70,9 @@ class PageGridSettings:
     even: float = 0.03
     few_even: float = 0.016
     uneven: float = 0.055
-    clearly: float = 0.037
+    clearly: float = 0.045
     faintly_even: float = 0.015
+    evenly: float = 0.6
     few: int = 8
     further: int = 8
     of_first: float = 0.12
@@ -174,8 +177,7 @@ def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Place
         found.sort(key=lambda one: float(np.mean([cell[1] for cell in one.lattice.cells.values()])))
         placed = [_place(evidence, one.lattice, one.model, lines=lines) for one in found]
         clear = max((one.strength for one in found), default=0.0) >= settings.clearly
-        limits = settings if clear else replace(settings, even=settings.faintly_even)
-        even = [cells for cells in placed if _is_even(cells, limits)]
+        even = [cells for cells in placed if _is_even(evidence, cells, settings, clear=clear)]
         if even or not found:
             return even
     return []
@@ -271,18 +273,16 @@ def _place(
     return sorted(cells, key=lambda cell: cell[:2])
 
 
-def _is_even(cells: Placed, settings: PageGridSettings) -> bool:
-    """Whether the cells are equally wide or equally high, but for a change from one side to the other."""
+def _is_even(evidence: LineEvidence, cells: Placed, settings: PageGridSettings, *, clear: bool) -> bool:
+    """Whether cells are equally wide or equally high, and faint lines equally dark all along."""
     quads, places = np.array([cell[2] for cell in cells]), np.array([cell[:2] for cell in cells], float)
     few = len(cells) < settings.few
-    ones = np.ones((len(cells), 1))
-    terms = ones if few else np.hstack([ones, places, places[:, :1] * places[:, 1:]])
-    uneven = []
-    for corner in (1, 3):
-        length = np.linalg.norm(quads[:, corner] - quads[:, 0], axis=1)
-        rest = length - terms @ np.linalg.lstsq(terms, length, rcond=None)[0]
-        uneven.append(float(np.median(np.abs(rest)) / np.median(length)))
-    return max(uneven) <= (settings.few_even if few else settings.uneven) and min(uneven) <= settings.even
+    less, more = uneven_sizes(quads, places, drifting=not few)
+    if more > (settings.few_even if few else settings.uneven):
+        return False
+    if clear:
+        return less <= settings.even
+    return less <= settings.faintly_even and evenness_of_lines(evidence, quads) >= settings.evenly
 
 
 def _stands_out(edges: EdgeMaps, lattice: Lattice, settings: PageGridSettings) -> bool:
