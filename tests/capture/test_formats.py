@@ -9,6 +9,7 @@ import sys
 import zlib
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import tifffile
@@ -304,3 +305,34 @@ def test_what_is_read_takes_what_was_counted(tmp_path: Path, mode: str, channels
     peak, printed = refused_memory(path)
     assert printed == "read"
     assert (peak - empty) * 1024 < 1.4 * counted + 30_000_000
+
+
+def write_lzw_after_preview(path: Path, whole: np.ndarray, *, within: bool) -> None:
+    """A TIFF packed by LZW, which tifffile cannot write, with a preview of 15 x 10 before or around it."""
+    data = bytearray(cv2.imencode(".tif", whole, [cv2.IMWRITE_TIFF_COMPRESSION, 5])[1].tobytes())
+    preview, (first,) = bytes(150), struct.unpack_from("<I", data, 4)
+    entries = [(254, 1), (256, 15), (257, 10), (258, 8), (259, 1), (262, 1), (273, len(data))]
+    entries += [(277, 1), (278, 10), (279, 150), *([(330, first)] if within else [])]
+    data += preview
+    struct.pack_into("<I", data, 4, len(data))
+    data += struct.pack("<H", len(entries))
+    data += b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in entries)
+    path.write_bytes(data + struct.pack("<I", 0 if within else first))
+
+
+@pytest.mark.parametrize("within", [False, True])
+@pytest.mark.parametrize(
+    ("depth", "packing"), [("uint16", None), ("uint16", "deflate"), ("uint8", None), ("uint16", "lzw")]
+)
+def test_a_tiff_that_begins_with_its_preview(tmp_path: Path, depth: str, packing: str, within: bool) -> None:
+    """As some cameras and developers of raw files write them: before the picture, or around it (SubIFD)."""
+    whole = (np.arange(40 * 60).reshape(40, 60) * (np.iinfo(depth).max // 2400)).astype(depth)
+    path = tmp_path / "a.tif"
+    if packing == "lzw":
+        write_lzw_after_preview(path, whole, within=within)
+    else:
+        with tifffile.TiffWriter(path) as file:
+            file.write(np.zeros((10, 15), np.uint8), subfiletype=1, subifds=int(within))
+            file.write(whole, subfiletype=0, compression=packing)
+    assert read_header(path).width == 60
+    np.testing.assert_array_equal(decode(path, encoding="linear").values, whole)

@@ -26,6 +26,8 @@ _ICC_TAG = 34675
 _DEFLATE, _LZMA = (8, 32946), (34925,)
 _UNPACKED = (1, *_DEFLATE, *_LZMA)  # by tifffile; the rest by OpenCV, which never unpacks more than a strip
 _SEPARATED = 5  # the photometric interpretation of inks
+_REDUCED, _MASK = 1, 4  # bits of a TIFF's NewSubfileType
+_PAGES = 16  # of a TIFF, that are looked at for its picture
 _EXR_SAMPLE_BYTES = {0: 4, 1: 2, 2: 4}  # uint32, half, float
 _EXR_MULTIPART = 0x1000
 _NO_DEEP_ZH = "不讀帶有深度樣本的 EXR。"
@@ -57,9 +59,13 @@ def read_deep_png(path: Path) -> tuple[Stored, int, bytes | None]:
 
 
 def _read_opencv(path: Path) -> Samples:
+    return _decode_opencv(np.fromfile(path, np.uint8))
+
+
+def _decode_opencv(data: Samples) -> Samples:
     import cv2
 
-    samples = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
+    samples = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
     if samples is None:
         raise ValueError("it cannot be decoded")
     if samples.ndim == 3 and samples.shape[2] >= 3:  # B G R (A) to R G B (A), without a copy of all
@@ -71,11 +77,11 @@ def _read_opencv(path: Path) -> Samples:
 
 
 def tiff_header(path: Path) -> Header:
-    """The header of a TIFF's first picture."""
+    """The header of a TIFF's picture."""
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
-        return _page_header(tiff.pages[0])
+        return _page_header(_main_page(tiff))
 
 
 def is_deep_tiff(path: Path) -> bool:
@@ -83,7 +89,32 @@ def is_deep_tiff(path: Path) -> bool:
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
-        return _bits(tiff.pages[0]) > 8
+        return _bits(_main_page(tiff)) > 8
+
+
+def _main_page(tiff: Any) -> Any:
+    """The first picture of a TIFF, but not a preview where a whole one follows, or lies within it."""
+    first = tiff.pages[0]
+    if not _is_aside(first):
+        return first
+    others = [*tiff.pages[1:_PAGES], *(first.pages or ())[:_PAGES]]
+    return next((page for page in others if not _is_aside(page)), first)
+
+
+def _is_aside(page: Any) -> bool:
+    """Whether a page is a preview of another, or its mask, by its own word."""
+    return bool(int(getattr(page, "subfiletype", 0)) & (_REDUCED | _MASK))
+
+
+def _begun_at(path: Path, page: Any) -> bytearray | None:
+    """The file, of which a page is the first; None where it is that already."""
+    tiff = page.parent
+    if page.offset == tiff.pages[0].offset:
+        return None
+    data = bytearray(path.read_bytes())
+    place, form = (8, "Q") if tiff.is_bigtiff else (4, "I")
+    struct.pack_into(f"{tiff.byteorder}{form}", data, place, page.offset)
+    return data
 
 
 def _page_header(page: Any) -> Header:
@@ -108,11 +139,11 @@ def _bits(page: Any) -> int:
 
 
 def read_deep_tiff(path: Path) -> tuple[Stored, int, bytes | None]:
-    """The samples of a TIFF's first picture, its orientation and its colour profile."""
+    """The samples of a TIFF's picture, its orientation and its colour profile."""
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
-        page = tiff.pages[0]
+        page = _main_page(tiff)
         if page.dtype is None or page.dtype.name not in ("uint16", "float16", "float32", "float64"):
             raise ImageError(
                 f"expected 8-bit, 16-bit or float samples, got {_bits(page)}-bit {page.dtype}",
@@ -129,15 +160,16 @@ def read_deep_tiff(path: Path) -> tuple[Stored, int, bytes | None]:
 def upright_tiff(path: Path) -> tuple[io.BytesIO | None, int]:
     """The file with its orientation set to upright, and that orientation: Pillow 13 turns a TIFF twice.
 
-    None instead of the file when it is upright.
+    Its picture is the first of it. None instead of the file when it is so already.
     """
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
-        tag = tiff.pages[0].tags.get(ORIENTATION)
+        page = _main_page(tiff)
+        tag, data = page.tags.get(ORIENTATION), _begun_at(path, page)
         if tag is None or tag.value == 1:
-            return None, 1
-        data = bytearray(path.read_bytes())
+            return (None if data is None else io.BytesIO(data)), 1
+        data = bytearray(path.read_bytes()) if data is None else data
         struct.pack_into(f"{tiff.byteorder}H", data, tag.valueoffset, 1)
     return io.BytesIO(data), int(tag.value)
 
@@ -148,14 +180,19 @@ def _tiff_samples(path: Path, page: Any) -> Samples:
         raise ValueError("its samples lie beyond its end")
     try:
         _check_inflated_sizes(page)
-        samples = np.asarray(page.asarray() if page.compression in _UNPACKED else _read_opencv(path))
+        samples = np.asarray(page.asarray() if page.compression in _UNPACKED else _read_page(path, page))
     except (ValueError, KeyError) as error:
         if "imagecodecs" not in str(error):
             raise
-        samples = _read_opencv(path)  # what needs a 26 MB wheel in tifffile
+        samples = _read_page(path, page)  # what needs a 26 MB wheel in tifffile
     if samples.ndim == 3 and samples.shape[-1] != page.samplesperpixel:
         samples = np.moveaxis(samples, 0, -1)  # planes stored one after the other
     return samples.astype(np.float32) if samples.dtype.kind == "f" else samples
+
+
+def _read_page(path: Path, page: Any) -> Samples:
+    data = _begun_at(path, page)
+    return _read_opencv(path) if data is None else _decode_opencv(np.frombuffer(data, np.uint8))
 
 
 def _check_inflated_sizes(page: Any) -> None:

@@ -25,7 +25,8 @@ class EncodingSettings:
     which is as good as none. gain: share of it that remains for values of a screen at most. simpler: the
     same, of equal lamps: values for a screen then explain what would else be lamps of many strengths.
     pixels: about how many are looked at. rounds: in which the strengths of the lamps are found. seen:
-    brightness by the law from which a value tells of its lamp.
+    brightness by the law from which a value tells of its lamp. lit: share of the values that are not in
+    shadow, below which nothing is told.
     """
 
     lamps: int = 6
@@ -35,6 +36,7 @@ class EncodingSettings:
     pixels: int = 4000
     rounds: int = 3
     seen: float = 0.03
+    lit: float = 0.5
 
 
 def encoding_notes(
@@ -51,8 +53,8 @@ def encoding_notes(
     values = capture.photographs.at(pixels_of(surface.mask, about=settings.pixels))
     now, alike = _unexplained(values, capture.lights, settings)
     then, alike_then = _unexplained(to_linear(values), capture.lights, settings)
-    contradicts = now > settings.least and then < settings.gain * now
-    simpler = alike_then < settings.least < alike and alike_then < settings.simpler * alike
+    contradicts = settings.least < now < np.inf and then < settings.gain * now
+    simpler = alike_then < settings.least < alike < np.inf and alike_then < settings.simpler * alike
     if not contradicts and not simpler:
         return ()
     if simpler and not contradicts:
@@ -71,14 +73,16 @@ def encoding_notes(
 def _unexplained(values: FloatArray, lights: FloatArray, settings: EncodingSettings) -> tuple[float, float]:
     """The median share of the brightness that Lambert's law leaves, by lamps of any strength and equal ones.
 
-    values: (N, P) or (N, P, 3).
+    Infinite where most is dark. values: (N, P) or (N, P, 3).
     """
     rows = values if values.ndim == 2 else values.mean(axis=2)
     strengths, left = np.ones(len(lights)), []
     for _ in range(settings.rounds):
         lit = lights * strengths[:, None]
         done = tile_solver()(rows, lit, solver="robust", black_level=0.0, settings=RobustSettings())
-        left.append(float(np.median(done.residuals)) if done.residuals.size else 0.0)
+        if done.lit <= settings.lit * (done.lit + done.dark):
+            return np.inf, np.inf
+        left.append(float(np.median(done.residuals)))
         law = np.maximum(lights @ done.normals.T, 0.0) * done.albedo
         told = [
             (seen[by > settings.seen], by[by > settings.seen]) for seen, by in zip(rows, law, strict=True)
