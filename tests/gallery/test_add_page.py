@@ -16,6 +16,7 @@ from rumu.gallery import catalog
 from rumu.gallery.add_page import add_page
 from rumu.gallery.add_work import add_picture, named_collection
 from rumu.gallery.assets import assets_of
+from rumu.gallery.derived import stored_file
 from rumu.gallery.filters import Filters, count_facets
 from rumu.gallery.hands import hands_of
 from rumu.gallery.metadata import WorkMetadata
@@ -143,11 +144,16 @@ def test_it_is_added_once(bare, scroll, page):
     assert [count for _, count in catalog.collections(bare)] == [1]
 
 
-def test_a_page_that_was_a_single_picture_is_cut(bare, page):
+def test_a_page_that_was_a_single_picture_is_cut(bare, page, monkeypatch):
+    """And as a page it gets the maps that it is shown by, if their first visitor would have to wait."""
+    monkeypatch.setattr("rumu.gallery.add_page.SLOW", 0)
     before = add_picture(bare, page, metadata=METADATA)
     after = add_page(bare, page, text=page_text(), metadata=METADATA)
     assert (after.id, after.new, after.named) == (before.id, False, COLUMNS * ROWS)
     assert catalog.work(bare, before.id).text == page_text()
+    assets = assets_of(bare.store, catalog.work(bare, after.id))
+    for kind in ("thumb", "facts", "heights", "normals"):
+        assert stored_file(bare.store, assets, kind) is not None, kind
 
 
 def test_what_is_changed_on_the_page_is_changed_on_its_characters(bare, scroll):

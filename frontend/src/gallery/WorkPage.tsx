@@ -36,23 +36,46 @@ export async function loadWork(id: string, signal: AbortSignal): Promise<{ work:
   return { work, facts };
 }
 
-/** A work that no surface can be made of, such as a blank leaf or a painting, is shown as it is, with the reason. */
-async function loadShown(id: string, signal: AbortSignal): Promise<{ work: Work; facts: ViewerFacts } | { work: Work; reason: Bilingual }> {
+/** A work that no surface can be made of, such as a blank leaf or a painting, is shown as it is, with the reason. `known`: told what is known of it, while its surface may still be computed. */
+async function loadShown(id: string, signal: AbortSignal, known: (work: Work) => void): Promise<{ work: Work; facts: ViewerFacts } | { work: Work; reason: Bilingual }> {
   const viewer = get<ViewerFacts>(`${workUrl(id)}/viewer`, signal).catch((error: unknown) => {
     if (error instanceof ServiceError && error.status === UNUSABLE) return error.text;
     throw error;
   });
-  const [work, shown] = await Promise.all([get<Work>(workUrl(id), signal), viewer]);
+  const work = await get<Work>(workUrl(id), signal);
+  if (!signal.aborted) known(work);
+  const shown = await viewer;
   return "heights" in shown ? { work, facts: shown } : { work, reason: shown };
 }
 
 export default function WorkPage({ params, query }: PageProps) {
   const id = params.id ?? "";
-  const loaded = useLoaded((signal) => loadShown(id, signal), id);
+  const [known, setKnown] = useState<Work | null>(null);
+  const loaded = useLoaded((signal) => loadShown(id, signal, setKnown), id);
+  if (!loaded.fresh && known?.id === id) return <ComingWork work={known} />;
   if (loaded.error) return <ErrorPage error={loaded.error} retry={loaded.retry} />;
   if (!loaded.value) return <Loading />;
   if ("reason" in loaded.value) return <FlatWork key={id} {...loaded.value} retry={loaded.retry} />;
   return <WorkView key={id} work={loaded.value.work} facts={loaded.value.facts} query={query} />;
+}
+
+/** A work whose surface is still being computed: what it is, and a small picture of it. */
+function ComingWork({ work }: { work: Work }) {
+  return (
+    <article class="work">
+      <div class="work-stage viewer">
+        <div class="viewer-stages">
+          <div class="viewer-stage">
+            <div class="viewer-wait"><img src={work.thumb} alt="" /><Loading /></div>
+          </div>
+        </div>
+      </div>
+      <aside class="label">
+        <WorkFacts work={work} facts={null} />
+        <Neighbours work={work} />
+      </aside>
+    </article>
+  );
 }
 
 /** A work as its picture alone, and why no lamp shines on it. */

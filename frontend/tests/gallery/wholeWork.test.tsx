@@ -6,6 +6,7 @@ import { describe, expect, it, vi } from "vitest";
 import { CharacterCard, CharacterLinks } from "../../src/gallery/CharacterFacts";
 import { GatheredView } from "../../src/gallery/GatherPage";
 import { characterAt, columnsOf, isWithin } from "../../src/gallery/wholeWork";
+import WorkPage from "../../src/gallery/WorkPage";
 import { WorkText } from "../../src/gallery/WorkText";
 import { language } from "../../src/i18n";
 import type { CharacterWithin, Work, WorkCard } from "../../src/types";
@@ -45,6 +46,26 @@ describe("the characters of a whole work", () => {
     const hollow: [number, number][] = [[0, 0], [1, 0], [1, 1], [0.5, 0.2], [0, 1]];
     expect(isWithin({ x: 0.1, y: 0.5 }, hollow)).toBe(true);
     expect(isWithin({ x: 0.5, y: 0.9 }, hollow)).toBe(false);
+  });
+});
+
+describe("a work whose surface is still being computed", () => {
+  it("says at once what it is, with a small picture", async () => {
+    language.value = "en";
+    const both = (text: string) => ({ zh: text, en: text });
+    const work = {
+      id: "scroll", title: both("A scroll"), hand: both(""), period: both(""), material: both(""), dynasty: "", script: "", width: 30, height: 20, source: "", licence: "CC0-1.0",
+      attribution: "", collection: "own", collection_title: both("Own"), character: "", within: null, record: null, previous: null, next: null, thumb: "thumb.webp",
+    };
+    const asked = vi.spyOn(globalThis, "fetch").mockImplementation((url) =>
+      String(url).endsWith("/viewer") ? new Promise(() => undefined) : Promise.resolve(new Response(JSON.stringify(work), { headers: { "Content-Type": "application/json" } })),
+    );
+    const box = shown(<WorkPage params={{ id: "scroll" }} query={new URLSearchParams()} />);
+    await vi.waitFor(() => expect(box.querySelector("h1")?.textContent).toBe("A scroll"));
+    expect(box.querySelector("img")!.getAttribute("src")).toBe("thumb.webp");
+    expect(box.querySelector("[role=status]")).not.toBeNull();
+    act(() => render(null, box));
+    asked.mockRestore();
   });
 });
 

@@ -36,6 +36,9 @@ LAMPS: tuple[MapName, ...] = ("lamp-a", "lamp-b", "lamp-c")
 LARGE = 12_600_000
 """Pixels above which the tiles of a work are made when it is added, since they take long."""
 
+SLOW = 3_000_000
+"""Pixels above which the first visitor of a work would wait longer than a second for its maps."""
+
 _FIRST_SEEN = ("thumb", "thumb-normals", "facts", "heights", "albedo", "normals", "picture", "mask")
 _TILES_VERSION = 1  # increase it when the tiles of the same map would come out differently
 _ROWS = 128  # converted at a time
@@ -69,6 +72,13 @@ def make_tiles(gallery: Gallery, work_id: str, name: MapName) -> None:
     _make(gallery.store, assets_of(gallery.store, row), name)
 
 
+def make_first_seen(gallery: Gallery, work_id: str) -> None:
+    """Make the maps that the page of a work begins with; what cannot be made is left out."""
+    with contextlib.suppress(RumuError):
+        for kind in _FIRST_SEEN:
+            derived_file(gallery, work_id, kind)
+
+
 def make_large_tiles(gallery: Gallery, work_id: str) -> None:
     """Make the tile sets of a work that is large, and the maps that its page begins with.
 
@@ -78,9 +88,8 @@ def make_large_tiles(gallery: Gallery, work_id: str) -> None:
     if row.width * row.height <= LARGE:
         return
     names: list[MapName] = [*MAPS] if row.capture is None else [*MAPS, "picture"]
+    make_first_seen(gallery, work_id)
     with contextlib.suppress(RumuError):
-        for kind in _FIRST_SEEN:
-            derived_file(gallery, work_id, kind)
         if json.loads(derived_file(gallery, work_id, "facts").data)["three_lamps"] is not None:
             names += LAMPS
             for name in LAMPS:
