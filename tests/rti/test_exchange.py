@@ -316,3 +316,10 @@ def test_a_real_capture_comes_near_its_photographs(data, tmp_path):
         assert np.sqrt(np.mean(off**2)) < 0.06 and abs(np.median(off)) < 0.02
         upside_down = relight_rti(image, capture.lights[number])[::-1] - seen
         assert np.mean(upside_down**2) > 3 * np.mean(off**2)
+
+
+def test_planes_in_tiles_are_refused_as_what_they_are(tmp_path):
+    write_rti(fit_rti(photographs(lamps(12))).image, tmp_path / "planes")
+    (tmp_path / "planes" / "plane_0.jpg").rename(tmp_path / "planes" / "plane_0.dzi")
+    with pytest.raises(ImageError, match="tiles of a deep zoom"):
+        read_rti(tmp_path / "planes")

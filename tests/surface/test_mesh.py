@@ -48,6 +48,14 @@ def test_the_grid_is_in_metres_with_y_up_and_faces_toward_the_viewer():
     assert np.allclose(grid.uv[0], (0.5 / 40, 1 - 0.5 / 30))
 
 
+def test_only_what_was_measured_counts_among_the_triangles():
+    mask = np.zeros((300, 400), dtype=bool)
+    mask[100:150, 100:140] = True
+    for allowed in (500, 5000):
+        faces = len(mesh_grid(surface(300, 400, mask=mask), settings=MeshSettings(vertices=allowed)).faces)
+        assert min(allowed, 3000) / 2 < faces <= 2 * allowed
+
+
 def test_what_was_not_measured_is_left_out_but_paper_is_kept():
     mask = np.ones((30, 40), dtype=bool)
     mask[10:20, 15:25] = False

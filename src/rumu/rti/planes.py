@@ -103,6 +103,12 @@ def read_planes(path: str | Path) -> RtiImage:
     sound = scale.shape == bias.shape == (count,) and np.isfinite([scale, bias]).all() and (scale != 0).all()
     if count % 3 or terms not in TERMS[basis] or not sound:
         raise ImageError(f"expected a scale and a bias of each of {count} planes", name=file)
+    if any((file.parent / f"plane_0{end}").exists() for end in (".dzi", ".tzi")):
+        raise ImageError(
+            "expected planes as whole JPEGs (plane_0.jpg), got tiles of a deep zoom (.dzi, .tzi); export the "
+            "relightable image as images",
+            name=file,
+        )
     planes = [_read_plane(file.parent / f"plane_{i}.jpg", shape) for i in range(count // 3)]
     return _of_planes(basis, space == "lrgb", planes, scale, bias)
 

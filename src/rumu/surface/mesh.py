@@ -61,16 +61,21 @@ class Grid:
 def mesh_grid(surface: Surface, *, settings: MeshSettings | None = None) -> Grid:
     """The surface as a grid of triangles, coarse enough for the settings.
 
-    Of a photometric surface only what was measured is kept; a relief is kept whole, paper and ink. A sheet
-    whose scale is unknown is shown 10 cm long.
+    Of a photometric surface only what was measured is kept, and counted; a relief is kept whole, paper and
+    ink. A sheet whose scale is unknown is shown 10 cm long.
     Raises SurfaceError when no triangle is left.
     """
     settings = settings or MeshSettings()
     h, w = surface.height.shape
-    step = max(1, int(np.ceil(np.sqrt(h * w / settings.vertices))))
-    points, present, rows, columns = _points(surface, (step, step), settings)
+    kept = int(np.count_nonzero(surface.mask)) if surface.source == "photometric" else h * w
+    step = max(1, int(np.ceil(np.sqrt(kept / settings.vertices))))
+    while True:
+        points, present, rows, columns = _points(surface, (step, step), settings)
+        faces = _faces(present, points[..., 2])
+        if len(faces) <= 2 * settings.vertices:
+            break
+        step += 1
     uv = np.stack(np.meshgrid((columns + 0.5) / w, 1.0 - (rows + 0.5) / h), axis=-1).reshape(-1, 2)
-    faces = _faces(present, points[..., 2])
     if len(faces) == 0:
         raise _no_triangle(surface)
     used, renamed = np.unique(faces, return_inverse=True)
