@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from rumu.capture.image import to_srgb
 from rumu.capture.lights import direction
 
 
@@ -73,3 +74,13 @@ def test_too_few_photographs_and_broken_files(rumu, capture, dome, tmp_path):
     assert not (tmp_path / "a.ptm").exists()
     (tmp_path / "b.ptm").write_text("PTM_1.2\n")
     rumu("relight", tmp_path / "b.ptm", "--tilt", 0, "--slant", 45).failed_with("b.ptm", "header")
+
+
+def test_photographs_for_a_screen_that_are_read_as_light_are_told_of(rumu, dome, tmp_path):
+    """Their picture would be brightened twice."""
+    assert rumu("rti", dome, "-o", tmp_path / "a.ptm", "--json").facts["notes"] == []
+    for path in dome.glob("*.png"):
+        light = np.asarray(Image.open(path)) / 255
+        Image.fromarray(np.round(to_srgb(light) * 255).astype(np.uint8)).save(path)
+    (note,) = rumu("rti", dome, "-o", tmp_path / "b.ptm", "--json").facts["notes"]
+    assert '"encoding": "srgb"' in note["en"]

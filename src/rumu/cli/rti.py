@@ -77,6 +77,7 @@ def rti(
     from rumu.rti.exchange import write_rti
     from rumu.rti.fitting import fit_rti
     from rumu.rti.planes import INFO
+    from rumu.surface.encoding_check import encoding_notes
 
     implied = _BASIS_OF.get(out.suffix.lower())
     if implied and basis not in (None, implied):
@@ -99,7 +100,7 @@ def rti(
         progress("Writing files", 0, 1)
         write_rti(fit.image, out, capture=capture)
     height, width, count, terms = fit.image.coefficients.shape
-    notes = (*capture.notes, *fit.notes)
+    notes = (*capture.notes, *encoding_notes(capture), *fit.notes)
     facts = {
         "out": out,
         "basis": chosen,

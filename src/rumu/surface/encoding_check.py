@@ -40,17 +40,20 @@ class EncodingSettings:
 
 
 def encoding_notes(
-    capture: Capture, surface: Surface, *, settings: EncodingSettings | None = None
+    capture: Capture, surface: Surface | None = None, *, settings: EncodingSettings | None = None
 ) -> tuple[Bilingual, ...]:
     """A note where photographs that were read as light agree far better as values for a screen.
 
-    surface: of the capture. Nothing is said of few lamps, of lamps near the sheet, and of metal and gloss.
+    surface: of the capture, where it was made; where other materials were found in it, nothing is said, nor
+    of few lamps and of lamps near the sheet.
     """
     settings = settings or EncodingSettings()
     unclear = len(capture.lights) < settings.lamps or capture.positions is not None
-    if unclear or surface.quality.get("materials", 0.0) or not capture.photographs.stored_as_light:
+    other = surface is not None and surface.quality.get("materials", 0.0) > 0
+    if unclear or other or not capture.photographs.stored_as_light:
         return ()
-    values = capture.photographs.at(pixels_of(surface.mask, about=settings.pixels))
+    mask = capture.mask if surface is None else surface.mask
+    values = capture.photographs.at(pixels_of(mask, about=settings.pixels))
     now, alike = _unexplained(values, capture.lights, settings)
     then, alike_then = _unexplained(to_linear(values), capture.lights, settings)
     contradicts = settings.least < now < np.inf and then < settings.gain * now
