@@ -82,6 +82,29 @@ def test_what_lies_outside_the_mask_is_no_fault(how):
         assert rows[SPOILT].moved == pytest.approx(5.0, abs=0.4)
 
 
+def test_exchanged_lamps_are_told_as_such():
+    """Two of eight, which the surface of the other six contradicts; a third is spoilt otherwise."""
+    rng = np.random.default_rng(3)
+    albedo = np.clip(0.6 + 0.1 * cv2.GaussianBlur(rng.standard_normal((90, 100)), (0, 0), 1.5), 0.2, 0.9)
+    images, lights = photographs(
+        bump((90, 100), peak=9.0, sigma=20.0).height,
+        albedo,
+        tilts=tuple(np.arange(8) * 45.0),
+        slant=(30.0, 45.0) * 4,
+        sensor=Sensor(noise=0.002),
+    )
+    mask, names = np.ones((90, 100), bool), tuple(f"{i}.png" for i in range(8))
+    surface = photometric(Capture(images=images, lights=lights, mask=mask, names=names, lamps_as_given=True))
+    images[5] = images[5][::-1, ::-1]  # of another sheet
+    wrong = lights[[0, 1, 6, 3, 4, 5, 2, 7]]
+    rows = photograph_table(Capture(images=images, lights=wrong, mask=mask, names=names), surface)
+    notes = [note.en for note in fault_notes(rows)]
+    assert [row.name for row in rows if row.faults] == ["2.png", "5.png", "6.png"]
+    assert "2.png: its lamp seems to be exchanged with that of 6.png" in notes[0]
+    assert "6.png: its lamp seems to be exchanged with that of 2.png" in notes[2]
+    assert "contradicts the surface" in notes[1]
+
+
 def test_many_bad_ones_are_told_in_one_sentence():
     rows = [
         replace(row, residual=0.1 + 0.01 * i, faults=(Bilingual("x", "x"),)) for i, row in enumerate(table())

@@ -17,6 +17,7 @@ from rumu.surface.residual_map import is_lit, lamp_and_residuals, seen_and_law
 from rumu.surface.stereo import SHADOW_FLOOR
 from rumu.values import Bilingual, BoolArray, Capture, FloatArray, Surface
 
+_EXCHANGED = 8  # most bad photographs among which exchanged lamps are looked for
 _NAMED = 3  # bad photographs that are each given a sentence
 
 
@@ -36,6 +37,10 @@ class PhotographLimits:
     saturated: float = 0.2
     pixels: int = 20_000
     side: int = 512
+
+    def bound(self, usual: float) -> float:
+        """The residual beyond which a photograph is bad. usual: that of half of them."""
+        return max(self.least_residual, self.residual * usual)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +96,32 @@ def photograph_table(
             aligned=None if aligned is None else float(aligned[i]),
         )
         rows.append(_with_faults(row, usual, limits))
+    for i, j in _exchanged(values, law, residual, limits.bound(usual)):
+        rows[i] = _with_other_lamp(rows[i], rows[j].name)
     return rows
+
+
+def _exchanged(
+    values: FloatArray, law: FloatArray, residual: FloatArray, bound: float
+) -> list[tuple[int, int]]:
+    """Photographs that contradict the surface, each with the one whose lamp it fits, which fits its own.
+
+    values, law: (N, P). residual: (N,). bound: residual up to which a photograph fits.
+    """
+    bad = [int(i) for i in np.flatnonzero(residual > bound)]
+    if not 2 <= len(bad) <= _EXCHANGED:
+        return []
+    found = {i: min((_fit_of(values[i], law[j])[1], j) for j in bad if j != i) for i in bad}
+    return [(i, j) for i, (left, j) in found.items() if left <= bound and found[j][1] == i]
+
+
+def _with_other_lamp(row: PhotographRow, other: str) -> PhotographRow:
+    """A row whose fault is that its lamp was exchanged with that of another photograph."""
+    told = Bilingual(
+        f"像是與 {other} 的燈對調了；若是如此，請在燈位檔裡對調回來",
+        f"its lamp seems to be exchanged with that of {other}; if so, exchange them in the file of lamps",
+    )
+    return replace(row, faults=(told,))
 
 
 def _fit_of(values: FloatArray, law: FloatArray) -> tuple[float, float]:
@@ -159,7 +189,7 @@ def _with_faults(row: PhotographRow, usual: float, limits: PhotographLimits) -> 
     share = f"{100 * row.residual:.1f}%"
     tests = (
         (
-            row.residual > max(limits.least_residual, limits.residual * usual),
+            row.residual > limits.bound(usual),
             Bilingual(f"亮度有 {share} 與表面不合", f"{share} of its brightness contradicts the surface"),
         ),
         (
