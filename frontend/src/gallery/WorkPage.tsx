@@ -42,9 +42,11 @@ async function loadShown(id: string, signal: AbortSignal, known: (work: Work) =>
     if (error instanceof ServiceError && error.status === UNUSABLE) return error.text;
     throw error;
   });
-  const work = await get<Work>(workUrl(id), signal);
-  if (!signal.aborted) known(work);
-  const shown = await viewer;
+  const told = get<Work>(workUrl(id), signal).then((one) => {
+    if (!signal.aborted) known(one);
+    return one;
+  });
+  const [work, shown] = await Promise.all([told, viewer]);
   return "heights" in shown ? { work, facts: shown } : { work, reason: shown };
 }
 

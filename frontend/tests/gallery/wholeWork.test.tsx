@@ -67,6 +67,17 @@ describe("a work whose surface is still being computed", () => {
     act(() => render(null, box));
     asked.mockRestore();
   });
+
+  it("is told to be missing where there is none, and nothing else goes wrong", async () => {
+    const error = { error: { code: "missing", zh: "沒有這件作品。", en: "There is no such work." } };
+    const asked = vi.spyOn(globalThis, "fetch").mockImplementation(() =>
+      Promise.resolve(new Response(JSON.stringify(error), { status: 404, headers: { "Content-Type": "application/json" } })),
+    );
+    const box = shown(<WorkPage params={{ id: "none" }} query={new URLSearchParams()} />);
+    await vi.waitFor(() => expect(box.querySelector("h1")?.textContent).toBe("There is no such work."));
+    act(() => render(null, box));
+    asked.mockRestore();
+  });
 });
 
 describe("the text of a whole work", () => {
