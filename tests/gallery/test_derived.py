@@ -247,7 +247,31 @@ def test_a_large_picture_is_brought_down(bare, tmp_path):
     assert surface(bare, added.id).height.shape == (2234, 2578)  # of as many pixels as 2400 x 2400
     assert picture_of(bare, "picture", added.id).shape == (1775, 2048, 3)
     assert picture_of(bare, "normals", added.id).shape == (887, 1024, 3)
-    assert len(derived_file(bare, added.id, "heights").data) == 4 * 512 * 444
+    assert len(derived_file(bare, added.id, "heights").data) == 4 * 550 * 477  # about 512 x 512
+
+
+@pytest.mark.parametrize(
+    ("shape", "kept"), [((200, 2000), (162, 1619)), ((600, 600), (512, 512)), ((300, 400), (300, 400))]
+)
+def test_a_long_scroll_has_as_many_heights_as_a_square_sheet(shape, kept):
+    from rumu.gallery.assets import Assets
+    from rumu.values import Surface
+
+    plain = np.ones(shape, np.float32)
+    scroll = Surface(
+        height=plain * np.arange(shape[1], dtype=np.float32),
+        normals_from=np.dstack([0 * plain, 0 * plain, plain]),
+        albedo_from=plain,
+        mask=plain > 0,
+        confidence=plain,
+        spacing=1.0,
+        unit="px",
+        source="inflation",
+    )
+    assets = Assets(digest="x", picture_file=nullcontext, surface=lambda: scroll)
+    facts = json.loads(renderers.render_facts(assets))["heights"]
+    assert (facts["height"], facts["width"]) == kept
+    assert len(renderers.render_heights(assets)) == 4 * kept[0] * kept[1]
 
 
 def test_a_store_elsewhere_serves_as_well(bare):

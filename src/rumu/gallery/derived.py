@@ -51,7 +51,8 @@ EXAGGERATIONS = (
 MAX_DERIVED_VARIABLE = "RUMU_MAX_DERIVED_MB"
 """The environment variable with the most megabytes that derived files may take together."""
 
-_MESH_VERSION = 1  # increase it when the meshes of the same surface would come out differently
+_VERSIONS = {"glb": 1, "stl": 1, "ply": 1, "facts": 1, "heights": 1}
+"""Of kinds that have come out differently since VERSION; increase one's when it would do so again."""
 _DEFAULT_MAX_MB = 10_000
 _MB = 10**6
 _COUNTED_AGAIN = 20  # parts of the room; once one of them has been written, all files are counted again
@@ -125,8 +126,8 @@ def derived_file(gallery: Gallery, work_id: str, kind: str, *, shape: MeshShape 
     kind: one of KINDS: 'thumb' (at most 256 px), 'thumb-normals' (128 px), 'picture' (for showing, at most
         2048 px), 'albedo' and 'normals' (at most 1024 px; n = value / 127.5 - 1, y up), 'cover' and
         'cover-normals' (the same for the home page, at most 900 and 450 px), 'normals-16', 'height16' (16-bit
-        PNG; 'facts' gives its scale), 'heights' (float32, little endian, row by row, at most 512 px), 'mask',
-        'lamp-a' to 'lamp-c' (the photographs of a three-lamp work), 'glb', 'stl', 'ply', 'facts' (JSON).
+        PNG; 'facts' gives its scale), 'heights' (float32, little endian, row by row, as many as of 512x512),
+        'mask', 'lamp-a' to 'lamp-c' (photographs of a three-lamp work), 'glb', 'stl', 'ply', 'facts' (JSON).
     shape: of a mesh.
     Raises GalleryError for an unknown kind, one that this work does not have, or an unknown work; ImageError
     or RefusedImage when its picture cannot be used.
@@ -217,7 +218,7 @@ def _key(assets: Assets, kind: str, shape: MeshShape) -> str:
     more = "" if shape.exaggeration == 1.0 else f"-x{shape.exaggeration:g}"
     more += "" if shape.width is None else f"-w{shape.width:g}"
     more += "" if shape.base == PLAIN.base else f"-b{shape.base:g}"
-    version = f"{VERSION}.{_MESH_VERSION}" if kind in MESHES else VERSION
+    version = f"{VERSION}.{_VERSIONS[kind]}" if kind in _VERSIONS else VERSION
     return f"{derived_folder(assets.digest)}/v{version}-{kind}{more}{KINDS[kind].suffix}"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 
 Bytes = npt.NDArray[np.uint8]
 
-THUMB, THUMB_NORMALS, MAP, HEIGHTS, SHOWN = 256, 128, 1024, 512, 2048  # longest sides, pixels
+THUMB, THUMB_NORMALS, MAP, SHOWN = 256, 128, 1024, 2048  # longest sides, pixels
+HEIGHTS = 512**2  # pixels: a long scroll has as many as a square sheet
 COVER, COVER_NORMALS = 900, 450  # of the home page, which a phone is to show within two seconds
 GLB_BYTES = 5_000_000
 _GLB_VERTICES = 60_000
@@ -142,7 +144,14 @@ def render_height_16(assets: Assets) -> bytes:
 
 def render_heights(assets: Assets) -> bytes:
     """Height in the surface's unit, float32, little endian, row by row from the top."""
-    return _reduce(assets.overview().height, HEIGHTS).astype("<f4").tobytes()
+    return _low_heights(assets.overview()).astype("<f4").tobytes()
+
+
+def _low_heights(surface: Surface) -> FloatArray:
+    """The heights that are drawn, of no more than HEIGHTS pixels but for rounding."""
+    height, width = surface.height.shape
+    longest = max(height, width) * math.sqrt(HEIGHTS / (height * width))
+    return _reduce(surface.height, round(longest))
 
 
 def render_facts(assets: Assets) -> bytes:
@@ -151,7 +160,7 @@ def render_facts(assets: Assets) -> bytes:
 
     surface = assets.overview()
     height, width = _shape(assets)
-    low = _reduce(surface.height, HEIGHTS)
+    low = _low_heights(surface)
     map_size = _size((height, width), MAP)
     scale, offset = _scale_and_offset(assets)
     text = HEIGHT_SOURCES[surface.source]
