@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -39,7 +40,9 @@ COMMANDS = {
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for processes in /proc")
 @pytest.mark.parametrize("name", COMMANDS)
-def test_nothing_outlives_a_killed_command_for_long(name, desk, capture, tmp_path_factory):
+def test_nothing_outlives_a_killed_command_for_long(
+    rumu, name, desk, *, capture, tmp_path_factory, monkeypatch
+):
     """Its workers end; the next command sweeps what it left in both folders, and another's stays."""
     home, temporary = tmp_path_factory.mktemp("home"), tmp_path_factory.mktemp("tmp")
     env = os.environ | {"RUMU_HOME": str(home), "TMPDIR": str(temporary)}
@@ -62,16 +65,11 @@ def test_nothing_outlives_a_killed_command_for_long(name, desk, capture, tmp_pat
         time.sleep(0.2)
     assert not left
     other = holder(temporary)
-    swept = subprocess.run(
-        [sys.executable, "-m", "rumu.cli", "gallery", "list", "--json"],
-        env=env,
-        capture_output=True,
-        check=False,
-    )
-    assert swept.returncode == 0, swept.stderr
-    subprocess.run(
-        [sys.executable, "-m", "rumu.cli", "relief", "copy.png", "-o", "o2"], cwd=desk, env=env, check=True
-    )
+    monkeypatch.setenv("RUMU_HOME", str(home))
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    for words in (("gallery", "list"), ("relief", desk / "copy.png", "-o", desk / "o2")):
+        swept = rumu(*words, "--json")
+        assert swept.code == 0, swept.err
     kept = [path for path in temporary.iterdir() if path.name.startswith("rumu-")]
     other.kill(), other.wait()
     assert len(kept) == 1
