@@ -121,6 +121,14 @@ def test_a_zip_and_a_scanners_pdf_hold_photographs_too(photos, tmp_path):
     assert facts["pupil"] == "李小華" and len(facts["cells"]) == 2
 
 
+def test_pictures_of_a_folder_are_read_whatever_a_phone_calls_them(tmp_path):
+    pictures = [f"{k}{suffix}" for k, suffix in enumerate((".MPO", ".jfif", ".jpe", ".HEIC", ".tif"))]
+    for name in (*pictures, "marks.csv", ".hidden.jpg"):
+        (tmp_path / name).write_bytes(b"\xff\xd8\xff")
+    with sheet_photos([tmp_path]) as found:
+        assert [photo.name for photo in found] == pictures
+
+
 def test_a_run_that_was_ended_goes_on(photos, tmp_path, monkeypatch):
     seen, real = [], sheet_marks.mark_photo
 

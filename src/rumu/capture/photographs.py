@@ -16,10 +16,11 @@ from rumu.containment import FolderFiles
 from rumu.errors import CaptureError
 from rumu.values import Bilingual
 
-_SUFFIXES = (
-    ".png", ".jpg", ".jpeg", ".mpo", ".tif", ".tiff", ".exr", ".webp", ".heic", ".heif", ".avif", ".bmp",
-    ".gif", ".pgm", ".ppm",
+PICTURE_SUFFIXES = (
+    ".png", ".jpg", ".jpeg", ".jpe", ".jfif", ".mpo", ".tif", ".tiff", ".exr", ".webp", ".heic", ".heif",
+    ".avif", ".bmp", ".gif", ".pgm", ".ppm",
 )  # fmt: skip
+"""What ends the names of pictures that are read, in a folder that holds other files, too."""
 SUFFIX = re.compile(r"\.[A-Za-z][A-Za-z0-9]{1,4}$")
 """What ends the name of a file of any kind; not the .1 of `shot.1`."""
 _LISTED = 3  # images that a message names
@@ -88,7 +89,7 @@ class FolderImages:
         """The files of the folder, or of another one, that images may be, by their suffix."""
         place = self.folder if folder is None else folder
         if place not in self._listings:
-            self._listings[place] = [p for p in files(place) if p.suffix.lower() in _SUFFIXES]
+            self._listings[place] = [p for p in files(place) if p.suffix.lower() in PICTURE_SUFFIXES]
         return self._listings[place]
 
     def by_stem(self, stem: str) -> Path | None:

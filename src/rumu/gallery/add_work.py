@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from sqlalchemy import select
 
+from rumu.capture.photographs import PICTURE_SUFFIXES
 from rumu.database.tables import Work
 from rumu.errors import GalleryError
 from rumu.gallery.assets import (
@@ -43,10 +44,6 @@ from rumu.workspaces import temporary_folder
 if TYPE_CHECKING:
     from rumu.gallery.fonts import Face
 
-SUFFIXES = (
-    ".png", ".jpg", ".jpeg", ".mpo", ".webp", ".heic", ".heif", ".avif", ".tif", ".tiff", ".bmp", ".gif",
-    ".pgm", ".ppm", ".exr",
-)  # fmt: skip
 OWN_WORKS = CollectionMetadata(id="own", title=Bilingual(zh="自己收入", en="Added here"))
 
 
@@ -235,7 +232,7 @@ def named_collection(name: str | None) -> CollectionMetadata:
 def store_suffix(path: Path) -> str:
     """The suffix of a picture's key in the store: a known one in lower case, else '.image'."""
     suffix = path.suffix.lower()
-    return suffix if suffix in SUFFIXES else ".image"
+    return suffix if suffix in PICTURE_SUFFIXES else ".image"
 
 
 def _store_picture(gallery: Gallery, data: bytes, metadata: WorkMetadata, *, suffix: str) -> tuple[str, str]:

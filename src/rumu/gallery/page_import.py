@@ -12,11 +12,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rumu.capture.photographs import PICTURE_SUFFIXES
 from rumu.containment import FolderFiles
 from rumu.encodings import decode_text
 from rumu.errors import GalleryError, RumuError
 from rumu.gallery.add_page import AddedPage, add_page
-from rumu.gallery.add_work import SUFFIXES
 from rumu.gallery.archive import ImportResult, Progress
 from rumu.gallery.labels import LabelledPicture, SharedMetadata
 from rumu.gallery.metadata import CollectionMetadata
@@ -73,7 +73,8 @@ def find_pages(folder: Path, shared: SharedMetadata) -> list[LabelledPage]:
         os.path.relpath(os.path.join(top, name), folder)  # noqa: PTH118  names below the folder
         for top, _, files in os.walk(folder)
         for name in files
-        if Path(name).suffix.lower() in SUFFIXES and Path(top, name).with_suffix(TEXT_SUFFIX).is_file()
+        if Path(name).suffix.lower() in PICTURE_SUFFIXES
+        and Path(top, name).with_suffix(TEXT_SUFFIX).is_file()
     )
     pages = []
     for number, name in enumerate(names, start=1):

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from rumu.capture.decoded_size import MAX_PIXELS, Reduction
 from rumu.capture.image import read_colours
+from rumu.capture.photographs import PICTURE_SUFFIXES
 from rumu.errors import ImageError
 from rumu.inputs import open_file
 from rumu.studio.unpacking import HEAD, unpack
@@ -23,9 +24,7 @@ from rumu.workspaces import temporary_folder
 PHOTO_SIZE = Reduction(pixels=12_600_000, above=16_000_000)
 """How a photograph is reduced: a phone's 12 megapixels are enough."""
 
-_SUFFIXES = frozenset(
-    {".jpg", ".jpeg", ".jpe", ".png", ".webp", ".heic", ".heif", ".avif", ".tif", ".tiff", ".bmp", ".pdf"}
-)
+_SUFFIXES = frozenset({*PICTURE_SUFFIXES, ".pdf"})
 _DPI = 300.0  # at which a scanner's page is looked at
 _MOST_PAGES = 1000  # of one PDF
 _CHUNK = 2**20

@@ -9,12 +9,12 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
 from rumu.capture.folder import check_capture_files
-from rumu.capture.photographs import FolderImages
+from rumu.capture.photographs import PICTURE_SUFFIXES, FolderImages
 from rumu.capture.unlit import FEWEST
 from rumu.card.finding import shows_card
 from rumu.errors import DiskFull
 from rumu.gallery.add_page import add_page
-from rumu.gallery.add_work import SUFFIXES, add_capture, add_picture, named_collection
+from rumu.gallery.add_work import add_capture, add_picture, named_collection
 from rumu.gallery.archive import MANIFEST, ImportResult
 from rumu.gallery.bulk_import import import_folder
 from rumu.gallery.catalog import collections
@@ -256,7 +256,7 @@ def _nothing_to_import(names: list[str]) -> Unusable:
             zh="zip 檔裡只有別的壓縮檔；請解開它，再直接壓縮裡面的檔案。",
             en="The zip holds only other archives; unpack them and pack the files themselves.",
         )
-    if suffixes & set(SUFFIXES):
+    if suffixes & set(PICTURE_SUFFIXES):
         return Unusable(
             "no_labels",
             zh="zip 檔裡有圖片，卻沒有 labels.csv，"
