@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -95,6 +96,29 @@ def test_size_is_named(*, said, moved, mask, scale, zh, en):
 
 
 @pytest.mark.parametrize(
+    ("across", "down", "zh", "en"), [(0.8, 1.0, "窄", "narrow"), (1.0, 0.8, "寬", "wide")]
+)
+def test_a_shape_is_named_once_and_no_stroke_is_blamed_for_it(*, said, mask, across, down, zh, en):
+    height, width = mask(WORK).shape
+    shape = np.array([[across, 0, (1 - across) * width / 2], [0, down, (1 - down) * height / 2]])
+    copy = cv2.warpAffine(mask(WORK).astype(np.float32), shape, (width, height)) > 0.5
+    remarks = said(copy, mask(WORK))
+    remark = the("aspect", remarks)
+    assert remark.size == pytest.approx(across / down - 1, abs=0.03)
+    assert f"字形太{zh}" in remark.zh and f"too {en} for its height" in remark.en
+    assert {r.kind for r in remarks} == {"aspect"}
+
+
+def test_a_stroke_that_is_too_long_makes_no_character_wide(said, mask):
+    wide = mask("regular-tian").copy()
+    rows = np.flatnonzero(wide.any(axis=1))
+    lower = slice(int(rows.min() + 0.3 * np.ptp(rows)), int(rows.min() + 0.45 * np.ptp(rows)))
+    long = np.roll(wide[lower], 40, axis=1) | np.roll(wide[lower], -40, axis=1)
+    wide[lower] |= long
+    assert "aspect" not in {r.kind for r in said(wide, mask("regular-tian"))}
+
+
+@pytest.mark.parametrize(
     ("shift", "zh", "en"),
     [((60, 0), "偏右", "too far right"), ((-60, 0), "偏左", "too far left"), ((0, 60), "偏上", "too high"),
      ((50, -50), "偏右下", "too low and too far right")],
@@ -125,7 +149,7 @@ def test_weight_is_named(*, said, fault, mask, name, kind, sign):
 )
 def test_of_the_measures_of_weight_that_is_told_which_none_contradicts(weights, told):
     match = SimpleNamespace(width_error=lambda points: 0.0, master=SimpleNamespace(points=None))
-    pose = SimpleNamespace(match=match, weights=tuple(np.log(weights)), framed=False)
+    pose = SimpleNamespace(match=match, weights=tuple(np.log(weights)), framed=False, aspect=0.0)
     found = [fault.remark.size for fault in find_whole_faults(pose, RemarkThresholds())]
     assert [size for size in found if abs(size) >= 0.14] == ([] if told is None else [pytest.approx(told)])
 

@@ -37,6 +37,17 @@ WHOLE: Mapping[str, Advice] = {
             "Before you begin, see how far the master's first stroke is from the edge.",
         ),
     ),
+    "wide": (
+        Bilingual(
+            "橫畫收短，豎畫伸足，字形寫長些。",
+            "Draw the horizontals in and let the verticals run to their full length.",
+        ),
+    ),
+    "narrow": (
+        Bilingual(
+            "橫畫向左右寫足，字形放寬。", "Let the horizontals run to their full length on both sides."
+        ),
+    ),
     "heavy": (
         Bilingual(
             "行筆提起三分，只用筆尖一段，不要壓到筆肚。",

@@ -18,7 +18,7 @@ PARTS_OF_KINDS: Mapping[str, tuple[str, ...]] = {
         "entry_light", "exit_blunt", "no_hook", "stroke_angle",
     ),
     "structure": (
-        "squeeze", "part_place", "inner", "spacing", "displaced", "stroke_angle", "stroke_long",
+        "aspect", "squeeze", "part_place", "inner", "spacing", "displaced", "stroke_angle", "stroke_long",
         "stroke_short", "sticks_out", "missing", "extra",
     ),
 }  # fmt: skip

@@ -13,7 +13,7 @@ import numpy as np
 from rumu.characters.stroke_data import Structure
 from rumu.strokes.centre_lines import SCALE, SIDE
 from rumu.strokes.correspondence import StrokeMatch
-from rumu.strokes.pose import Axis
+from rumu.strokes.stance import Axis, widening
 from rumu.values import BoolArray, FloatArray, IntArray
 
 AXES: Mapping[Structure, Axis] = {
@@ -32,8 +32,7 @@ class PartSettings:
 
     borders: between which the parts may meet. share: of the points that each part must hold; strokes: of the
     master's that each must have, since a single stroke is no part to a teacher. seen: share of each part's
-    points that the copy must have. spread: of a part's width that its strokes but one must still span for
-    the part to be measured by them. reach: distance from the edge up to which a stroke is one that
+    points that the copy must have. reach: distance from the edge up to which a stroke is one that
     encloses. inner: shares of all points between which what is enclosed must lie.
     """
 
@@ -41,7 +40,6 @@ class PartSettings:
     share: float = 0.15
     strokes: int = 2
     seen: float = 0.6
-    spread: float = 0.5
     reach: float = 0.1
     inner: tuple[float, float] = (0.15, 0.8)
 
@@ -101,30 +99,13 @@ def measure_parts(
         own = part & seen
         if own.sum() < max(PARTS.seen * part.sum(), 4):
             return None
-        spread = _widening(places[own, k], copy[own, k], match.master.points.owner[own])
+        spread = widening(places[own, k], copy[own, k], match.master.points.owner[own])
         shift = (copy[own] - places[own]).mean(axis=0)
         explained[part] = shift
         explained[part, k] += (spread - 1.0) * (places[part, k] - places[own, k].mean())
         width.append(spread)
         moved.append(shift)
     return PartMeasures(axis, first, (width[0], width[1]), moved[0] - moved[1], explained)
-
-
-def _widening(places: FloatArray, copy: FloatArray, owner: IntArray) -> float:
-    """Width of a part over the master's; places, copy: (n,) its points along the axis, by stroke.
-
-    One stroke that is too long does not make its part wide: of the widths without any one of the strokes, and
-    of that from edge to edge, the one counts that is nearest to the master's.
-    """
-    whole = float(np.std(places))
-    logs = [float(np.log(np.ptp(copy) / max(float(np.ptp(places)), 1e-6) + 1e-9))]
-    for left_out in (-1, *np.unique(owner)):
-        kept = owner != left_out
-        if kept.any() and np.std(places[kept]) >= PARTS.spread * whole:
-            logs.append(float(np.log(np.std(copy[kept]) / max(np.std(places[kept]), 1e-6) + 1e-9)))
-    if min(logs) < 0 < max(logs):
-        return 1.0
-    return float(np.exp(min(logs, key=abs)))
 
 
 def _first_part(match: StrokeMatch, k: int, radical_border: int | None) -> BoolArray | None:

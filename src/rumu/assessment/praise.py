@@ -110,7 +110,7 @@ def _of_the_whole(seen: Praised) -> Iterator[PossiblePraise]:
             Bilingual(
                 "大小合度，位置居中，重心也正。", "Its size, its place in the cell and its axis are right."
             ),
-            ("size", "offset", "lean"),
+            ("size", "offset", "lean", "aspect"),
         )
     if parts is not None:
         proportion = abs(np.log(max(parts.width[0], 1e-6) / max(parts.width[1], 1e-6)))
@@ -123,7 +123,7 @@ def _of_the_whole(seen: Praised) -> Iterator[PossiblePraise]:
                 f"The {'left and right' if across else 'upper and lower'} parts are in proportion "
                 "and well placed.",
             ),
-            ("squeeze", "part_place", "spacing"),
+            ("aspect", "squeeze", "part_place", "spacing"),
             "structure",
         )  # fmt: skip
 
@@ -142,7 +142,7 @@ def _of_the_strokes(seen: Praised) -> Iterator[PossiblePraise]:
             Bilingual(
                 "筆畫的位置安排得準，間架穩。", "The strokes stand where the master's do: the frame is firm."
             ),
-            ("displaced", "squeeze", "part_place", "inner", "spacing", "missing", "extra"),
+            ("displaced", "aspect", "squeeze", "part_place", "inner", "spacing", "missing", "extra"),
             "structure",
         )
     yield PossiblePraise(
@@ -164,7 +164,14 @@ def _of_the_strokes(seen: Praised) -> Iterator[PossiblePraise]:
                 f"{named.name.zh}寫得好：位置、方向、長短都與範本相合。",
                 f"{named.en} is well written: its place, direction and length are the master's.",
             )
-            moved = ("size", "offset", "lean", "squeeze", "part_place")  # with the whole or its part
+            moved = (
+                "size",
+                "offset",
+                "lean",
+                "aspect",
+                "squeeze",
+                "part_place",
+            )  # with the whole or its part
             yield PossiblePraise(size, words, moved, stroke=named.position)
 
 

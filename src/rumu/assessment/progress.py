@@ -93,6 +93,7 @@ class ProgressSettings:
             "lean": FaultPrecision(2.5, 3.0),
             "size": FaultPrecision(0.06, 0.08),
             "offset": FaultPrecision(0.015, 0.04),
+            "aspect": FaultPrecision(0.07, 0.12),
             "weight": FaultPrecision(0.2, 0.14),
             "squeeze": FaultPrecision(0.07, 0.15),
             "part_place": FaultPrecision(0.02, 0.035),

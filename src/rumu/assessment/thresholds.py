@@ -17,7 +17,8 @@ Lines = tuple[tuple[tuple[float, float], ...], ...]
 class RemarkThresholds:
     """The smallest fault that is worth a remark: about what the eye notices.
 
-    lean: degrees. offset: fraction of the cell. size: relative. weight: natural logarithm of the width.
+    lean: degrees. offset: fraction of the cell. size, aspect: relative. weight: natural logarithm of the
+        width.
     squeeze: how much wider one part is than the other, relative to the master; squeeze_unknown: the same
         where the character's structure is not known. part_place: fraction of the cell by which one part
         stands off the other. inner: relative size of what is enclosed; inner_place: fraction of the
@@ -67,6 +68,7 @@ class RemarkThresholds:
     lean: float = 3.0
     offset: float = 0.04
     size: float = 0.08
+    aspect: float = 0.1
     weight: float = 0.14
     squeeze: float = 0.2
     squeeze_unknown: float = 0.5
@@ -135,7 +137,8 @@ PLACE_DOUBT = 0.01
 """Fraction of the cell up to which two readings of a place may have different signs and still agree."""
 
 SEVERITIES: Mapping[str, float] = {
-    "lean": 6.0, "size": 6.0, "offset": 5.0, "weight": 7.0, "squeeze": 7.0, "part_place": 6.0, "inner": 7.0,
+    "lean": 6.0, "size": 6.0, "offset": 5.0, "aspect": 6.0, "weight": 7.0, "squeeze": 7.0,
+    "part_place": 6.0, "inner": 7.0,
     "missing": 8.0, "hook": 2.4, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 5.5, "torn": 7.0,
     "pale": 4.5, "filled": 6.0, "displaced": 3.4, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
     "width": 2.5, "entry": 1.9, "end": 2.2, "tips": 3.2, "spacing": 4.5,

@@ -62,6 +62,11 @@ class PoseSeen:
         return middle and (middle + self.sizes[1]) / 2
 
     @property
+    def aspect(self) -> float:
+        """Of the copy's width over its height, over the same of the master, less 1; 0 where that is alike."""
+        return float(np.expm1(self.match.pose.aspect))
+
+    @property
     def offset(self) -> FloatArray:
         """(x right, y DOWN), fractions of the cell: how far its middle is from the master's.
 
@@ -100,6 +105,15 @@ def find_whole_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
     """Faults of the whole, each where it is worth a remark or half of that."""
     if pose.framed:
         yield from _find_pose_faults(pose, limits)
+    if abs(pose.aspect) >= limits.aspect:
+        zh, en = ("寬", "wide") if pose.aspect > 0 else ("窄", "narrow")
+        fault = _fault("aspect", pose.aspect, "of the master", limits.aspect)
+        remark = Remark(
+            *fault[:4], None,
+            f"字形太{zh}：以高度論，比範本{zh}約 {abs(pose.aspect):.0%}。",
+            f"The character is too {en} for its height, by about {abs(pose.aspect):.0%}.",
+        )  # fmt: skip
+        yield Finding(remark, fault.excess, WHOLE[en], "aspect")
     strokes = pose.match
     least = limits.weight + strokes.width_error(strokes.master.points)
     # where only some strokes are heavy the whole looks it, and strokes that were laid on other ink look far
@@ -130,7 +144,9 @@ def _find_pose_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
             f"整字向{zh}傾斜 {abs(lean):.0f}°。", f"The whole character leans {abs(lean):.0f}° {en}.",
         )  # fmt: skip
         yield Finding(remark, abs(lean) / limits.lean, WHOLE["lean"], "lean")
-    if abs(size) >= limits.size:
+    # what is too narrow is smaller, too
+    by_shape = abs(np.log1p(size)) <= abs(pose.match.pose.aspect) / 2 + _SIZE_DOUBT
+    if abs(size) >= limits.size and not by_shape:
         zh, en = ("大", "larger") if size > 0 else ("小", "smaller")
         remark = Remark(
             "size", size, "of the master", severity("size", size, limits.size), None,

@@ -29,6 +29,7 @@ FAULTS: Mapping[str, Bilingual] = {
     "lean": Bilingual("傾斜", "leaning"),
     "size": Bilingual("大小不合", "of another size"),
     "offset": Bilingual("偏位", "off centre"),
+    "aspect": Bilingual("寬窄不合", "of another shape"),
     "heavy": Bilingual("筆畫偏粗", "too heavy"),
     "thin": Bilingual("筆畫偏細", "too thin"),
     "squeeze": Bilingual("比例不合", "out of proportion"),

@@ -59,6 +59,7 @@ KINDS: dict[str, Bilingual] = {
     "displaced": Bilingual("移位", "Out of place"),
     "heavy": Bilingual("偏粗", "Too heavy"),
     "thin": Bilingual("偏細", "Too thin"),
+    "aspect": Bilingual("寬窄", "Width for its height"),
     "squeeze": Bilingual("比例", "Proportion"),
     "part_place": Bilingual("兩部位置", "Place of the parts"),
     "inner": Bilingual("內外大小", "What is enclosed"),

@@ -31,8 +31,9 @@ from rumu.strokes.edges import EdgeLook, InnerWhite, find_whites, look_at_edge
 from rumu.strokes.ink_differences import InkComparison, InkDifference, MasterStrips, cut_strips
 from rumu.strokes.measures import MatchedStroke, StrokeMeasurer, edge_tremor
 from rumu.strokes.placement import Placement, place_lines
-from rumu.strokes.pose import NO_POSE, CharacterPose, Squeeze, find_pose, find_squeeze, share_in_place
+from rumu.strokes.pose import NO_POSE, CharacterPose
 from rumu.strokes.presence import Compared, find_missing, lay_rest
+from rumu.strokes.stance import Squeeze, find_stance
 from rumu.strokes.uncertainty import ENDS, StrokeUncertainty, relative_to, surely, uncertainty_of
 from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration, Surface
 
@@ -46,7 +47,6 @@ class StrokeMatchSettings:
         (x, y) by which they are moved.
     taper: share of a stroke's width by which a tip must be finer than its stroke to be called tapering;
         blunt: share of that from whose loss one tip is called blunt.
-    in_place: share of the strokes in their place above which no second squeeze is tried.
     pixel_share: of a pixel of the coarser picture, by which a width may be wrong.
     """
 
@@ -54,7 +54,6 @@ class StrokeMatchSettings:
     nudge: tuple[float, float] = (0.5, 0.37)
     taper: float = 0.05
     blunt: float = 0.35
-    in_place: float = 0.9
     pixel_share: float = 0.3
 
 
@@ -140,7 +139,8 @@ class StrokeMatch:
         size, away = self.extent
         master = self.places[self.covered]
         middle = (master.min(axis=0) + master.max(axis=0)) / 2
-        return np.asarray((self.in_cell - away - middle) / max(size, 1e-3) + middle)
+        each = max(size, 1e-3) * np.exp(np.array([0.5, -0.5]) * self.pose.aspect)
+        return np.asarray((self.in_cell - away - middle) / each + middle)
 
     @property
     def enlargement(self) -> float:
@@ -336,10 +336,13 @@ def _measure_laid(
     if places is None:
         places = upright
     elif covered.any():
-        pose, squeeze = _find_stance(places[covered], upright[covered], model.points, covered)
+        owner, double = model.points.owner[covered], model.points.double[covered]
+        pose, squeeze = find_stance(places[covered], upright[covered], owner=owner, double=double)
         upright = pose.undo(upright)
     expected = places if squeeze is None else squeeze.apply(places)
-    measurer = StrokeMeasurer(framed, copy, model, found, covered, laid.owner, expected, upright, squeeze)
+    measurer = StrokeMeasurer(
+        framed, copy, model, found, covered, laid.owner, expected, upright, squeeze, pose.aspect
+    )
     return StrokeMatch(
         strokes=tuple(measurer.stroke(k) for k in range(len(model.lines))),
         pose=pose,
@@ -358,28 +361,6 @@ def _measure_laid(
         missing=missing,
         laid=master.laid,
     )
-
-
-def _find_stance(
-    places: FloatArray, copy: FloatArray, points: LinePoints, covered: BoolArray
-) -> tuple[CharacterPose, Squeeze | None]:
-    """Pose and squeeze of the whole; places, copy: (n, 2), those of the master's points that are covered.
-
-    A squeeze keeps the outer edges and draws the middle along, so that a pose may take most of it for its
-    own: it is looked for in the copy as it stands too.
-    """
-    owner, double = points.owner[covered], points.double[covered]
-    pose = find_pose(places, copy, owner=owner, double=double)
-    upright = pose.undo(copy)
-    squeeze = find_squeeze(places, upright, owner=owner, double=double)
-    if squeeze is None and pose.shift.any():
-        well = share_in_place(upright - places, owner)
-        other = (
-            find_squeeze(places, copy, owner=owner, double=double) if well < CORRESPONDENCE.in_place else None
-        )
-        if other is not None and share_in_place(copy - other.apply(places), owner) > well:
-            return NO_POSE, other
-    return pose, squeeze
 
 
 def to_master_cell(points: FloatArray, copy: FramedInk, master: FramedInk) -> FloatArray:

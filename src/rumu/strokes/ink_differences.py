@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rumu.strokes.centre_lines import CentreLines, FramedInk, LinePoints, to_pixels
-from rumu.strokes.pose import CharacterPose, Squeeze
+from rumu.strokes.pose import CharacterPose
+from rumu.strokes.stance import Squeeze
 from rumu.values import BoolArray, FloatArray, IntArray
 
 

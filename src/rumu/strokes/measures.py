@@ -10,7 +10,7 @@ import numpy as np
 from rumu.strokes.centre_lines import SCALE, CentreLine, CentreLines, FramedInk, pixels_at
 from rumu.strokes.ink_differences import UNSEEN, InkDifference
 from rumu.strokes.matching import LineMatch
-from rumu.strokes.pose import Squeeze
+from rumu.strokes.stance import Squeeze
 from rumu.values import BoolArray, FloatArray, IntArray
 
 
@@ -93,7 +93,7 @@ class StrokeMeasurer:
     covered: (n,) which of the master's points the copy has. owner: (m,) number of the stroke that each of the
     copy's points belongs to, or -1.
     expected: (n, 2) the master's points where the whole character's faults put them. upright: (n, 2) where
-    the copy has them, its pose taken out. squeeze: of a part of the copy.
+    the copy has them, its pose taken out. squeeze: of a part of the copy. aspect: of its pose.
     """
 
     framed: FramedInk
@@ -105,6 +105,7 @@ class StrokeMeasurer:
     expected: FloatArray
     upright: FloatArray
     squeeze: Squeeze | None
+    aspect: float
 
     @cached_property
     def scale(self) -> float:
@@ -204,9 +205,14 @@ class StrokeMeasurer:
         if len(at) < 2:
             return 0.0
         line = self.found.moved[own][at[0] : at[-1] + 1]
-        beyond = self._extension(k, line[0], line[0] - line[min(3, len(line) - 1)])
-        beyond += self._extension(k, line[-1], line[-1] - line[max(len(line) - 4, 0)])
-        return (_length(line) + beyond) * self.scale
+        size = self.scale * np.exp(np.array([-0.5, 0.5]) * self.aspect)
+        total = _length(line * size)
+        for end, way in (
+            (line[0], line[0] - line[min(3, len(line) - 1)]),
+            (line[-1], line[-1] - line[max(len(line) - 4, 0)]),
+        ):
+            total += self._extension(k, end, way) * float(np.hypot(*(way * size)) / max(np.hypot(*way), 1e-9))
+        return total
 
     def _extension(self, k: int, end: FloatArray, way: FloatArray) -> float:
         """How far the stroke's ink extends beyond an end."""

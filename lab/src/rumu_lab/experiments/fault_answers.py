@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from rumu.strokes.stance import ASPECT
 from rumu.values import Remark
 from rumu_lab.simulation.faults import FaultyGlyph
 from rumu_lab.simulation.glyph import Glyph
@@ -35,6 +36,7 @@ ANSWERS: Mapping[str, tuple[str, ...]] = {
     "blot": ("blot",),
     "pale": ("pale",),
     "dry": ("dry",),
+    "narrow": ("aspect",),
 }
 """The kinds of remark that name a fault, the faults that were asked for first.
 
@@ -58,6 +60,8 @@ def can_be_named(copy: FaultyGlyph, glyph: Glyph, character: str | None) -> bool
     """Whether a fault is of a kind that its character has."""
     if copy.fault == "squeeze":
         return has_halves(character)  # without a left and a right part nothing is said of them
+    if copy.fault == "narrow":
+        return len(glyph.strokes) >= ASPECT.strokes
     if copy.fault == "blunt":  # no tip that tapers, as in seal script
         return bool((copy.mask ^ glyph.mask).sum() >= SEEN_INK * glyph.mask.sum())
     return True

@@ -268,7 +268,7 @@ def figures(trials: Sequence[FaultTrial]) -> dict[str, Any]:
     }
 
 
-WHOLE = frozenset(("lean", "size", "offset", "heavy", "thin", "pale", "rough", "dry", "squeeze"))
+WHOLE = frozenset(("lean", "size", "offset", "heavy", "thin", "pale", "rough", "dry", "squeeze", "aspect"))
 """Remarks on the whole character."""
 
 

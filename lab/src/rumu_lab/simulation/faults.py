@@ -45,6 +45,7 @@ _MAKERS: Mapping[str, Maker] = {
     "dry": ink_faults.dry,
     "horizontal": stroke_faults.horizontal,
     "entry": ink_faults.entry,
+    "narrow": structure_faults.narrow,
 }
 FAULTS: tuple[str, ...] = tuple(KINDS)
 

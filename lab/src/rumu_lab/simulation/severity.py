@@ -57,6 +57,7 @@ KINDS: Mapping[str, FaultKind] = MappingProxyType(
         # later ones stand last, so that the seeds of the others stay what they were
         "horizontal": FaultKind(2.0, "deg", "一橫斜了", "one horizontal stroke that leans"),
         "entry": FaultKind(15.0, "%", "起筆太重", "an entry too heavy"),
+        "narrow": FaultKind(7.0, "%", "字形太窄", "too narrow for its height"),
     }
 )
 OFF_CENTRE_DOWN = 8.0 / 11.0  # pushed so much up or down for each pixel to the side

@@ -77,6 +77,14 @@ def small(glyph: Glyph, size: float, _: Random) -> ChangedGlyph:
     return _whole(depth, size, en=f"the character is {size:.0f} % too small", zh=f"整個字小了 {size:.0f}%")
 
 
+def narrow(glyph: Glyph, size: float, _: Random) -> ChangedGlyph:
+    """The character `size` per cent narrower about the centroid of its ink, its height as it was."""
+    depth = move(
+        glyph.depth, matrix=np.diag([1.0, 1.0 - size / 100.0]), centre=_centroid(glyph), shift=np.zeros(2)
+    )
+    return _whole(depth, size, en=f"the character is {size:.0f} % too narrow", zh=f"整個字窄了 {size:.0f}%")
+
+
 def squeeze(glyph: Glyph, size: float, _: Random) -> ChangedGlyph:
     """The left part widened by `size` per cent of the character's width, the right narrowed by as much.
 
