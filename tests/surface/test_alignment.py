@@ -145,3 +145,17 @@ def test_a_photograph_of_something_else_is_named_and_left():
     images[2] = ndimage.gaussian_filter(np.random.default_rng(4).random(SIZE), 2).astype(np.float32)
     done = align_photographs(replace(capture, images=images))
     assert done.moved[2] == 0 and "p2.png: cannot be laid" in done.capture.notes[-1].en
+
+
+def test_a_sheet_that_is_alike_in_many_places_is_laid_by_its_brightness():
+    """Characters in a grid, over relief whose edges are where the light makes them."""
+    y, x = np.mgrid[:180, :240]
+    height = 3 * np.sin(x / 17) * np.cos(y / 13) + 1.5 * np.sin(x / 5 + y / 9)
+    albedo = ndimage.gaussian_filter(np.where((x // 30 + y // 24) % 3 == 0, 0.25, 0.7), 1)
+    tilts, slants = tuple(30.0 * np.arange(12)), (55.0, 35.0) * 6
+    images, lights = photographs(height, albedo, tilts=tilts, slant=slants)
+    noise = 0.003 * np.random.default_rng(3).standard_normal(images.shape)
+    images = (images + noise).clip(0, 1).astype(np.float32)
+    images[5] = np.roll(images[5], (5, 3), (0, 1))
+    done = align_photographs(Capture(images=images, lights=lights, mask=np.ones((180, 240), bool)))
+    assert done.moved == pytest.approx([5.83 if i == 5 else 0 for i in range(12)], abs=0.15)

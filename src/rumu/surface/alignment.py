@@ -15,6 +15,7 @@ import numpy as np
 
 from rumu.errors import CaptureError
 from rumu.image_stack import ImageStack, Photograph, Progress, ScratchFile
+from rumu.surface.frame_check import displacement
 from rumu.values import Bilingual, BoolArray, Capture, FloatArray
 
 _FLOOR = np.float32(1e-3)  # of white, so that noise in the dark makes no edges
@@ -146,6 +147,8 @@ class _Finder:
                 wanted = self._edges(self._wanted(laid, number)) if common is None else common
                 pose = self._refined(wanted, edges[number], poses[number])
                 if pose is None:
+                    pose = self._by_the_others(laid, edges[number], number)
+                if pose is None:
                     lost.add(number)
                     found[number] = 0.0
                 else:
@@ -197,6 +200,15 @@ class _Finder:
             return np.asarray(laid[others].mean(axis=0), np.float32)
         weights = (self.lights[number] @ np.linalg.pinv(self.lights[others])).astype(np.float32)
         return np.maximum(np.tensordot(weights, laid[others], axes=1), np.float32(0))
+
+    def _by_the_others(self, laid: FloatArray, edges: FloatArray, number: int) -> FloatArray | None:
+        """The pose of one frame, begun where its brightness lies on what the others say; None for none.
+
+        For writing that is alike in many places, so that edges alone lead astray.
+        """
+        wanted = self._wanted(laid, number)
+        start = (*displacement(self.frames[number], wanted), 0.0)
+        return self._refined(self._edges(wanted), edges, np.array(start))
 
     def _refined(self, wanted: FloatArray, edges: FloatArray, start: FloatArray) -> FloatArray | None:
         """(3,) the pose of one frame's edges on those that are wanted; None where it has none."""

@@ -133,8 +133,10 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
     far = max(distance for _, distance in moved)
     raise CaptureError(
         f"{which.en}: moved against the other photographs, by about {far:.0f} pixels; camera and sheet "
-        "must stay where they are. Take the photographs again, or lay them on each other first (--align)",
-        zh=f"{which.zh}：與其他照片錯開了約 {far:.0f} 像素；拍攝時相機與紙都不能動，請重拍，或先把照片對齊。",
+        "must stay where they are. Take the photographs again, lay them on each other first (--align), or "
+        "leave out those that cannot be laid (--leave-out)",
+        zh=f"{which.zh}：與其他照片錯開了約 {far:.0f} 像素；拍攝時相機與紙都不能動，請重拍，"
+        "或先把照片對齊（--align），或除去對不齊的（--leave-out）。",
     )
 
 
@@ -170,7 +172,18 @@ def shift_between(
     within: BoolArray | None = None,
     settings: FrameCheckSettings | None = None,
 ) -> float:
-    """By how many pixels a frame (h, w) lies beside what it should look like, by phase correlation.
+    """By how many pixels a frame (h, w) lies beside what it should look like, see `displacement`."""
+    return float(np.hypot(*displacement(frame, wanted, within=within, settings=settings)))
+
+
+def displacement(
+    frame: FloatArray,
+    wanted: FloatArray,
+    *,
+    within: BoolArray | None = None,
+    settings: FrameCheckSettings | None = None,
+) -> tuple[float, float]:
+    """By how many pixels, x and y, a frame (h, w) lies beside what it should look like, by phase correlation.
 
     within: (h, w), of which alone it is known what it should look like; None for all.
     """
@@ -183,7 +196,7 @@ def shift_between(
     if within is not None and not within.all():  # fading out, so that its edge is no detail of both
         window *= cv2.GaussianBlur(within.astype(np.float32), (0, 0), 4.0) * within
     (dx, dy), _ = cv2.phaseCorrelate(there, here, window)
-    return float(np.hypot(dx, dy))
+    return float(dx), float(dy)
 
 
 def _window(frames: FloatArray) -> FloatArray:
