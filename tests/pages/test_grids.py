@@ -143,6 +143,23 @@ def test_cells_that_stand_apart_on_all_sides_are_found_once_each():
     assert farthest(np.array([cell.polygon for cell in grid.cells]), quads) < 28  # up to the next cell
 
 
+@pytest.mark.parametrize(("kind", "colour"), [("plain", BLACK), ("rice", GRAY), ("rice", RED)])
+def test_cells_a_quarter_apart_do_not_take_in_the_gap(kind, colour):
+    written = RNG.random((6, 5)) < 0.7
+    page, quads, _ = draw_grid(6, 5, cell=120, kind=kind, gap=30, beside=30, colour=colour, written=written)
+    seen, quads = photograph(page, quads, np.zeros((4, 2)))
+    grid = find_grid(seen)
+    assert grid is not None and len(grid.cells) == 30
+    assert farthest(np.array([cell.polygon for cell in grid.cells]), quads) < 3
+    assert [cell.empty for cell in grid.cells] == (~written).ravel().tolist()
+
+
+def test_dark_cells_that_stand_apart_are_no_characters():
+    page, _, _ = draw_grid(8, 6, cell=84, kind="plain", gap=20, beside=20, colour=BLACK)
+    grid = find_grid(page)
+    assert grid is not None and len(grid.cells) == 48
+
+
 @pytest.mark.parametrize("kind", ["plain", "field", "rice"])
 def test_cells_of_a_leaf_that_lies_nearer_to_the_camera_are_found_too(kind):
     near, near_quads, _ = draw_grid(2, 6, cell=78, kind=kind)

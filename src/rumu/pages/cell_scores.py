@@ -28,7 +28,7 @@ class CellSettings:
     slopes: tuple[float, ...] = (-0.105, -0.07, -0.035, 0.0, 0.035, 0.07, 0.105)
     samples: int = 17
     covered: float = 0.9
-    widths: tuple[float, ...] = (0.84, 0.88, 0.92, 0.96, 1.0)
+    widths: tuple[float, ...] = (0.72, 0.76, 0.8, 0.84, 0.88, 0.92, 0.96, 1.0)
     heights: tuple[float, ...] = tuple(0.72 + 0.04 * k for k in range(18))
     steps: int = 28
     least: float = 0.6

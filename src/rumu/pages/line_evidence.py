@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rumu.values import BoolArray
+from rumu.values import BoolArray, IntArray
 
 Picture = npt.NDArray[np.uint8]
 Map = npt.NDArray[np.float32]
@@ -26,6 +26,9 @@ class PrintedLineSettings:
         piece: a piece of a thin grid has fewer pixels than this share of width and height of its box, and is
         longer than this share of the longer side.
     pitch: least distance of parallel lines.
+    framed: least ratio of the sides of a cell's frame that touches no other. rim: share of its side within
+        which its lines lie; whole: share of each side that is dark there. alike: natural logarithm by which
+        sizes of frames may differ; frames: least number of them.
     """
 
     reduction: int = 4
@@ -41,6 +44,11 @@ class PrintedLineSettings:
     bare: float = 2.2
     piece: float = 0.03
     pitch: int = 20
+    framed: float = 0.7
+    rim: float = 0.05
+    whole: float = 0.95
+    alike: float = 0.1
+    frames: int = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,7 +136,38 @@ def find_writing(darkness: Map, coloured: Map, settings: PrintedLineSettings) ->
         (thick > 0.02 * area) | (area > settings.bare * sides.sum(axis=1)) | (sides.max(axis=1) < longest)
     )
     chosen[0] = False
-    return np.asarray(cv2.dilate(chosen.astype(np.uint8)[labels], np.ones((5, 5), np.uint8)) > 0)
+    frames = _frames_apart(labels, stats, np.flatnonzero(chosen), settings)
+    chosen[frames] = False
+    writing = chosen.astype(np.uint8)[labels]
+    for left, top, wide, high in stats[frames, :4]:  # strokes within that touch the guides are thicker
+        rim = max(2, round(settings.rim * max(wide, high)))
+        inside = slice(top + rim, top + high - rim), slice(left + rim, left + wide - rim)
+        writing[inside] |= cv2.morphologyEx(dark[inside], cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    return np.asarray(cv2.dilate(writing, np.ones((5, 5), np.uint8)) > 0)
+
+
+def _frames_apart(
+    labels: IntArray, stats: IntArray, parts: IntArray, settings: PrintedLineSettings
+) -> IntArray:
+    """Of dark parts, by their labels, the frames of cells that stand apart: many hollow ones of one size."""
+    wide, high = stats[parts, 2:4].T
+    shorter, longer = np.minimum(wide, high), np.maximum(wide, high)
+    parts = parts[(shorter >= settings.pitch) & (shorter >= settings.framed * longer)]
+    frames = []
+    for part in parts:
+        left, top, wide, high = stats[part, :4]
+        dark = labels[top : top + high, left : left + wide] == part
+        rim = max(2, round(settings.rim * max(wide, high)))
+        sides = (dark[:rim], dark[-rim:], dark[:, :rim].T, dark[:, -rim:].T)
+        if min(side.any(axis=0).mean() for side in sides) >= settings.whole:
+            frames.append(part)
+    found = np.array(frames, np.intp)
+    if not len(found):
+        return found
+    sizes = stats[found, 2:4]
+    alike = (np.abs(np.log(sizes / np.median(sizes, axis=0))) < settings.alike).all(axis=1)
+    found = found[alike]
+    return np.asarray(found if len(found) >= settings.frames else found[:0], np.intp)
 
 
 def sum_of_moved(values: Map, steps: Sequence[tuple[int, int]]) -> Map:
