@@ -39,9 +39,8 @@ READ_SIZE = Reduction(pixels=12_600_000, above=25_000_000)
 WORKING_SIDE = 2400
 """Longest side, in pixels, at which a page is searched; its picture keeps all of its own."""
 
-_MORE_CELLS = (
-    1.05  # how much more of a photograph its cells must cover than those of the page as it lies flat
-)
+_MORE_CELLS = 1.05
+"""How many times as much of a photograph its cells must cover as those of the page as it lies flat."""
 
 
 def find_characters(
