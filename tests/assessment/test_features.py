@@ -71,6 +71,17 @@ def test_a_missing_stroke_is_missing_and_an_added_one_extra(laid, mask):
     assert missing.missing == pytest.approx(extra.extra, rel=0.05)  # the same pair seen from either side
 
 
+def test_ink_that_has_no_like_near_counts_no_farther_than_a_limit(laid, mask):
+    """A point whose nearest of the same direction lies on another stroke must not decide the residual."""
+    r = laid(mask("running-shui"), mask(WORK))
+    found = residuals(r)
+    assert max(np.hypot(*(pose_probe(r) - r.reference.xyz[r.forward_index])[:, :2].T)) > features.FARTHEST
+    assert found.bent <= features.FARTHEST and found.bent < found.position
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(features, "FARTHEST", 1e9)
+        assert residuals(r).bent > found.bent
+
+
 def test_residuals_of_known_points(laid, mask):
     """By hand, both ways."""
     r = laid(mask("running-shui"), mask(WORK))

@@ -54,6 +54,9 @@ SOFTENING = 0.05
 """Residual, in rms radii, below which differences hardly count: a pixel and a half of the common canvas."""
 DIRECTIONS = 24
 """Sectors of half a turn in which the ink's directions are counted."""
+FARTHEST = 0.4
+"""Distance in the plane, in rms radii, beyond which a point counts no farther for `bent` and `warped`: the
+nearest point of the same direction lies on another stroke then, and which one it is a pixel may decide."""
 LEAN_RANGE = 40
 """Degrees, either way, within which a lean is looked for in the ink's directions."""
 LEAN_BLUR = 5.0
@@ -72,7 +75,8 @@ class Residuals:
     direction: rms difference of the doubled stroke direction, from 0 to 2.
     whole: rms distance in all five dimensions; whole_mean, extra, missing: as in the plane.
     bent, warped: rms distance in the plane that is left when the copy is moved as the best affine map and the
-        best cubic one would move it: small where only the whole is stretched, or bent evenly.
+        best cubic one would move it: small where only the whole is stretched, or bent evenly. No distance
+        counts for more than FARTHEST.
     proportions: difference of how far, and which way, the ink spreads, as a share.
     directions: difference of how much of the ink runs in each direction, from 0 to 2.
     """
@@ -205,7 +209,8 @@ def residuals(registration: Registration) -> Residuals:
     turn = np.vstack([d - e[i], d[j] - e])
     flat = np.hypot(space[:, 0], space[:, 1])
     whole = np.concatenate([registration.forward, registration.backward])
-    bent, warped = _unexplained(np.vstack([p[:, :2], p[j, :2]]), space[:, :2])
+    near = space[:, :2] * (FARTHEST / np.maximum(flat, FARTHEST))[:, None]
+    bent, warped = _unexplained(np.vstack([p[:, :2], p[j, :2]]), near)
     return Residuals(
         position=_rms(space[:, :2]),
         plane_mean=float(flat.mean()),
