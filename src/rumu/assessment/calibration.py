@@ -53,8 +53,8 @@ class Charges:
     large writing up and small writing down. A missing or surplus stroke hardly
     changes the quartiles of an otherwise perfect copy: `ceilings` give the highest score by the number of
     usual strokes that are missing, (strokes, score), linear between, and `surplus_ceilings` by how many are
-    too many. These fall evenly: how much ink is too much is less sure than that a stroke is missing, and a
-    fifth of a stroke more or less must not decide the mark. `stroke_rate` points are deducted besides for the
+    too many. These fall gently: how much ink is too much is less sure than that a stroke is missing, and a
+    fifth of a stroke more or less must not decide the mark of a common copy. `stroke_rate` points are deducted besides for the
     first stroke, so that a bad copy loses points too; surplus ink counts by `surplus` there.
     """
 
@@ -69,7 +69,9 @@ class Charges:
     ceilings: tuple[tuple[float, float], ...] = (
         (0.0, 100.0), (0.1, 75.0), (0.25, 46.0), (0.5, 37.0), (3.0, 8.0),
     )  # fmt: skip
-    surplus_ceilings: tuple[tuple[float, float], ...] = ((0.0, 100.0), (1.0, 37.0), (6.0, 8.0))
+    surplus_ceilings: tuple[tuple[float, float], ...] = (
+        (0.0, 100.0), (0.25, 72.0), (1.0, 37.0), (6.0, 8.0),
+    )  # fmt: skip
     surplus: float = 0.3  # strokes left out for one too many
     stroke_rate: float = 15.0  # points per stroke
 

@@ -34,7 +34,7 @@ from rumu.gallery.metadata import (
     work_row,
 )
 from rumu.gallery.store import Gallery
-from rumu.gallery.tile_maps import SLOW, make_first_seen, make_large_tiles
+from rumu.gallery.tile_maps import SLOW, make_large_tiles
 from rumu.gallery.whole_works import INHERITED, occurrences, title_within
 from rumu.values import Bilingual
 
@@ -108,9 +108,7 @@ def add_page(
         home = replace(collection, id=row["collection_id"], title=title)
         rows = list(_character_rows(row, read, cut, home))
         insert_rows(session, Work, rows)
-    if row["width"] * row["height"] > SLOW:
-        make_first_seen(gallery, row["id"])
-    make_large_tiles(gallery, row["id"])
+    make_large_tiles(gallery, row["id"], maps_above=SLOW)
     named = sum(row["character"] != "" for row in rows)
     return AddedPage(row["id"], there is None, len(rows), named)
 

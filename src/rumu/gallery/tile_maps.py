@@ -72,23 +72,21 @@ def make_tiles(gallery: Gallery, work_id: str, name: MapName) -> None:
     _make(gallery.store, assets_of(gallery.store, row), name)
 
 
-def make_first_seen(gallery: Gallery, work_id: str) -> None:
-    """Make the maps that the page of a work begins with; what cannot be made is left out."""
-    with contextlib.suppress(RumuError):
-        for kind in _FIRST_SEEN:
-            derived_file(gallery, work_id, kind)
-
-
-def make_large_tiles(gallery: Gallery, work_id: str) -> None:
+def make_large_tiles(gallery: Gallery, work_id: str, *, maps_above: int | None = None) -> None:
     """Make the tile sets of a work that is large, and the maps that its page begins with.
 
-    What cannot be made, as the normals of a blank leaf, is left out.
+    maps_above: pixels above which these maps are made; LARGE unless given. What cannot be made, as the
+    normals of a blank leaf, is left out.
     """
     row = work(gallery, work_id)
-    if row.width * row.height <= LARGE:
+    pixels = row.width * row.height
+    if pixels > (LARGE if maps_above is None else maps_above):
+        with contextlib.suppress(RumuError):
+            for kind in _FIRST_SEEN:
+                derived_file(gallery, work_id, kind)
+    if pixels <= LARGE:
         return
     names: list[MapName] = [*MAPS] if row.capture is None else [*MAPS, "picture"]
-    make_first_seen(gallery, work_id)
     with contextlib.suppress(RumuError):
         if json.loads(derived_file(gallery, work_id, "facts").data)["three_lamps"] is not None:
             names += LAMPS

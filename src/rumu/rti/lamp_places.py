@@ -44,6 +44,7 @@ class LampPlaces:
         height, width = shape = (capture.mask.shape[0], capture.mask.shape[1])
         middle = light_weights(capture.lights, basis=basis, terms=terms)
         told = int(np.linalg.matrix_rank(middle, tol=singular * np.linalg.norm(middle, 2)))
+        inverse = np.linalg.pinv(middle, rcond=singular)[None]
         weights, cells = middle[None], (0, 0)
         if capture.positions is not None:
             down, across = cells = tuple(max(1, round(_CELLS * one / max(shape))) for one in shape)
@@ -57,8 +58,6 @@ class LampPlaces:
             toward = np.repeat(capture.positions[None], len(corners), axis=0)
             toward[..., :2] -= corners[:, None]
             weights = np.stack([light_weights(one, basis=basis, terms=terms) for one in toward])
-        inverse = np.linalg.pinv(middle, rcond=singular)[None]
-        if capture.positions is not None:
             inverse = _inverse_at_corners(weights, inverse, unsure=_UNSURE)
         return cls(
             inverse.astype(np.float32), weights.astype(np.float32), told, shape, cells, capture.positions

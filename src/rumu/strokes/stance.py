@@ -117,13 +117,13 @@ def find_stance(
     """
     pose = find_pose(master, copy, owner=owner, double=double)
     upright = pose.undo(copy)
-    squeeze = find_squeeze(master, upright, owner=owner, double=double)
+    squeeze = _find_squeeze(master, upright, owner=owner, double=double)
     if squeeze is not None:
         return pose, squeeze
-    well = share_in_place(upright - master, owner)
+    well = _share_in_place(upright - master, owner)
     if pose.shift.any() and well < SQUEEZE.well:
-        squeeze = find_squeeze(master, copy, owner=owner, double=double)
-        if squeeze is not None and share_in_place(copy - squeeze.apply(master), owner) > well:
+        squeeze = _find_squeeze(master, copy, owner=owner, double=double)
+        if squeeze is not None and _share_in_place(copy - squeeze.apply(master), owner) > well:
             return NO_POSE, squeeze
     aspect = _measure_aspect(master, upright, owner)
     if aspect:
@@ -132,7 +132,7 @@ def find_stance(
         shaped = CharacterPose(found.linear * shape, found.shift)
         left = shaped.undo(copy) - master
         # neither one stroke that is too short nor two parts too close together make a character narrow
-        in_place = share_in_place(left, owner) - well >= ASPECT.min_stroke_share
+        in_place = _share_in_place(left, owner) - well >= ASPECT.min_stroke_share
         most = min(ASPECT.left_share * _mean_length(upright - master), _left_by_gap(master, upright, owner))
         if in_place and _mean_length(left) < most:
             return shaped, None
@@ -193,7 +193,7 @@ def widening(master: FloatArray, copy: FloatArray, owner: IntArray) -> float:
     return float(np.exp(min(logs, key=abs)))
 
 
-def find_squeeze(
+def _find_squeeze(
     master: FloatArray, copy: FloatArray, *, owner: IntArray, double: FloatArray
 ) -> Squeeze | None:
     """The clearer of left against right and top against bottom; None when neither is squeezed.
@@ -207,7 +207,7 @@ def find_squeeze(
         seen = np.where(ends, 1.0, (1.0 + sign * double[:, 0]) / 2 + SQUEEZE.along_weight)
         squeeze = _fit_squeeze(master, copy, axis, seen)  # type: ignore[arg-type]
         if squeeze and _is_clear(squeeze, _count_explained(squeeze, master, copy, owner)):
-            before, after = (share_in_place(copy - to, owner) for to in (master, squeeze.apply(master)))
+            before, after = (_share_in_place(copy - to, owner) for to in (master, squeeze.apply(master)))
             if after - before >= SQUEEZE.min_stroke_share:
                 found.append(squeeze)
     return max(found, key=lambda q: q.gain) if found else None
@@ -226,7 +226,7 @@ def _is_clear(q: Squeeze, strokes: int) -> bool:
     return opposed and strokes >= 2 * s.min_strokes and q.gain >= s.min_gain_opposed
 
 
-def share_in_place(left: FloatArray, owner: IntArray) -> float:
+def _share_in_place(left: FloatArray, owner: IntArray) -> float:
     """Share of the strokes that are where they should be, softly counted, a short one like a long one.
 
     left: (n, 2) how far each point is off.
