@@ -54,8 +54,9 @@ class Charges:
     changes the quartiles of an otherwise perfect copy: `ceilings` give the highest score by the number of
     usual strokes that are missing, (strokes, score), linear between, and `surplus_ceilings` by how many are
     too many. These fall gently: how much ink is too much is less sure than that a stroke is missing, and a
-    fifth of a stroke more or less must not decide the mark of a common copy. `stroke_rate` points are deducted
-    besides for the first stroke, so that a bad copy loses points too; surplus ink counts by `surplus` there.
+    fifth of a stroke more or less must not decide the mark of a common copy. `stroke_rate` points are
+    deducted besides for the first stroke, so that a bad copy loses points too; there surplus ink counts by
+    `surplus`.
     """
 
     lean_free: float = 10.0  # degrees
