@@ -392,3 +392,25 @@ def test_the_mark_falls_as_a_fault_grows(fault, work):
 def test_a_gross_fault_costs(fault):
     gross = faults.apply(mask("regular-shui"), fault, severity=5, seed=1)
     assert points(picture(gross.ink), "regular-shui") < 95
+
+
+def test_a_master_in_a_file_is_prepared_once_until_it_changes(tmp_path):
+    path = tmp_path / "master.png"
+    Image.fromarray(picture(darkness("regular-shui"))).save(path)
+    first = pipeline.prepare_master(path)
+    assert pipeline.prepare_master(str(path)) is first
+    assert pipeline.prepare_master(path, character="水", script="regular") is not first
+    Image.fromarray(picture(darkness("regular-tian"))).save(path)
+    assert not np.array_equal(pipeline.prepare_master(path).surface.mask, first.surface.mask)
+    path.unlink()
+    with pytest.raises(ImageError):
+        pipeline.prepare_master(path)
+
+
+def test_a_master_in_a_folder_is_prepared_once_until_a_file_in_it_changes(tmp_path):
+    folder = tmp_path / "surface"
+    write_surface(rumu.relief(picture(darkness("regular-shui"))), folder)
+    first = pipeline.prepare_master(folder)
+    assert pipeline.prepare_master(folder) is first
+    (folder / "note.txt").write_text("seen")
+    assert pipeline.prepare_master(folder) is not first

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -253,15 +253,39 @@ def prepare_master(
     strokes of seal, clerical and cursive script are not those of copybooks, so they are not named. Only of a
     master that is said to be in regular or running script is the character recognised, where that is certain:
     what is 水 in seal script is 巛 in another.
+
+    The last masters that came as paths stay in memory, for the next copies, until their files change.
     """
     if script not in STROKE_SCRIPTS:
         character = None
     recognised = script is not None and script in STROKE_SCRIPTS
+    if isinstance(reference, str | Path):
+        return _prepare_stored(Path(reference), _stamps(Path(reference)), character, recognised)
     if not isinstance(reference, PreparedMaster):
         return PreparedMaster(surface_of(reference), character, recognised)
     if character and reference.character is None:
         return PreparedMaster(reference.surface, character, recognised)
     return reference
+
+
+@lru_cache(maxsize=4)  # each surface may hold many pixels
+def _prepare_stored(
+    path: Path, stamps: tuple[tuple[str, int, int], ...], character: str | None, recognised: bool
+) -> PreparedMaster:
+    """The master in a file or folder; stamps: of its files, which another state of them does not have."""
+    return PreparedMaster(surface_of(path), character, recognised)
+
+
+def _stamps(path: Path) -> tuple[tuple[str, int, int], ...]:
+    """Name, size and time of change of a file, or of every file in a folder; nothing where there is none."""
+    stamps = []
+    for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
+        try:
+            found = file.stat()
+        except (OSError, ValueError):
+            continue  # reading it will say why
+        stamps.append((str(file), found.st_size, found.st_mtime_ns))
+    return tuple(stamps)
 
 
 def assess(
@@ -283,7 +307,8 @@ def assess(
     probe
         The copy: a Surface, an image as a path or an array, or a folder.
     reference
-        The master, likewise; for many copies of one, prepare it once with `rumu.pipeline.prepare_master`.
+        The master, likewise. What is derived from the last few that came as paths is kept for the next
+        copies; another kind is prepared once for many copies with `rumu.pipeline.prepare_master`.
     levels
         Own cut-offs of the levels, 0-100: {'excellent': .., 'good': .., 'medium': ..}.
     calibration

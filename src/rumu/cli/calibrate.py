@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from rumu.cli.options import AsJson, check_writable, find_copy, find_master, not_an_input
-from rumu.cli.pairs import prepared_master, reason_in_one_line
+from rumu.cli.pairs import reason_in_one_line
 from rumu.cli.terminal import Outcome, bar, print_outcome, working
 from rumu.csv_tables import Table, TableRow, read_table
 from rumu.errors import CalibrationError
@@ -110,7 +110,7 @@ def measure_row(row: MarkedRow, *, root: Path) -> MeasuredRow:
     try:
         path = find_master(row.reference, root=root).path
         measurement = pipeline.measure(
-            pipeline.surface_of(find_copy(row.image, root=root)), prepared_master(path)
+            pipeline.surface_of(find_copy(row.image, root=root)), pipeline.prepare_master(path)
         )
     except Exception as error:  # one row must never cost the others
         return MeasuredRow(None, refused=reason_in_one_line(error))

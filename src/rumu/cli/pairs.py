@@ -18,7 +18,6 @@ from rumu.outputs import UnfinishedRows, whole_file
 
 if TYPE_CHECKING:
     from rumu.cli.terminal import Advance
-    from rumu.pipeline import PreparedMaster
     from rumu.values import Assessment
 
 COLUMNS = (
@@ -187,20 +186,12 @@ def mark_row(pair: PairRow, *, root: Path, terms: Mapping[str, Any]) -> dict[str
         script = (pair.script and script_key(pair.script)) or terms.get("script") or known_script
         mark = pipeline.assess(
             find_copy(pair.copy, root=root),
-            prepared_master(path, character, script),
+            path,
             **{**terms, "script": script, "character": character},
         )
         return row | _cells(mark)
     except Exception as error:  # one row must never cost the others
         return row | {"refused": reason_in_one_line(error)}
-
-
-@functools.lru_cache(maxsize=4)  # rows come by master; each surface may hold many pixels
-def prepared_master(path: Path, character: str | None = None, script: str | None = None) -> PreparedMaster:
-    """The master in a file or folder; the last ones stay in memory."""
-    from rumu import pipeline
-
-    return pipeline.prepare_master(path, character=character, script=script)
 
 
 def reason_in_one_line(error: Exception) -> str:
