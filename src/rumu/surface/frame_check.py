@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TypeVar
@@ -17,6 +17,7 @@ from rumu.values import Bilingual, BoolArray, Capture, FloatArray, Surface
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
+_BRIGHT_STEP = 4  # every so many of the pixels that are looked at tell how bright a frame gets
 _THREADS = 4  # that reduce photographs, each with a whole one in its bits
 
 
@@ -58,7 +59,7 @@ def check_exposure(capture: Capture, *, settings: FrameCheckSettings | None = No
     settings = settings or FrameCheckSettings()
     frames = _few_pixels(capture, settings)
     names = _names(capture)
-    bright = np.quantile(frames, settings.bright, axis=1)
+    bright = np.quantile(frames[:, ::_BRIGHT_STEP], settings.bright, axis=1)
     white = (frames >= SATURATION).mean(axis=1)
     dark = bright <= max(SHADOW_FLOOR, settings.black * float(bright.max()))
     if dark.any():
@@ -117,13 +118,26 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
         return
     frames, scale = _reduced(capture, settings)
     details = _in_threads(lambda frame: _details(frame, settings), frames)
-    laid = _laid_on_the_others(frames, details, capture.lights, settings)
-    shifts = _in_threads(lambda one: _shift_of(*one[1:], settings), laid)
-    far_off = [(one[0], shift) for one, shift in zip(laid, shifts, strict=True)]
-    moved = [(i, shift * scale) for i, shift in far_off if shift >= settings.least_shift]
+    others, window = _Others(frames, capture.lights), _window(frames)
+
+    def compared(number: int) -> tuple[float, float, bool]:
+        here, there = details[number], _details(others.frame(number), settings)
+        alike = _correlation(here, there, window)
+        offset = _offset(here, there, alike, window, settings)
+        off = float(np.hypot(*offset))
+        is_off = off >= settings.least_shift
+        return (
+            alike,
+            off,
+            is_off and _is_clear(here, there, window, off_by=offset, before=alike, settings=settings),
+        )
+
+    found = _in_threads(compared, others.numbers)
+    if all(off < settings.least_shift for _, off, _ in found):
+        return  # whatever differs, as cast shadows do, nothing lies beside where it should
+    moved = [(i, off * scale) for i, (_, off, clear) in zip(others.numbers, found, strict=True) if clear]
     if not moved:
-        likenesses = np.array([likeness for *_, likeness in laid])
-        del laid
+        likenesses = np.array([alike for alike, *_ in found])
         all_moved = _all_moved(frames, details, capture.lights, settings, before=likenesses)
         moved = [(i, far * scale) for i, far in all_moved]
     if not moved:
@@ -140,29 +154,34 @@ def check_still(capture: Capture, *, settings: FrameCheckSettings | None = None)
     )
 
 
-def _from_the_others(frames: FloatArray, lights: FloatArray) -> Iterator[tuple[int, FloatArray]]:
-    """Each frame's number, and the frame (h, w) that Lambert's law makes of all others."""
-    hat = lights @ np.linalg.pinv(lights)
-    own = np.diag(hat)
-    seen = np.flatnonzero(own < 0.95)  # else no others stand on its side
-    others = (hat - np.diag(own))[seen] / (1.0 - own[seen, None])
-    fitted = others.astype(np.float32) @ frames.reshape(len(frames), -1)
-    for i, wanted in zip(seen, fitted, strict=True):
-        yield int(i), np.maximum(wanted, np.float32(0)).reshape(frames.shape[1:])
+class _Others:
+    """What all other frames say of each, by Lambert's law; numbers: of those of which they tell."""
+
+    def __init__(self, frames: FloatArray, lights: FloatArray) -> None:
+        inverse = np.linalg.pinv(lights)
+        self._frames, self._lights = frames, lights.astype(np.float32)
+        self._scaled = inverse.astype(np.float32) @ frames.reshape(len(frames), -1)
+        self._own = np.einsum("nk,kn->n", lights, inverse).astype(np.float32)
+        self.numbers = [int(i) for i in np.flatnonzero(self._own < 0.95)]  # else none stands on its side
+
+    def frame(self, number: int) -> FloatArray:
+        """(h, w) float32, the frame that the others make."""
+        own = self._own[number]
+        wanted = self._lights[number] @ self._scaled
+        wanted -= own * self._frames[number].reshape(-1)
+        wanted /= 1 - own
+        np.maximum(wanted, 0, out=wanted)
+        return np.asarray(wanted.reshape(self._frames.shape[1:]))
 
 
-def _laid_on_the_others(
+def _likenesses(
     frames: FloatArray, details: Sequence[FloatArray], lights: FloatArray, settings: FrameCheckSettings
-) -> list[tuple[int, FloatArray, FloatArray, float]]:
-    """Each frame's number, its details, those that the others say it should have, and their correlation."""
-    window = _window(frames)
-
-    def laid(one: tuple[int, FloatArray]) -> tuple[int, FloatArray, FloatArray, float]:
-        number, wanted = one
-        there = _details(wanted, settings)
-        return number, details[number], there, _correlation(details[number], there, window)
-
-    return _in_threads(laid, list(_from_the_others(frames, lights)))
+) -> FloatArray:
+    """Correlations of the details of frames with those that the others say they should have."""
+    others, window = _Others(frames, lights), _window(frames)
+    return np.array(
+        [_correlation(details[i], _details(others.frame(i), settings), window) for i in others.numbers]
+    )
 
 
 def shift_between(
@@ -237,15 +256,15 @@ def _all_moved(
     if len(frames) > 2 * settings.trial:
         few = slice(None, None, len(frames) // settings.trial)
         some = frames[few], details[few], lights[few]
-        likenesses = np.array([one for *_, one in _laid_on_the_others(*some, settings)])
-        if not _all_moved(*some, settings, before=likenesses):
+        if not _all_moved(*some, settings, before=_likenesses(*some, settings)):
             return []
     window = _window(frames)
     edges = [_edges(frame) for frame in frames]
     shifts = np.array([cv2.phaseCorrelate(edges[0], one, window)[0] for one in edges])
     for _ in range(settings.rounds):
-        for i, wanted in _from_the_others(laid(shifts), lights):
-            shifts[i] = cv2.phaseCorrelate(_details(wanted, settings), details[i], window)[0]
+        others = _Others(laid(shifts), lights)
+        for i in others.numbers:
+            shifts[i] = cv2.phaseCorrelate(_details(others.frame(i), settings), details[i], window)[0]
         sizes = np.hypot(*(shifts - np.median(shifts, axis=0)).T)
         if sizes.max() < settings.least_shift:
             return []
@@ -254,7 +273,7 @@ def _all_moved(
         return []
     back = laid(shifts)
     details = [_details(frame, settings) for frame in back]
-    after = float(np.median([one for *_, one in _laid_on_the_others(back, details, lights, settings)]))
+    after = float(np.median(_likenesses(back, details, lights, settings)))
     miss = (1.0 - after) / (1.0 - float(np.median(before)))
     if after < settings.agreement or miss > settings.miss:
         return []
@@ -277,23 +296,45 @@ def _edges(frame: FloatArray) -> FloatArray:
     return np.asarray(cv2.magnitude(cv2.Sobel(log, cv2.CV_32F, 1, 0), cv2.Sobel(log, cv2.CV_32F, 0, 1)))
 
 
-def _shift_of(here: FloatArray, there: FloatArray, before: float, settings: FrameCheckSettings) -> float:
-    """By how many pixels the details of a frame are off, 0 where it is not clear; before: correlation."""
+def _offset(
+    here: FloatArray, there: FloatArray, before: float, window: FloatArray, settings: FrameCheckSettings
+) -> tuple[float, float]:
+    """By how many pixels, x and y, the details of a frame are off; 0 where they are alike.
+
+    before: their correlation. Half the size tells of most frames that they stood.
+    """
     import cv2
 
     if before > settings.still:
-        return 0.0
-    window = _window(here[None])
+        return 0.0, 0.0
+    half = [cv2.resize(one, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for one in (here, there)]
+    (dx, dy), _ = cv2.phaseCorrelate(half[1], half[0], _window(half[0][None]))
+    if np.hypot(dx, dy) < settings.least_shift / 4:
+        return 0.0, 0.0
     (dx, dy), _ = cv2.phaseCorrelate(there, here, window)
-    size = float(np.hypot(dx, dy))
-    if not settings.least_shift <= size < 0.2 * max(here.shape):
-        return 0.0
+    return float(dx), float(dy)
+
+
+def _is_clear(
+    here: FloatArray,
+    there: FloatArray,
+    window: FloatArray,
+    *,
+    off_by: tuple[float, float],
+    before: float,
+    settings: FrameCheckSettings,
+) -> bool:
+    """Whether the details of a frame, moved back by its offset, become far more alike."""
+    import cv2
+
+    dx, dy = off_by
+    if np.hypot(dx, dy) >= 0.2 * max(here.shape):
+        return False
     back = cv2.warpAffine(
         here, np.array([[1.0, 0, -dx], [0, 1, -dy]]), here.shape[::-1], borderMode=cv2.BORDER_REFLECT
     )
     after = _correlation(back, there, window)
-    clear = after >= settings.agreement and 1.0 - after <= settings.miss * (1.0 - before)
-    return size if clear else 0.0
+    return after >= settings.agreement and 1.0 - after <= settings.miss * (1.0 - before)
 
 
 def _correlation(a: FloatArray, b: FloatArray, weights: FloatArray) -> float:

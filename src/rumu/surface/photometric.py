@@ -5,7 +5,8 @@ A page of flat paper and ink comes out flat here, however black the ink: see `ru
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -22,6 +23,7 @@ from rumu.surface.lamp_check import check_lamps
 from rumu.surface.level import check_level, take_level
 from rumu.surface.near_lamps import solve_near
 from rumu.surface.perspective import check_focal_length
+from rumu.surface.reflectance import Material
 from rumu.surface.robust import SOLVERS
 from rumu.surface.solve import Solution, solve
 from rumu.surface.stereo import (
@@ -133,15 +135,18 @@ def surface_normals(
         raise SurfaceError(f"expected a solver among {', '.join(SOLVERS)}, got {solver!r}")
     begin(CHECKING, progress)
     check_exposure(capture)
-    if not capture.lamps_as_given:
-        check_still(capture)
     lamps = paper_tilts(capture.lights, tolerance=_PAPER_TOLERANCE) if capture.positions is None else None
-    photometry = _photometry(capture, lamps, solver)
+    with ThreadPoolExecutor(1) as beside:  # OpenCV's work, which lets others run
+        still = None if capture.lamps_as_given else beside.submit(check_still, capture)
+        photometry = _photometry(capture, lamps, solver)
+        materials = _materials(capture, photometry, progress) if lamps is None and solver == "robust" else ()
+        if still is not None:
+            still.result()
     check = None
     if lamps is not None:
         solution, check = _closed_form(capture, lamps, photometry.strengths)
     else:
-        solution = _solved(capture, photometry, solver, progress)
+        solution = _solved(capture, photometry, solver, materials, progress)
     measured = capture.mask & (solution.confidence > 0)
     if not capture.lamps_as_given:
         begin(CHECKING_LAMPS, progress)
@@ -170,7 +175,22 @@ def surface_normals(
     return solution.normals, solution.albedo, solution.confidence, quality
 
 
-def _solved(capture: Capture, photometry: Photometry, solver: str, progress: Progress | None) -> Solution:
+def _materials(capture: Capture, photometry: Photometry, progress: Progress | None) -> tuple[Material, ...]:
+    """Materials beside Lambert's, of lamps that are far away."""
+    if capture.positions is not None:
+        return ()
+    begin(MATERIALS, progress)
+    lights = capture.lights * photometry.strengths[:, None]
+    return find_materials(capture.photographs, lights, mask=capture.mask, black_level=photometry.black_level)
+
+
+def _solved(
+    capture: Capture,
+    photometry: Photometry,
+    solver: str,
+    materials: Sequence[Material],
+    progress: Progress | None,
+) -> Solution:
     """The normals under lamps that are far away, or near."""
     lights = capture.lights * photometry.strengths[:, None]
     options: dict[str, Any] = {
@@ -180,12 +200,7 @@ def _solved(capture: Capture, photometry: Photometry, solver: str, progress: Pro
         "progress": progress,
     }
     if capture.positions is None:
-        if solver == "robust":
-            begin(MATERIALS, progress)
-            options["materials"] = find_materials(
-                capture.photographs, lights, mask=capture.mask, black_level=photometry.black_level
-            )
-        return solve(capture.photographs, lights, **options)
+        return solve(capture.photographs, lights, materials=materials, **options)
     return solve_near(capture.photographs, lights, capture.positions, **options)
 
 

@@ -121,8 +121,10 @@ def solve(
         inside = slice(None) if chosen is None else np.flatnonzero(chosen[part])
         if not isinstance(inside, slice) and not inside.size:
             return np.zeros(0), 0, 0
-        values = stack.range(part.start, part.stop)
-        values = values if isinstance(inside, slice) else values[:, inside]
+        if isinstance(inside, slice):
+            values = stack.range(part.start, part.stop)
+        else:
+            values = stack.at(part.start + inside)
         done = solve_tile(values, lights, solver=solver, black_level=black_level, settings=settings)
         if materials:
             done = solve_materials(values, lights, done, materials, black_level=black_level)
