@@ -38,10 +38,13 @@ def poisson(divergence: FloatArray) -> FloatArray:
     rows = 2.0 * np.cos(np.pi * np.arange(h) / h) - 2.0
     columns = (2.0 * np.cos(np.pi * np.arange(w) / w) - 2.0).astype(divergence.dtype)
     spectrum = dctn(divergence, type=2, workers=-1, overwrite_x=True)
-    columns[0] = 1.0  # for the first row, whose first entry is undetermined
-    for row, frequency in enumerate(rows.astype(divergence.dtype)):
-        spectrum[row] /= frequency + columns
-        columns[0] = 0.0
+    frequency = rows.astype(divergence.dtype)[:, None]
+    step = max(1, _ROWS_IN_CACHE // w)
+    for top in range(0, h, step):
+        sums = frequency[top : top + step] + columns
+        if top == 0:
+            sums[0, 0] = 1.0  # what is undetermined
+        spectrum[top : top + step] /= sums
     spectrum[0, 0] = 0.0
     return np.asarray(idctn(spectrum, type=2, workers=-1, overwrite_x=True))
 
@@ -60,7 +63,7 @@ def conjugate_gradients(
     shape of the mask but hardly on the number of pixels.
     """
     z, ahead = np.zeros_like(left), np.empty_like(left)
-    guess = -poisson(left.copy())
+    guess = poisson(-left)
     direction = guess.copy()
     power = start = float(np.vdot(left, guess))
     for _ in range(iterations):
@@ -71,7 +74,7 @@ def conjugate_gradients(
         z += step * direction
         ahead *= step
         left -= ahead
-        guess = -poisson(left.copy())
+        guess = poisson(-left)
         before, power = power, float(np.vdot(left, guess))
         direction *= np.float32(power / before)
         direction += guess
