@@ -126,13 +126,13 @@ def test_a_folder_without_a_record_says_so(rumu, first, tmp_path, damage):
 
 
 def test_how_the_height_was_made_is_recorded_and_repeated(rumu, capture, tmp_path):
-    options = ("--integrator", "bilateral", "--focal-length", "900", "--level", "bow", "--write", "floats")
+    options = ("--integrator", "bilateral", "--focal-length", "900", "--level", "bow", "--encoding", "srgb")
     made, plain = tmp_path / "made", tmp_path / "plain"
-    assert rumu("reconstruct", capture, "-o", made, *options).code == 0
+    assert rumu("reconstruct", capture, "-o", made, *options, "--write", "floats").code == 0
     assert rumu("reconstruct", capture, "-o", plain, "--write", "floats").code == 0
     settings = read_processing(made).settings
-    told = settings["integrator"], settings["focal_length"], settings["level"]
-    assert told == ("bilateral", 900.0, "bow")
+    told = {name: settings[name] for name in ("integrator", "focal_length", "level", "encoding")}
+    assert told == {"integrator": "bilateral", "focal_length": 900.0, "level": "bow", "encoding": "srgb"}
     again = rumu("reconstruct", "--again", made, "-o", tmp_path / "again", "--json")
     assert again.code == 0 and again.facts["again"]["same"]
     assert (made / "height.tif").read_bytes() != (plain / "height.tif").read_bytes()

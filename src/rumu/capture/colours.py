@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rumu.capture.primaries import read_primaries
 from rumu.capture.stored import Samples, eight_bits, full_scale
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 _SAME = 2  # gray levels within which a profile is sRGB under another name
 _STEPS = 9  # of each channel, at which a profile is compared with sRGB
+_DARK = 64  # of 255: linear light of that becomes 137 in sRGB, what a screen shows stays near it
 _STRIP = 512  # rows that are converted at a time
 _MODES = {"RGB": "RGB", "GRAY": "L", "CMYK": "CMYK"}
 
@@ -53,8 +55,8 @@ def to_srgb(samples: Samples, profile: bytes | None, *, name: object) -> Samples
 
     samples: (H, W) or (H, W, 3), uint8, uint16 or float32 in [0, 1]. Gray stays gray.
     Returns the samples themselves where the profile is as good as sRGB, and where it cannot be used, which a
-    ProfileWarning says. Converted colours are uint8, since the colour library in Pillow computes with 8 bits;
-    gray keeps its depth.
+    ProfileWarning says. The colour library in Pillow computes with 8 bits: colours of 16 bits keep them only
+    where the profile is three curves and a matrix, as those of cameras and screens are. Gray keeps its depth.
     """
     if profile is None:
         return samples
@@ -64,10 +66,27 @@ def to_srgb(samples: Samples, profile: bytes | None, *, name: object) -> Samples
             return _gray_to_srgb(samples, conversion)
         if conversion.mode != "RGB":
             raise _UnusableProfileError(f"it is one of {conversion.mode} pictures")
-        return samples if _is_srgb(conversion) else conversion.colours(eight_bits(samples))
+        if _is_srgb(conversion):
+            return samples
+        primaries = read_primaries(profile) if samples.dtype == np.uint16 else None
+        return conversion.colours(eight_bits(samples)) if primaries is None else primaries.to_srgb(samples)
     except _UnusableProfileError as error:
         _warn(name, error)
         return samples
+
+
+def is_for_screen(profile: bytes | None) -> bool:
+    """Whether samples of a profile are display-encoded; False of linear light, and of no usable profile."""
+    if profile is None:
+        return False
+    try:
+        conversion = _conversion(profile)
+    except _UnusableProfileError:
+        return False
+    if conversion.mode == "CMYK":
+        return False
+    dark = np.full((1, 1, 3 if conversion.mode == "RGB" else 1), _DARK, np.uint8)
+    return int(conversion.colours(dark)[0, 0, 1]) < 1.5 * _DARK
 
 
 def cmyk_to_rgb(inks: Samples, profile: bytes | None, *, name: object) -> Samples:

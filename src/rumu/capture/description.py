@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
+from rumu.capture.formats import ENCODINGS, Encoding
 from rumu.capture.lamp_text import read_texts
 from rumu.capture.photographs import capture_error, place
 
@@ -120,6 +121,11 @@ def description_of(folder: Path) -> Description:
     """What the capture.json of a folder says, see `read_description`; nothing where there is none."""
     file = folder / DESCRIPTION
     return read_description(file) if file.is_file() else Description()
+
+
+def encoding_of(folder: Path, description: Description, *, told: Encoding) -> Encoding:
+    """How samples are read: as the caller told, else, when that is 'auto', as capture.json says."""
+    return entry_among(folder, "encoding", description.encoding, ENCODINGS) if told == "auto" else told
 
 
 def entry_among(folder: Path, key: str, value: str | None, known: tuple[Choice, ...]) -> Choice:

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rumu.capture.description import DESCRIPTION, Description, description_of, entry_among
+from rumu.capture.description import DESCRIPTION, Description, description_of, encoding_of, entry_among
 from rumu.capture.dome import read_dome, without_fall_off
 from rumu.capture.formats import ENCODINGS, Encoding
 from rumu.capture.frames import ORIENTATIONS, Orientation, read_frames
@@ -76,8 +76,9 @@ def read_capture(
         A folder, or the .lp, light_directions*.txt or capture.json in it that says where the lamps stood. Of
         several kinds in one folder the .lp wins, since it names its images; then light_directions*.txt.
     encoding : {'auto', 'linear', 'srgb'}
-        'auto' takes JPEG and WebP as sRGB and everything else as linear; 'linear' or 'srgb' says it outright,
-        and so does "encoding" in capture.json, which is used when `encoding` is 'auto'.
+        'auto' takes JPEG, WebP and files with a colour profile for a screen as such, and everything else as
+        linear; 'linear' or 'srgb' says it outright, and so does "encoding" in capture.json, which is used
+        when `encoding` is 'auto'.
     orientation : {'auto', 'stored', 'exif'}
         'stored' takes the photographs as the sensor saw them, 'exif' turns them as their EXIF orientation
         says; so does "orientation" in capture.json when this is 'auto'. 'auto' turns them only when
@@ -117,9 +118,6 @@ def read_capture(
     images, description, lamps = _find_files(path, within)
     lamps = _without(lamps, leave_out)
     folder = images.folder
-    chosen = (
-        entry_among(folder, "encoding", description.encoding, ENCODINGS) if encoding == "auto" else encoding
-    )
     turned = (
         entry_among(folder, "orientation", description.orientation, ORIENTATIONS)
         if orientation == "auto"
@@ -129,7 +127,7 @@ def read_capture(
         lamps.images,
         as_shown=lamps.as_shown,
         ambient=images.by_stem("ambient"),
-        encoding=chosen,
+        encoding=encoding_of(folder, description, told=encoding),
         orientation=turned,
         progress=progress,
     )

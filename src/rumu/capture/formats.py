@@ -21,7 +21,7 @@ from typing import Any, Literal, TypeVar, get_args
 import numpy as np
 
 from rumu.capture import deep_formats as deep
-from rumu.capture.colours import ProfileWarning, cmyk_to_rgb, profile_of, to_srgb
+from rumu.capture.colours import ProfileWarning, cmyk_to_rgb, is_for_screen, profile_of, to_srgb
 from rumu.capture.cut_jpeg import complete_jpeg, fill_missing_end
 from rumu.capture.decoded_size import FULL_SIZE, Header, Reduction, check_header, too_many_pixels
 from rumu.capture.stored import Stored, reduce_stored, split_alpha, turn_upright, valid_orientation
@@ -93,7 +93,8 @@ def decode(
     """The stored samples of an image file, turned as its orientation says unless `upright` is False.
 
     encoding: by which samples are taken as colours for a screen, which a colour profile then brings to sRGB:
-        'srgb' all, 'auto' those of formats that are always written for a screen, 'linear' none.
+        'srgb' all, 'auto' those of formats that are always written for a screen and those whose profile says
+        that they are, 'linear' none.
     reduction: a large picture is reduced by area averaging, and a JPEG already while it is decoded.
     floats: whether memory for a float image is counted, too.
     Raises ImageError, naming the file, when it is missing, a folder, empty, cut short, no image, a camera's
@@ -107,6 +108,8 @@ def decode(
         if not all(stored.whole):
             stored = replace(stored, whole=stored.values.shape[1::-1])
         stored = replace(stored, orientation=valid_orientation(orientation))
+        if encoding == "auto" and stored.values.dtype.kind == "u" and is_for_screen(profile):
+            stored = replace(stored, display=True)
         if encoding == "srgb" or (encoding == "auto" and stored.display):
             stored = replace(stored, values=to_srgb(stored.values, profile, name=path))
         stored = reduce_stored(stored, reduction)

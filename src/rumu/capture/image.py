@@ -63,9 +63,9 @@ def image_of(stored: Stored, *, name: object) -> Image:
 def read_linear(path: str | os.PathLike[str], *, encoding: Encoding = "auto") -> Image:
     """An image as linear light, upright.
 
-    encoding: 'auto' decodes JPEG, WebP, HEIC and AVIF from sRGB and takes every other format as linear;
-        'linear' and 'srgb' say it outright. EXR and float TIFF are always linear. A colour profile counts
-        where the samples are taken as display-encoded.
+    encoding: 'auto' decodes JPEG, WebP, HEIC and AVIF from sRGB, and what has a colour profile by it, and
+        takes every other file as linear; 'linear' and 'srgb' say it outright. EXR and float TIFF are always
+        linear. A colour profile counts where the samples are taken as display-encoded.
     Returns (H, W) or (H, W, 3) float32, at least 0. Integer formats end at 1; EXR and float TIFF may exceed
     it, so that the frames of one capture can be divided by one common peak. Their negative values, which
     dark subtraction leaves, become 0.

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rumu.capture.formats import Encoding
 from rumu.capture.photographs import capture_error
 from rumu.capture.spheres import FoundLamps, Sphere, find_spheres, lamps_of_spheres
 from rumu.capture.unlit import read_unlit_photographs
@@ -24,6 +25,7 @@ def read_sphere_capture(
     *,
     spheres: Sequence[Sphere] = (),
     leave_out: Collection[str] = (),
+    encoding: Encoding = "auto",
     progress: Progress | None = None,
 ) -> Capture:
     """Read a folder of photographs in which mirror spheres tell the lamps.
@@ -37,6 +39,8 @@ def read_sphere_capture(
         Where they are; found by themselves unless they are given.
     leave_out : collection of str, optional
         Names of photographs that are not used, with or without their suffix.
+    encoding : {'auto', 'linear', 'srgb'}
+        How the samples are read, as of `rumu.read_capture`.
     progress : callable, optional
         Called with what is done, how many parts of it are done and how many there are.
 
@@ -53,7 +57,11 @@ def read_sphere_capture(
         show their lamp on it.
     """
     read = read_unlit_photographs(
-        path, show=Bilingual("有反光球的", "with a mirror sphere"), leave_out=leave_out, progress=progress
+        path,
+        show=Bilingual("有反光球的", "with a mirror sphere"),
+        leave_out=leave_out,
+        encoding=encoding,
+        progress=progress,
     )
     frames, names = read.frames, read.names
     if progress is not None:

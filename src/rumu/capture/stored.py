@@ -20,7 +20,8 @@ class Stored:
 
     values: (H, W) or (H, W, 3), uint8, uint16 or float32, R G B.
     alpha: (H, W) float32 in [0, 1], straight (colours are not multiplied by it); None when opaque.
-    display: True when the format is always display-encoded (JPEG, WebP, HEIC, AVIF).
+    display: True when the samples are display-encoded, as those of a format always are (JPEG, WebP, HEIC,
+    AVIF), or as their colour profile says.
     orientation: how the samples are still to be turned, as EXIF numbers it; 1 when they are upright.
     whole: (width, height) of the picture before it was reduced, turned as the samples are.
     """

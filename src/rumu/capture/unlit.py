@@ -7,8 +7,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
-from rumu.capture.description import Description, description_of, entry_among
-from rumu.capture.formats import ENCODINGS
+from rumu.capture.description import Description, description_of, encoding_of, entry_among
+from rumu.capture.formats import Encoding
 from rumu.capture.frames import ORIENTATIONS, Frames, read_frames
 from rumu.capture.masks import read_folder_mask
 from rumu.capture.photographs import FolderImages, capture_error, photographs_without
@@ -34,13 +34,15 @@ def read_unlit_photographs(
     *,
     show: Bilingual,
     leave_out: Collection[str] = (),
+    encoding: Encoding = "auto",
     progress: Progress | None = None,
 ) -> UnlitPhotographs:
     """Read the photographs of a folder.
 
     path: the folder. What it says of lamps is not looked at; encoding, orientation, spacing_mm and mask of
     its capture.json are, and so are a mask and an ambient frame. show: what they are expected to show, for
-    messages. leave_out: names of photographs that are not used, with or without their suffix.
+    messages. leave_out: names of photographs that are not used, with or without their suffix. encoding: how
+    the samples are read, as of `rumu.read_capture`.
     Raises CaptureError, ImageError when there are fewer than three or one cannot be read.
     """
     folder = Path(path)
@@ -50,7 +52,7 @@ def read_unlit_photographs(
         tuple(paths),
         as_shown=False,
         ambient=images.by_stem("ambient"),
-        encoding=entry_among(folder, "encoding", description.encoding, ENCODINGS),
+        encoding=encoding_of(folder, description, told=encoding),
         orientation=entry_among(folder, "orientation", description.orientation, ORIENTATIONS),
         progress=progress,
     )

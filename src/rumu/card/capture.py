@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from rumu.capture.description import description_of, entry_among
+from rumu.capture.description import description_of, encoding_of
 from rumu.capture.dome import without_fall_off
 from rumu.capture.exif import read_facts
-from rumu.capture.formats import ENCODINGS, read_header
+from rumu.capture.formats import Encoding, read_header
 from rumu.capture.frames import kept, read_named
 from rumu.capture.image import to_srgb
 from rumu.capture.memory_plan import plan_memory
@@ -93,6 +93,7 @@ def read_card_capture(
     path: str | os.PathLike[str],
     *,
     leave_out: Collection[str] = (),
+    encoding: Encoding = "auto",
     limits: CardCaptureLimits | None = None,
     progress: Progress | None = None,
 ) -> CardCapture:
@@ -106,6 +107,8 @@ def read_card_capture(
         file or mask in the folder is not looked at; "encoding" of its capture.json is.
     leave_out : collection of str, optional
         Names of photographs that are not used, with or without their suffix.
+    encoding : {'auto', 'linear', 'srgb'}
+        How the samples are read, as of `rumu.read_capture`.
     limits : CardCaptureLimits, optional
         When photographs are refused or noted.
     progress : callable, optional
@@ -126,7 +129,8 @@ def read_card_capture(
     limits = limits or CardCaptureLimits()
     folder = Path(path)
     _, paths = find_photographs(folder, show=_SHOWN, leave_out=leave_out)
-    frames, views, samples, places = _look_at(paths, folder, limits, progress)
+    encoding = encoding_of(folder, description_of(folder), told=encoding)
+    frames, views, samples, places = _look_at(paths, encoding, limits, progress)
     if progress is not None:
         progress("Finding the lamps", 0, 1)
     ball = find_ball(frames, views)
@@ -176,11 +180,10 @@ def read_card_capture(
 
 
 def _look_at(
-    paths: Sequence[Path], folder: Path, limits: CardCaptureLimits, progress: Progress | None
+    paths: Sequence[Path], encoding: Encoding, limits: CardCaptureLimits, progress: Progress | None
 ) -> tuple[list[Photograph], list[CardView], list[CardSamples], CardPlaces]:
     """The photographs, where the card lies in each, and what its white and grays show at which places."""
-    encoding = entry_among(folder, "encoding", description_of(folder).encoding, ENCODINGS)
-    plan = plan_memory([read_header(one) for one in paths], folder)
+    plan = plan_memory([read_header(one) for one in paths], paths[0].parent)
     frames: list[Photograph] = []
     views: list[CardView] = []
     samples: list[CardSamples] = []

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rumu.cli.lighting import SphereOption, spheres_of
+from rumu.cli.lighting import EncodingOption, SphereOption, spheres_of
 from rumu.cli.options import AsJson, check_writable
 from rumu.cli.terminal import Outcome, print_outcome, stages
 from rumu.errors import OutputError
@@ -26,6 +26,7 @@ def lamps(
         ),
     ],
     sphere: SphereOption = None,
+    encoding: EncodingOption = "auto",
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help=".lp to write (default: lamps.lp in the folder).")
     ] = None,
@@ -53,7 +54,7 @@ def lamps(
     check_writable(whole_file(target))
     with stages() as progress:
         frames = read_frames(
-            paths, as_shown=False, ambient=None, encoding="auto", orientation="stored", progress=progress
+            paths, as_shown=False, ambient=None, encoding=encoding, orientation="stored", progress=progress
         )
         progress("Looking for spheres", 0, 1)
         spheres = given or find_spheres(frames.stack)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -37,6 +37,16 @@ FlatFieldOption = Annotated[
     typer.Option(
         "--flat-field",
         help="A photograph of a blank, even sheet, or a folder of them, by which photographs are divided.",
+    ),
+]
+
+Encoding = Literal["auto", "linear", "srgb"]
+EncodingOption = Annotated[
+    Encoding,
+    typer.Option(
+        "--encoding",
+        help="What the values of the photographs are: light (linear), or made for a screen (srgb); auto "
+        "tells it from the files.",
     ),
 ]
 
@@ -142,12 +152,13 @@ def read_lit_capture(
     align: bool,
     leave_out: Sequence[str],
     mm_per_pixel: float | None,
+    encoding: Encoding,
     progress: Progress,
 ) -> LitCapture:
     """The capture of a folder.
 
     flat_field: of --flat-field, by which the photographs are divided. align: of --align. mm_per_pixel: the
-    scale, instead of what the folder or the card says.
+    scale, instead of what the folder or the card says. encoding: of --encoding, also of flat-field frames.
     Raises wrong usage for options that exclude each other.
     """
     from rumu.capture.flat_frames import divide_by_flat_frames
@@ -160,15 +171,19 @@ def read_lit_capture(
     source.check(flat_field=flat_field)
     made = None
     if source.card:
-        made = read_card_capture(folder, leave_out=leave_out, progress=progress)
+        made = read_card_capture(folder, leave_out=leave_out, encoding=encoding, progress=progress)
         capture = made.capture
     elif source.sphere:
         spheres = spheres_of(source.sphere)
-        capture = read_sphere_capture(folder, spheres=spheres, leave_out=leave_out, progress=progress)
+        capture = read_sphere_capture(
+            folder, spheres=spheres, leave_out=leave_out, encoding=encoding, progress=progress
+        )
     elif source.unknown:
-        capture = _without_lamps(folder, source, leave_out, progress)
+        capture = _without_lamps(folder, source, leave_out, encoding, progress)
     else:
-        capture = read_capture(folder, leave_out=leave_out, mm_per_pixel=mm_per_pixel, progress=progress)
+        capture = read_capture(
+            folder, encoding=encoding, leave_out=leave_out, mm_per_pixel=mm_per_pixel, progress=progress
+        )
     if mm_per_pixel is not None:
         capture = capture.changed(spacing=mm_per_pixel)
     moved = None
@@ -176,14 +191,16 @@ def read_lit_capture(
         done = align_photographs(capture, progress=progress)
         capture, moved = done.capture, done.moved
     if flat_field is not None:
-        capture = divide_by_flat_frames(capture, flat_field)
+        capture = divide_by_flat_frames(capture, flat_field, encoding=encoding)
     if source.near:
         progress("Placing the lamps", 0, 1)
         capture = place_lamps(capture)
     return LitCapture(capture, moved, made)
 
 
-def _without_lamps(folder: Path, source: LampSource, leave_out: Sequence[str], progress: Progress) -> Capture:
+def _without_lamps(
+    folder: Path, source: LampSource, leave_out: Sequence[str], encoding: Encoding, progress: Progress
+) -> Capture:
     """The capture of photographs whose lamps nothing tells."""
     from rumu.capture.unlit import read_unlit_photographs
     from rumu.surface.unknown_lamps import find_lamps
@@ -193,6 +210,7 @@ def _without_lamps(folder: Path, source: LampSource, leave_out: Sequence[str], p
         folder,
         show=Bilingual("同一張紙、燈在各處的", "of one sheet, with the lamp in several places"),
         leave_out=leave_out,
+        encoding=encoding,
         progress=progress,
     )
     found = find_lamps(

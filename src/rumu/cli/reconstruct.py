@@ -11,6 +11,7 @@ import typer
 from rumu.cli.lighting import (
     AlignOption,
     CardOption,
+    EncodingOption,
     FlatFieldOption,
     InsideOutOption,
     LampsUnknownOption,
@@ -65,6 +66,7 @@ def reconstruct(
     near_lamps: NearLampsOption = False,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
+    encoding: EncodingOption = "auto",
     write: Annotated[
         str,
         typer.Option(
@@ -109,6 +111,7 @@ def reconstruct(
         near_lamps=near_lamps,
         flat_field=None if flat_field is None else str(flat_field.resolve()),
         align=align,
+        encoding=encoding,
         write=write,
         capture_report=capture_report,
     )

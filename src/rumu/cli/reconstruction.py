@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from rumu.cli.lighting import LampSource, LitCapture, read_lit_capture
+from rumu.cli.lighting import Encoding, LampSource, LitCapture, read_lit_capture
 from rumu.cli.options import check_writable
 from rumu.cli.run_time import Stage, reconstruct_stages
 from rumu.cli.surfaces import REPORT, write_result
@@ -51,6 +51,7 @@ class ReconstructSettings:
     near_lamps: bool = False
     flat_field: str | None = None
     align: bool = False
+    encoding: Encoding = "auto"
     write: str = "all"
     capture_report: str | None = None
 
@@ -152,6 +153,7 @@ def _read(settings: ReconstructSettings, progress: Progress) -> _Photographs:
         align=settings.align,
         leave_out=settings.leave_out,
         mm_per_pixel=settings.mm_per_pixel,
+        encoding=settings.encoding,
         progress=progress,
     )
     capture = lit.capture

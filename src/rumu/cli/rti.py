@@ -10,6 +10,7 @@ import typer
 from rumu.cli.lighting import (
     AlignOption,
     CardOption,
+    EncodingOption,
     FlatFieldOption,
     InsideOutOption,
     LampSource,
@@ -67,6 +68,7 @@ def rti(
     near_lamps: NearLampsOption = False,
     flat_field: FlatFieldOption = None,
     align: AlignOption = False,
+    encoding: EncodingOption = "auto",
     mm_per_pixel: Annotated[
         float | None, typer.Option(min=1e-6, help="Scale of the photographs, for info.json.")
     ] = None,
@@ -94,6 +96,7 @@ def rti(
             align=align,
             leave_out=leave_out or (),
             mm_per_pixel=None if mm_per_pixel is None else finite(mm_per_pixel),
+            encoding=encoding,
             progress=progress,
         ).capture
         fit = fit_rti(capture, basis=chosen, order=order, channels=channels, progress=progress)

@@ -68,7 +68,7 @@ def encoding_notes(
             f'{100 * then:.1f}%。若是如此，請在 capture.json 寫 "encoding": "srgb"。',
             "the photographs were read as light, but seem to hold values for a screen (sRGB): read so, what "
             f"contradicts the surface falls from {100 * now:.1f}% of the brightness to {100 * then:.1f}%. If "
-            'they do, write "encoding": "srgb" in capture.json',
+            'they do, use --encoding srgb, or write "encoding": "srgb" in capture.json',
         ),
     )
 
