@@ -47,7 +47,7 @@ def _shown_levels() -> Samples:
     """Levels of sRGB in 16 bits of 2^20 steps of light, fine enough for the darkest."""
     light = np.linspace(0, 1, 1 << 20)
     shown = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return np.rint(shown * (_LEVELS - 1)).astype(np.uint16)
+    return np.asarray(np.rint(shown * (_LEVELS - 1)), np.uint16)
 
 
 def read_primaries(profile: bytes) -> Primaries | None:
@@ -92,11 +92,11 @@ def _curve(tag: bytes) -> FloatArray:
         raise ValueError("expected a parametric curve")
     count = _PARAMETERS[kind]
     g, *rest = (one / 65536 for one in struct.unpack(f">{count}i", tag[12 : 12 + 4 * count]))
-    a, b, c, d, e, f = (*rest, *(0.0,) * (6 - len(rest)))
+    a, b, c, d, e, f = [*rest, *[0.0] * (6 - len(rest))]
     if kind == 0:
         return np.asarray(levels**g)
     if kind in (1, 2):
         d, (c, shift) = -b / a, (0.0, c)
         e = f = shift
     upper = np.maximum(a * levels + b, 0) ** g + e
-    return np.where(levels >= d, upper, c * levels + f)
+    return np.asarray(np.where(levels >= d, upper, c * levels + f))
