@@ -91,8 +91,8 @@ def _curve(tag: bytes) -> FloatArray:
     if kind not in _PARAMETERS:
         raise ValueError("expected a parametric curve")
     count = _PARAMETERS[kind]
-    g, *rest = (one / 65536 for one in struct.unpack(f">{count}i", tag[12 : 12 + 4 * count]))
-    a, b, c, d, e, f = [*rest, *[0.0] * (6 - len(rest))]
+    told = np.array(struct.unpack(f">{count}i", tag[12 : 12 + 4 * count])) / 65536
+    g, a, b, c, d, e, f = np.pad(told, (0, 7 - count)).tolist()
     if kind == 0:
         return np.asarray(levels**g)
     if kind in (1, 2):
