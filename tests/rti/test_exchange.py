@@ -269,7 +269,7 @@ def written(tmp_path):
         ("a.rti", b"29 24 3", b"29 24 1", "3 channels"),
         ("a.rti", b"9 2 1", b"7 2 1", "4, 9 or 16 terms"),
         ("a.rti", b"29 24", b"290 24", "bytes behind the header"),
-        ("planes/info.json", b'"ptm"', b'"rbf"', "expected type ptm or hsh"),
+        ("planes/info.json", b'"ptm"', b'"sh"', "expected type ptm or hsh"),
         ("planes/info.json", b'"nplanes": 9', b'"nplanes": 12', "a scale and a bias"),
         ("planes/info.json", b'"width": 29', b'"width": 30', "plane_0.jpg"),
         ("planes/info.json", b'"materials"', b'"material"', "materials"),

@@ -8,6 +8,7 @@ from rumu.errors import ImageError
 from rumu.rti.binary_files import read_hsh, read_ptm, write_hsh, write_ptm
 from rumu.rti.image import RtiImage
 from rumu.rti.planes import INFO, read_planes, write_planes
+from rumu.rti.sampled import SampledImage
 from rumu.values import Capture
 
 
@@ -17,7 +18,7 @@ def is_rti(path: str | Path) -> bool:
     return path.suffix.lower() in (".ptm", ".rti") or path.name == INFO or (path / INFO).is_file()
 
 
-def read_rti(path: str | Path) -> RtiImage:
+def read_rti(path: str | Path) -> RtiImage | SampledImage:
     """Read a relightable image.
 
     Parameters
@@ -28,8 +29,9 @@ def read_rti(path: str | Path) -> RtiImage:
 
     Returns
     -------
-    RtiImage
-        With rows from the top, whatever the file has; `relight_rti` shows it under a lamp.
+    RtiImage or SampledImage
+        With rows from the top, whatever the file has; `relight_rti` shows it under a lamp. A SampledImage is
+        one of RelightLab's 'rbf' and 'bilinear', whose weights are tables.
 
     Raises
     ------

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.errors import ImageError
+from rumu.rti.sampled import SampledImage, check_light, relight_sampled
 from rumu.values import FloatArray
 
 Basis = Literal["ptm", "hsh"]
@@ -63,7 +64,7 @@ class RtiImage:
         return int(self.coefficients.shape[3])
 
 
-def relight_rti(image: RtiImage, light: npt.ArrayLike) -> FloatArray:
+def relight_rti(image: RtiImage | SampledImage, light: npt.ArrayLike) -> FloatArray:
     """A relightable image under one lamp.
 
     Parameters
@@ -83,6 +84,8 @@ def relight_rti(image: RtiImage, light: npt.ArrayLike) -> FloatArray:
     ImageError
         When the direction is none, or lies behind the sheet.
     """
+    if isinstance(image, SampledImage):
+        return relight_sampled(image, check_light(light))
     weights = light_weights(np.asarray(light, np.float64)[None], basis=image.basis, terms=image.terms)[0]
     factors = (weights * image.scale).astype(np.float32)
     offsets = -(factors * image.bias).sum(axis=1).astype(np.float32)

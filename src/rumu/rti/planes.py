@@ -19,6 +19,7 @@ from rumu.errors import ImageError
 from rumu.inputs import read_json
 from rumu.outputs import whole_folder
 from rumu.rti.image import TERMS, Basis, Bytes, RtiImage
+from rumu.rti.sampled import TABLES, SampledImage, planes_of, sampled_image
 from rumu.values import FloatArray
 
 INFO = "info.json"
@@ -78,14 +79,16 @@ def write_planes(
         (new / INFO).write_text(json.dumps(info, indent=1) + "\n", encoding="utf-8")
 
 
-def read_planes(path: str | Path) -> RtiImage:
-    """A folder with an info.json, or the info.json itself, of a polynomial or of harmonics.
+def read_planes(path: str | Path) -> RtiImage | SampledImage:
+    """A folder with an info.json, or the info.json itself, of a polynomial, of harmonics or of tables.
 
     Raises ImageError naming what is missing, damaged or of another kind.
     """
     path = Path(path)
     file = path / INFO if path.is_dir() else path
     info = read_json(file, error_type=ImageError, expected="the info.json of a relightable image")
+    if isinstance(info, dict) and info.get("type") in TABLES:
+        return _read_sampled(file, info)
     try:
         basis, space, count = info["type"], info["colorspace"], int(info["nplanes"])
         shape = int(info["height"]), int(info["width"])
@@ -95,22 +98,39 @@ def read_planes(path: str | Path) -> RtiImage:
         raise ImageError(f"expected the info.json of a relightable image ({error!r})", name=file) from error
     if basis not in TERMS or space not in ("rgb", "lrgb") or info.get("format", "jpg") != "jpg":
         raise ImageError(
-            f"expected type ptm or hsh, colorspace rgb or lrgb, format jpg, got {basis!r}, {space!r}, "
-            f"{info.get('format')!r}",
+            "expected type ptm or hsh, colorspace rgb or lrgb, or type rbf or bilinear, colorspace mrgb or "
+            f"mycc, format jpg, got {basis!r}, {space!r}, {info.get('format')!r}",
             name=file,
         )
     terms = count - 3 if space == "lrgb" else count // 3
     sound = scale.shape == bias.shape == (count,) and np.isfinite([scale, bias]).all() and (scale != 0).all()
     if count % 3 or terms not in TERMS[basis] or not sound:
         raise ImageError(f"expected a scale and a bias of each of {count} planes", name=file)
+    return _of_planes(basis, space == "lrgb", _read_all(file, count, shape), scale, bias)
+
+
+def _read_sampled(file: Path, info: dict[str, Any]) -> SampledImage:
+    """A relightable image whose weights are tables."""
+    try:
+        space, count = info["colorspace"], planes_of(info)
+        shape = int(info["height"]), int(info["width"])
+        if space not in ("mrgb", "mycc") or info.get("format", "jpg") != "jpg" or not count > 0:
+            raise ValueError(f"colorspace mrgb or mycc, format jpg, got {space!r}, {info.get('format')!r}")
+        planes = np.concatenate(_read_all(file, count, shape), axis=2)
+        return sampled_image(info, np.ascontiguousarray(planes[..., :count]))
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        raise ImageError(f"expected the info.json of a relightable image ({error!r})", name=file) from error
+
+
+def _read_all(file: Path, count: int, shape: tuple[int, int]) -> list[Bytes]:
+    """The JPEGs that hold so many planes, (H, W, 3) each."""
     if any((file.parent / f"plane_0{end}").exists() for end in (".dzi", ".tzi")):
         raise ImageError(
             "expected planes as whole JPEGs (plane_0.jpg), got tiles of a deep zoom (.dzi, .tzi); export the "
             "relightable image as images",
             name=file,
         )
-    planes = [_read_plane(file.parent / f"plane_{i}.jpg", shape) for i in range(count // 3)]
-    return _of_planes(basis, space == "lrgb", planes, scale, bias)
+    return [_read_plane(file.parent / f"plane_{i}.jpg", shape) for i in range(-(-count // 3))]
 
 
 def _planes(image: RtiImage, order: list[int]) -> list[Bytes]:
