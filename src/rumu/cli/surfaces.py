@@ -280,13 +280,17 @@ def write_result(
     from rumu.report.pages import surface_page
     from rumu.report.wording import SOURCES, quality_meaning
     from rumu.surface.folder import MESH, write_surface
+    from rumu.surface.reduction import reduce_surface
 
     if {REPORT, MESH} & set(files):
         begin("Drawing the mesh and the report", progress)
-    report = {REPORT: surface_page(surface, title=title, notes=notes)} if REPORT in files else {}
+    shown = reduce_surface(surface) if {REPORT, MESH} & set(files) else None
+    report = {REPORT: surface_page(surface, title=title, notes=notes, shown=shown)} if REPORT in files else {}
     written = [name for name in files if name != REPORT]
     extra = {**report, **(beside or {})}
-    write_surface(surface, out, files=written, extra=extra, processing=processing, progress=progress)
+    write_surface(
+        surface, out, files=written, extra=extra, processing=processing, shown=shown, progress=progress
+    )
     facts = {
         "out": out,
         "report": out / REPORT if report else None,

@@ -42,6 +42,7 @@ _LAMP_TILT = 135.0
 _LARGE_WRITING = MeshView(width=1000, cells=110)
 _LARGE_RELIEF = MeshView(width=1000, cells=110, elevation=62.0)  # deep objects hide themselves from lower
 
+_DRAWN = 2_000_000  # most pixels that the pictures of a surface are drawn from, several times their own
 _PAGE_SIDE = 1800  # longest side, in pixels, of a page of writing as a report shows it
 _UNSURE = 0.35  # certainty below which a character is marked as doubtful
 
@@ -117,11 +118,16 @@ def assessment_page(
     )
 
 
-def surface_page(surface: Surface, *, title: str, notes: Sequence[Bilingual] = ()) -> str:
-    """A surface as a page: its maps, its form under four lamps, its mesh, and how far to trust it."""
+def surface_page(
+    surface: Surface, *, title: str, notes: Sequence[Bilingual] = (), shown: Surface | None = None
+) -> str:
+    """A surface as a page: its maps, its form under four lamps, its mesh, and how far to trust it.
+
+    shown: the surface as `reduce_surface` makes it, where it was needed before.
+    """
     size = f"{surface.height.shape[1]} × {surface.height.shape[0]}"
     spacing = f"{surface.spacing:.4g} {surface.unit}"
-    surface = reduce_surface(surface)
+    surface = reduce_surface(shown or surface, pixels=_DRAWN)
     heights, (low, high) = height_picture(surface)
     return _render(
         "surface.html",

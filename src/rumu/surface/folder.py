@@ -84,13 +84,15 @@ def write_surface(
     files: Collection[str] = FILES,
     extra: Mapping[str, str | bytes] | None = None,
     processing: Processing | None = None,
+    shown: Surface | None = None,
     progress: Progress | None = None,
 ) -> None:
     """Write a surface as a folder; it appears whole or not at all.
 
     folder: new, empty, or an earlier surface, which is replaced. files: which of FILES and ON_REQUEST; the
     mask is always written. extra: more files of the folder, text or bytes by name, such as a report.
-    processing: how the surface was made, for surface.json.
+    processing: how the surface was made, for surface.json. shown: the surface as `reduce_surface` makes it,
+    for the mesh, where it was needed before.
     Raises OutputError when the folder cannot be written or holds other files, SurfaceError when there is
     nothing to make a mesh of, a file is none of a surface, or an extra name is not a plain new name.
     """
@@ -101,7 +103,7 @@ def write_surface(
     for name in extra or {}:
         if Path(name).name != name or name in (MARKER, *known):
             raise SurfaceError(f"expected a plain file name that is not of the surface's own, got {name!r}")
-    glb = {MESH: mesh_bytes(reduce_surface(surface))} if MESH in files else {}
+    glb = {MESH: mesh_bytes(shown or reduce_surface(surface))} if MESH in files else {}
     arrays = [name for name in known if name in {*files, "mask.png"} and name != MESH]
     with whole_folder(folder, marker=MARKER) as new:
         try:

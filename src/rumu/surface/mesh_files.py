@@ -127,12 +127,21 @@ def _jpeg(picture: npt.NDArray[np.uint8], *, quality: int, subsampling: int) -> 
     return packed.getvalue()
 
 
-def _albedo_picture(surface: Surface, settings: MeshSettings) -> bytes:
-    from PIL import Image
+def _of_texture_size(array: FloatArray, settings: MeshSettings) -> FloatArray:
+    """(h, w) or (h, w, 3): as large as the pictures on the sheet, by means over pixels; never enlarged."""
+    import cv2
 
-    picture = Image.fromarray(albedo_srgb(surface.albedo))
-    picture.thumbnail((settings.texture, settings.texture))
-    return _jpeg(np.asarray(picture), quality=88, subsampling=2)
+    height, width = array.shape[:2]
+    share = settings.texture / max(height, width)
+    if share >= 1.0:
+        return array
+    size = max(1, round(width * share)), max(1, round(height * share))
+    return np.asarray(cv2.resize(array, size, interpolation=cv2.INTER_AREA))
+
+
+def _albedo_picture(surface: Surface, settings: MeshSettings) -> bytes:
+    picture = albedo_srgb(_of_texture_size(surface.albedo, settings))
+    return _jpeg(picture, quality=88, subsampling=2)
 
 
 def normal_levels(surface: Surface, *, settings: MeshSettings) -> npt.NDArray[np.uint8]:
@@ -140,15 +149,10 @@ def normal_levels(surface: Surface, *, settings: MeshSettings) -> npt.NDArray[np
 
     As steep as the exaggerated surface; level where nothing was measured.
     """
-    import cv2
-
-    normals = np.where(surface.mask[..., None], surface.normals, (0.0, 0.0, 1.0)).astype(np.float32)
+    level = np.array((0, 0, 1), np.float32)
+    normals = np.where(surface.mask[..., None], surface.normals, level).astype(np.float32, copy=False)
     normals[..., :2] *= settings.exaggeration
-    h, w = normals.shape[:2]
-    share = min(1.0, settings.texture / max(h, w))
-    if share < 1.0:
-        size = max(1, round(w * share)), max(1, round(h * share))
-        normals = np.asarray(cv2.resize(normals, size, interpolation=cv2.INTER_AREA))
+    normals = _of_texture_size(normals, settings)
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-6)
     return np.asarray(np.round(normals * 127.5 + 127.5), np.uint8)
 
