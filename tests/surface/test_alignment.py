@@ -159,3 +159,18 @@ def test_a_sheet_that_is_alike_in_many_places_is_laid_by_its_brightness():
     images[5] = np.roll(images[5], (5, 3), (0, 1))
     done = align_photographs(Capture(images=images, lights=lights, mask=np.ones((180, 240), bool)))
     assert done.moved == pytest.approx([5.83 if i == 5 else 0 for i in range(12)], abs=0.15)
+
+
+@pytest.mark.parametrize(("far", "doubted"), [(2.0, False), (11.0, True)])
+def test_a_sheet_that_repeats_itself_is_told_of_where_it_may_be_off_by_a_period(far, doubted):
+    threads = sum(ridges(SIZE, width=5, pitch=20, angle=angle).height for angle in (0, 90))
+    albedo = 0.06 + 0.8 * np.exp(-np.asarray(threads))
+    images, lights = photographs(HEIGHT, albedo, tilts=range(0, 360, 60), slant=45)
+    images = ndimage.gaussian_filter(images, (0, 0.9, 0.9))
+    for number in (1, 4):
+        images[number] = moved_by(images[number], far, 0.0)
+    cloth = Capture(
+        images=images.clip(0, 1).astype(np.float32), lights=lights, mask=np.ones(SIZE, bool), names=NAMES
+    )
+    notes = " ".join(note.en for note in align_photographs(cloth).capture.notes)
+    assert ("the sheet repeats itself every 20 pixels" in notes) == doubted

@@ -33,7 +33,9 @@ class FrameAlignmentSettings:
     that moved.
     likeness: least correlation of the edges in the end. clearly: share of what it lacked of 1 that may be
     left, since light moves edges, too. steps, step: most steps of ECC, and the gain at which it ends.
-    blur: width of its filter, in pixels.
+    blur: width of its filter, in pixels. repeated: correlation of the edges with themselves, moved, from
+    which a sheet repeats itself. doubted: share of that move from which a photograph may have moved so far,
+    or so far less.
     """
 
     side: int = 1600
@@ -47,6 +49,8 @@ class FrameAlignmentSettings:
     steps: int = 60
     step: float = 1e-6
     blur: int = 5
+    repeated: float = 0.75
+    doubted: float = 0.2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +97,7 @@ def align_photographs(
     size = (round(width / scale), round(height / scale))
     frames = np.stack([_gray(stack.reduced(i, size)) for i in range(len(stack))])
     finder = _Finder(frames, capture.lights, settings)
-    poses, lost = finder.poses(progress)
+    poses, lost, period = finder.poses(progress)
     ratio = np.array([width / size[0], height / size[1]])
     maps = [_at_full_size(finder.matrix(pose), ratio) for pose in poses]
     moved = np.array([_farthest(one, (height, width)) for one in maps])
@@ -118,9 +122,8 @@ def align_photographs(
             progress("Laying photographs on each other", number + 1, len(stack))
         return photograph if not moved[number] else _warped(photograph, maps[number])
 
-    notes = _notes(
-        [*capture.names] or [f"photograph {i + 1}" for i in range(len(moved))], moved, lost, settings
-    )
+    names = [*capture.names] or [f"photograph {i + 1}" for i in range(len(moved))]
+    notes = _notes(names, moved, lost, settings, period=scale * period)
     whole: ImageStack = stack.mapped(laid)
     return AlignedCapture(capture.changed(images=whole, mask=seen, notes=(*capture.notes, *notes)), moved)
 
@@ -133,8 +136,8 @@ class _Finder:
     lights: FloatArray
     settings: FrameAlignmentSettings
 
-    def poses(self, progress: Progress | None) -> tuple[FloatArray, list[int]]:
-        """(N, 3): x, y and turn of each frame against most; and the numbers of those that are lost."""
+    def poses(self, progress: Progress | None) -> tuple[FloatArray, list[int], float]:
+        """(N, 3): x, y and turn of each frame against most; the numbers of those that are lost; `_period`."""
         edges = np.stack([self._edges(frame) for frame in self.frames])
         poses = self._shifts(edges)
         rounds, lost = self.settings.rounds, set[int]()
@@ -159,7 +162,8 @@ class _Finder:
             kept = [i for i in range(len(found)) if i not in lost]
             poses = found - (np.median(found[kept], axis=0) if kept else 0.0)
             poses[sorted(lost)] = 0.0
-        return poses, sorted(lost)
+        some = edges[:: max(1, len(edges) // 3)][:3]  # each shows it by itself, whether it moved or not
+        return poses, sorted(lost), float(np.median([_period(one, self.settings) for one in some]))
 
     @property
     def _middle(self) -> FloatArray:
@@ -234,6 +238,32 @@ class _Finder:
         return pose if 1 - after < s.clearly * (1 - before) else np.zeros(3)
 
 
+def _period(edges: FloatArray, settings: FrameAlignmentSettings) -> float:
+    """The shortest move, in pixels, after which edges (h, w) are much as before; infinite where none is."""
+    from scipy import fft, ndimage
+
+    height, width = edges.shape
+    window = np.outer(np.hanning(height), np.hanning(width))
+    uneven = (edges - np.average(edges, weights=window)) * window
+    whole = (2 * height, 2 * width)
+
+    def with_itself(values: FloatArray) -> FloatArray:
+        power = np.abs(fft.rfft2(values, whole)) ** 2
+        return np.asarray(fft.fftshift(fft.irfft2(power, whole)))
+
+    alike, common = with_itself(uneven), with_itself(window)
+    near = (slice(height - height // 2, height + height // 2), slice(width - width // 2, width + width // 2))
+    alike = alike[near] / np.maximum(common[near], 1e-6 * common.max())
+    middle = (height // 2, width // 2)
+    share = alike / max(float(alike[middle]), 1e-12)
+    parts, count = ndimage.label(share > settings.repeated)
+    if not alike[middle] > 0 or count < 2:
+        return np.inf
+    numbers = [number for number in range(1, count + 1) if number != parts[middle]]
+    peaks = ndimage.maximum_position(share, parts, numbers)
+    return float(np.hypot(*(np.array(peaks) - middle).T).min())
+
+
 def _gray(frame: FloatArray) -> FloatArray:
     return np.ascontiguousarray(frame if frame.ndim == 2 else frame.mean(axis=2), np.float32)
 
@@ -288,9 +318,21 @@ def _warped(photograph: Photograph, matrix: FloatArray) -> Photograph:
 
 
 def _notes(
-    names: list[str], moved: FloatArray, lost: list[int], settings: FrameAlignmentSettings
+    names: list[str], moved: FloatArray, lost: list[int], settings: FrameAlignmentSettings, *, period: float
 ) -> list[Bilingual]:
+    """period: in pixels of the photograph, see `_period`."""
     notes = []
+    doubtful = [name for name, by in zip(names, moved, strict=True) if by > settings.doubted * period]
+    if doubtful:
+        notes.append(
+            Bilingual(
+                f"這張紙每 {period:.0f} 像素就重複一次（如織物、印好的格子），"
+                f"所以 {'、'.join(doubtful)} 也可能對錯了一格；請看結果，或固定好相機再拍。",
+                f"the sheet repeats itself every {period:.0f} pixels, as cloth or a printed grid does, so "
+                f"{', '.join(doubtful)} may lie off by just that: look at the result, or photograph again "
+                "with a camera that stands still",
+            )
+        )
     far = [f"{name} ({by:.1f})" for name, by in zip(names, moved, strict=True) if by > settings.warned]
     if far:
         notes.append(
