@@ -186,6 +186,7 @@ def _account(
     from rumu.capture.light_files import lp_text
     from rumu.surface.encoding_check import encoding_notes
     from rumu.surface.frame_check import exposure_notes
+    from rumu.surface.gloss_check import gloss_notes
     from rumu.surface.lamp_positions import near_notes
     from rumu.surface.photograph_table import fault_notes, photograph_table
     from rumu.surface.processing import record_processing
@@ -196,6 +197,7 @@ def _account(
         *capture.notes,
         *exposure_notes(capture, surface),
         *encoding_notes(capture, surface),
+        *gloss_notes(capture, surface),
         *fault_notes(table),
         *near_notes(capture, surface),
     )

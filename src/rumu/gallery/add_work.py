@@ -111,6 +111,7 @@ def add_capture(
     from rumu.pipeline import reconstruct
     from rumu.surface.encoding_check import encoding_notes
     from rumu.surface.frame_check import exposure_notes
+    from rumu.surface.gloss_check import gloss_notes
 
     path = Path(path)
     folder = path if path.is_dir() else path.parent
@@ -127,7 +128,12 @@ def add_capture(
         del capture, made  # large photographs are in memory once only
         capture = read_capture(photographs, within=photographs)
         surface = reconstruct(capture, solver=solver, rectify=rectify)
-        notes = (*notes, *exposure_notes(capture, surface), *encoding_notes(capture, surface))
+        notes = (
+            *notes,
+            *exposure_notes(capture, surface),
+            *encoding_notes(capture, surface),
+            *gloss_notes(capture, surface),
+        )
         del capture
         photographs_key = capture_key(capture_digest)
         reconstructed = surface_key(capture_digest, solver=solver, rectify=rectify)
