@@ -54,8 +54,8 @@ def gloss_notes(
             "所以沒有尋找別的材質，斜率可能差好幾度；請用更多、更遠的燈再拍（燈離紙不到一張紙寬時，看來也會這樣）。",
             f"the surface seems to shine: in {100 * share:.0f}% of it one lamp shows far more light than "
             f"matt ground would. Other materials were not looked for, since {why.en}, and the slopes may be "
-            "off by several degrees; photograph it under more lamps, far away (lamps nearer than the sheet is wide look like "
-            "that, too)",
+            "off by several degrees; photograph it under more lamps, far away "
+            "(lamps nearer than the sheet is wide look like that, too)",
         ),
     )
 
