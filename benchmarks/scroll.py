@@ -2,9 +2,9 @@
 
 Without `--pages`: a scroll laid out from the 324 crops of the Lanting Xu (`masters/running-lantingxu`) on
 silk, with a mount around it. With it: the printed pages of `pages/printed`. Printed for each: its characters,
-how many works stand within it, how many of the text are there under their right names, in order, how many of
-these a search finds, how many were opened as surfaces (none with `--names`), and the seconds of processor
-time. `--out FILE` keeps the scroll and its text as files.
+how many works stand within it, how many of the text are there under their right names, in order (of the
+scroll also where each was put), how many of these a search finds, how many were opened as surfaces (none with
+`--names`), and the seconds of processor time. `--out FILE` keeps the scroll and its text as files.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from rumu.gallery.assets import assets_of
 from rumu.gallery.catalog import open_gallery, work, works
 from rumu.gallery.metadata import WorkMetadata
 from rumu.gallery.store import Gallery
-from rumu.gallery.whole_works import characters_within
+from rumu.gallery.whole_works import CharacterWithin, characters_within
 from rumu.pages.text_alignment import read_text
 from rumu.values import Bilingual
 
@@ -104,8 +104,23 @@ def printed_pages() -> Iterator[tuple[Path, str]]:
         yield DATA / "pages" / page["file"], "\n".join(lines)
 
 
-def figures(gallery: Gallery, path: Path, text: str, *, open_them: bool) -> dict[str, float]:
-    """Add a page and count what became of its characters."""
+def in_their_places(matches: list[tuple[int, CharacterWithin]]) -> list[tuple[int, CharacterWithin]]:
+    """Those that stand where the scroll has the character of the text with this number.
+
+    The page may have been laid flat: one affine map is fitted to all, twice, the second time without those
+    that are far off.
+    """
+    laid = np.array([divmod(number, ROWS) for number, _ in matches], dtype=float)
+    found = np.array([[*np.mean(one.place["polygon"], axis=0), 1] for _, one in matches])
+    near = np.ones(len(matches), dtype=bool)
+    for _ in range(2):
+        places = found @ np.linalg.lstsq(found[near], laid[near], rcond=None)[0]
+        near = np.abs(places - laid).max(axis=1) < 0.5
+    return [one for one, is_near in zip(matches, near, strict=True) if is_near]
+
+
+def figures(gallery: Gallery, path: Path, text: str, *, open_them: bool, laid_out: bool) -> dict[str, float]:
+    """Add a page and count what became of its characters. laid_out: whether it is the scroll."""
     started = time.process_time()
     metadata = WorkMetadata(title=Bilingual(path.stem, path.stem), script="running")
     added = add_page(gallery, path, text=text, metadata=metadata)
@@ -113,7 +128,9 @@ def figures(gallery: Gallery, path: Path, text: str, *, open_them: bool) -> dict
     within = characters_within(gallery, added.id)
     given = read_text(text).characters
     blocks = SequenceMatcher(None, given, [one.character for one in within], autojunk=False)
-    right = [within[block.b + k] for block in blocks.get_matching_blocks() for k in range(block.size)]
+    ranges = [(block.a, block.b, block.size) for block in blocks.get_matching_blocks()]
+    matches = [(a + k, within[b + k]) for a, b, size in ranges for k in range(size)]
+    right = [one for _, one in (in_their_places(matches) if laid_out else matches)]
     found = {
         character: {one.id for one in works(gallery, within=added.id, query=character, limit=1000).items}
         for character in {one.character for one in right}
@@ -159,7 +176,7 @@ def main() -> None:
         print(f"{'page':<28}{'text':>6}{'works':>7}{'right':>7}{'found':>7}{'opened':>8}{'seconds':>9}")
         rows = []
         for path, text in pages:
-            rows.append(figures(gallery, path, text, open_them=not options.names))
+            rows.append(figures(gallery, path, text, open_them=not options.names, laid_out=not options.pages))
             print(f"{path.stem:<28}" + line_of(rows[-1]), flush=True)
         total = {name: sum(row[name] for row in rows) for name in rows[0]}
         print(f"{'all':<28}" + line_of(total))

@@ -282,6 +282,23 @@ def test_a_double_row_is_told_and_read_on_the_right_first(columns_page):
     assert right[0] > left[2] - 3 and column[3].box[3] <= column[4].box[1] + 3
 
 
+def test_a_character_that_was_taken_for_a_double_row_is_one_where_the_text_says_so(columns_page):
+    columns = tuple(column[:3] + "林" + column[4:] for column in POEM)
+    drawn = columns_page(columns)
+    low = DrawnPage(np.full((44, 44), 240, np.uint8))
+    low.draw("林", 22, 22, 42)
+    low.gray[:, 21:24] = 240
+    for character, x, y in drawn.centres:
+        if character == "林":  # low, its halves apart
+            (left, top), drawn_low = (int(x) - 22, int(y) - 22), np.full((44, 44), 240, np.uint8)
+            drawn_low[12:32] = cv2.resize(low.gray, (44, 20), interpolation=cv2.INTER_AREA)
+            drawn.gray[top : top + 44, left : left + 44] = drawn_low
+    assert {0, 1} <= {one.small for one in rumu.read_page(drawn.picture).characters}
+    page = rumu.read_page(drawn.picture, text="".join(columns))
+    assert page.text == "\n".join(columns)
+    assert all(one.small is None for one in page.characters)
+
+
 def test_low_characters_far_apart_are_no_double_rows(columns_page):
     """Clerical characters are broad and low, and their halves stand apart."""
     columns = ("竹林八川北小以心", "川竹此林心兆八北", "北以竹心川小林兆", "心八林川竹北此以")

@@ -73,6 +73,7 @@ def written_cells(grid: PageGrid, text: str | None) -> tuple[PageCharacter, ...]
         z=z,
         z_merged=np.zeros_like(z),
         mergeable=np.zeros(n, dtype=bool),
+        beside=np.zeros(n, dtype=bool),
         small=np.zeros(n, dtype=bool),
         height=np.zeros(n),  # no cell holds two characters
         first=np.array([k == 0 or columns[k] != columns[k - 1] for k in range(n)]),

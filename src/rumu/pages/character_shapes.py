@@ -98,10 +98,11 @@ def _offset(column: Column, y: IntArray, x: IntArray) -> FloatArray:
 
 
 def joined_shape(upper: CharacterShape, lower: CharacterShape, column: Column) -> CharacterShape:
-    """Two shapes of a column as one character."""
+    """Two shapes of a column as one character: one above the other, or what was taken for a double row."""
     y, x = np.concatenate([upper.y, lower.y]), np.concatenate([upper.x, lower.x])
     corners = _corners(column, y, _offset(column, y, x))
-    return CharacterShape(corners, upper.small, max(upper.doubt, lower.doubt), y, x)
+    small = upper.small if upper.small == lower.small else None
+    return CharacterShape(corners, small, max(upper.doubt, lower.doubt), y, x)
 
 
 def cut_shape(

@@ -11,6 +11,9 @@ from rumu.pages.free_page import FreePage, WrittenColumn
 from rumu.pages.recutting import Draft, Words, cut_anew, look_of
 from rumu.pages.text_alignment import Aligned, FoundCharacters, Step, align, distinct_characters, read_text
 
+_BESIDE = 0.5
+"""Share of the lower of two shapes at whose height the other must stand, where both may be one character."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NamedShape:
@@ -37,14 +40,13 @@ def name_characters(page: FreePage, text: str) -> list[list[NamedShape]]:
 
 def _found(shapes: list[tuple[WrittenColumn, CharacterShape]], words: Words) -> FoundCharacters:
     n = len(shapes)
-    mergeable = np.zeros(n, dtype=bool)
+    mergeable, beside = np.zeros((2, n), dtype=bool)
     both = []
     for k in range(n - 1):
-        (column, upper), (other, lower) = shapes[k], shapes[k + 1]
-        high = lower.corners[:, 1].max() - upper.corners[:, 1].min()
-        if column is other and upper.small == lower.small and high < 1.6 * column.places.pace:
-            mergeable[k] = True
-            both.append((np.concatenate([upper.y, lower.y]), np.concatenate([upper.x, lower.x])))
+        (column, first), (other, second) = shapes[k], shapes[k + 1]
+        if column is other and _may_be_one(first, second, pace=column.places.pace):
+            mergeable[k], beside[k] = True, first.small != second.small
+            both.append((np.concatenate([first.y, second.y]), np.concatenate([first.x, second.x])))
     z = words.likeness([look_of(shape) for _, shape in shapes])
     z_merged = np.zeros_like(z)
     if both:
@@ -54,11 +56,23 @@ def _found(shapes: list[tuple[WrittenColumn, CharacterShape]], words: Words) -> 
         z=z,
         z_merged=z_merged,
         mergeable=mergeable,
+        beside=beside,
         small=np.array([shape.small is not None for _, shape in shapes]),
         height=np.array(height),
         first=np.array([k == 0 or shapes[k][0] is not shapes[k - 1][0] for k in range(n)]),
         known=words.known,
     )
+
+
+def _may_be_one(first: CharacterShape, second: CharacterShape, *, pace: float) -> bool:
+    """Whether two shapes of a column may be one character, above each other or its right and left part."""
+    (top, bottom), (other_top, other_bottom) = (
+        (shape.corners[:, 1].min(), shape.corners[:, 1].max()) for shape in (first, second)
+    )
+    if first.small == second.small:
+        return bool(other_bottom - top < 1.6 * pace)
+    overlap = min(bottom, other_bottom) - max(top, other_top)
+    return bool(overlap > _BESIDE * min(bottom - top, other_bottom - other_top))
 
 
 def _drafts(

@@ -28,14 +28,14 @@ class AlignmentSettings:
 
     skip, skip_more: a character left out on either side, and each further one after it. beyond: each
     character of the text before the page begins or after it ends. skip_small: a small character left out.
-    merge: two found characters that are one of the text. split: a found character that is two of the text;
-    tall: what it gains for each pace by which it is higher than `usual` paces. line: a column and a line of
-    the text that begin together.
+    merge: two found characters that are one of the text; halves: where they stand beside each other. split: a
+    found character that is two of the text; tall: what it gains for each pace by which it is higher than
+    `usual` paces. line: a column and a line of the text that begin together.
     """
 
     steep: float = 3.0
     even: float = 1.15
-    worst: float = -1.5
+    worst: float = -0.5
     best: float = 2.5
     unknown: float = 0.8
     skip: float = 1.4
@@ -43,6 +43,7 @@ class AlignmentSettings:
     beyond: float = 0.02
     skip_small: float = 0.3
     merge: float = 1.5
+    halves: float = 0.0
     split: float = 2.0
     tall: float = 4.0
     usual: float = 1.2
@@ -98,14 +99,16 @@ class FoundCharacters:
     """What the alignment knows of n found characters in reading order.
 
     z: (n, u) how well each of the u different characters of the text fits each. z_merged: (n, u) the same of
-    each together with the one after it. mergeable: (n,) bool, whether those two stand below each other in
-    one column. small: (n,) bool. height: (n,) in paces of the column. first: (n,) bool, the first of a
-    column. known: (u,) bool, whether the strokes of a character of the text are known.
+    each together with the one after it. mergeable: (n,) bool, whether those two may be one; beside: (n,)
+    bool, whether they stand beside each other and not one below the other. small: (n,) bool. height: (n,) in
+    paces of the column. first: (n,) bool, the first of a column. known: (u,) bool, whether the strokes of a
+    character of the text are known.
     """
 
     z: FloatArray
     z_merged: FloatArray
     mergeable: BoolArray
+    beside: BoolArray
     small: BoolArray
     height: FloatArray
     first: BoolArray
@@ -139,7 +142,8 @@ def align(
     step = np.zeros((n + 1, m + 1), dtype=np.int8)
     jump = np.zeros((n + 1, m + 1), dtype=np.int32)  # where a run of skipped text begins
     gain = _gains(found.z, found.known, settings)
-    merged = _gains(found.z_merged, found.known, settings) - settings.merge
+    price = np.where(found.beside, settings.halves, settings.merge).astype(np.float32)
+    merged = _gains(found.z_merged, found.known, settings) - price[:, None]
     rows = [(-settings.beyond * place).astype(np.float32)]
     step[0] = Step.SKIP_TEXT
     falling = np.full(m + 1, -np.inf, dtype=np.float32)  # the best that ends in skipped found characters
