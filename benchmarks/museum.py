@@ -29,6 +29,7 @@ from rumu.capture.folder import read_capture
 from rumu.surface import compiled, robust
 from rumu.surface.beyond_lambert import find_materials
 from rumu.surface.integrate import integrate
+from rumu.surface.photometric import surface_normals
 from rumu.surface.robust import RobustSettings
 from rumu.surface.solve import solve
 from rumu_lab.simulation.lamps import from_slopes
@@ -158,6 +159,8 @@ def small_captures() -> None:
             f"  {solver:<30}{kernels[0]:8.3f}{kernels[1]:10.3f}{numpy[0]:14.3f}{numpy[0] / tile[0]:9.0f}",
             flush=True,
         )
+    checked = timed(lambda: surface_normals(capture), times=15)
+    print(f"  {'robust, with all checks':<30}{checked[0]:8.3f}{checked[1]:10.3f}", flush=True)
 
 
 def glossy_capture() -> None:
