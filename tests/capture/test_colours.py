@@ -14,6 +14,7 @@ import tifffile
 from PIL import Image, ImageCms
 
 from rumu.capture.colours import ProfileWarning
+from rumu.capture.folder import read_capture
 from rumu.capture.image import read_image, read_linear
 
 D50 = np.array([0.9642, 1.0, 0.8249])
@@ -144,6 +145,17 @@ def test_a_profile_tells_that_a_tiff_is_for_a_screen(tmp_path: Path, name: str) 
     assert np.abs(read_linear(path) - linear_of(patches())).max() < 1e-3
     as_it_is = read_linear(path, encoding="linear")
     np.testing.assert_allclose(as_it_is, in_space(name, patches()), atol=1e-4)
+
+
+@pytest.mark.parametrize("profile", ["Adobe RGB", "linear"])
+def test_a_capture_says_that_a_profile_was_used(tmp_path: Path, profile: str) -> None:
+    for name in "abc":
+        used = linear_profile() if profile == "linear" else rgb_profile(profile)
+        deep_tiff(tmp_path / f"{name}.tif", np.clip(patches() + 0.01 * ord(name) - 0.98, 0, 1), used)
+    (tmp_path / "capture.json").write_text('{"slant": 45}')
+    notes = " ".join(note.en for note in read_capture(tmp_path).notes)
+    assert ("a.tif, b.tif, c.tif: decoded by their colour profiles" in notes) == (profile != "linear")
+    assert read_capture(tmp_path, encoding="srgb").notes == ()
 
 
 def test_a_profile_of_light_leaves_light(tmp_path: Path) -> None:

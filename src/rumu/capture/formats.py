@@ -32,7 +32,8 @@ Encoding = Literal["auto", "linear", "srgb"]
 ENCODINGS: tuple[Encoding, ...] = get_args(Encoding)
 
 _PILLOW_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "GIF", "PPM")  # JPEG opens MPO, too
-_DISPLAY_FORMATS = ("JPEG", "MPO", "WEBP", "AVIF", "HEIF")  # always written for a screen: display-encoded
+DISPLAY_FORMATS = ("JPEG", "MPO", "WEBP", "AVIF", "HEIF")
+"""Those that are always written for a screen: display-encoded."""
 _FORMATS = "PNG, JPEG, WebP, HEIC, AVIF, BMP, GIF, PPM, TIFF or EXR"
 _EXPECTED = f"expected an image ({_FORMATS})"
 _EXPECTED_ZH = f"需要圖片檔（{_FORMATS.replace(' or ', ', ').replace(', ', '、')}）"
@@ -293,7 +294,7 @@ def _read_pillow(
             return _read_cut_jpeg(path)
         stored, orientation, profile = _pillow_samples(path, image)
     whole = (header.width, header.height)
-    return replace(stored, display=header.format in _DISPLAY_FORMATS, whole=whole), orientation, profile
+    return replace(stored, display=header.format in DISPLAY_FORMATS, whole=whole), orientation, profile
 
 
 def _read_cut_jpeg(path: Path) -> Reading:

@@ -11,7 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from rumu.capture.description import DESCRIPTION
-from rumu.capture.formats import Encoding, read_header
+from rumu.capture.formats import DISPLAY_FORMATS, Encoding, read_header
 from rumu.capture.image import read_photograph
 from rumu.capture.memory_plan import MemoryPlan, plan_memory
 from rumu.capture.photographs import capture_error
@@ -58,7 +58,8 @@ def read_frames(
     """
     upright = orientation == "exif" or (orientation == "auto" and as_shown)
     files = paths if ambient is None else (*paths, ambient)
-    plan = plan_memory([read_header(path) for path in files], paths[0].parent)
+    headers = [read_header(path) for path in files]
+    plan = plan_memory(headers, paths[0].parent)
     reader = _Reader(plan, encoding, progress)
     read = reader.read(files, upright=upright, alike=orientation == "auto")
     if read is None:  # they say different things
@@ -72,9 +73,13 @@ def read_frames(
     if ambient is not None and dark is not None:
         _check_ambient(ambient, dark, paths, photographs)
     _check_alike(paths, photographs)
-    notes = _orientation_notes(paths, told, upright=upright)
+    turned = _orientation_notes(paths, told, upright=upright)
+    kinds = [one.format for one in headers[: len(paths)]]
+    by_profile = _profile_notes(paths, photographs, kinds) if encoding == "auto" else ()
     stack = ImageStack(photographs, dark=dark, peak=max(1.0, _peak(photographs, dark)))
-    return Frames(stack, upright, ("exif" if upright else "stored") if notes else None, notes)
+    return Frames(
+        stack, upright, ("exif" if upright else "stored") if turned else None, (*turned, *by_profile)
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,6 +199,28 @@ def with_file_name(error: ImageError, path: Path) -> ImageError:
     """The error with the name of the file alone: the folders above it are those of a server, perhaps."""
     zh = None if error.zh is None else error.zh.replace(str(path), path.name)
     return ImageError(str(error).replace(str(path), path.name), zh=zh)
+
+
+def _profile_notes(
+    paths: tuple[Path, ...], photographs: list[Photograph], formats: list[str]
+) -> tuple[Bilingual, ...]:
+    """What is said of photographs that a colour profile, and not their format, made values for a screen."""
+    decoded = [
+        path.name
+        for path, one, kind in zip(paths, photographs, formats, strict=True)
+        if one.curve is not None and kind not in DISPLAY_FORMATS
+    ]
+    if not decoded:
+        return ()
+    names = ", ".join(decoded[:4]) + ("..." if len(decoded) > 4 else "")
+    return (
+        Bilingual(
+            f"{names}：色彩描述檔（ICC）說是螢幕用的值，已照它換成光的量；"
+            "若其實就是光的量，請用 --encoding linear。",
+            f"{names}: decoded by their colour profiles (ICC), which say that they were made for a screen; "
+            "if they hold light as it is, use --encoding linear",
+        ),
+    )
 
 
 def _orientation_notes(paths: tuple[Path, ...], told: list[int], *, upright: bool) -> tuple[Bilingual, ...]:
