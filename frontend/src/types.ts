@@ -122,7 +122,7 @@ export type ViewerFacts = {
 };
 
 /** Image services by the maps that they show; a map without one is missing or null. version: empty where it is not known. */
-export type TileServices = { [map in TiledMap]?: string | null } & { version: string };
+export type TileServices = { [map in TiledMap | "heights"]?: string | null } & { version: string };
 export type TiledMap = "albedo" | "normals" | "picture" | "lamp-a" | "lamp-b" | "lamp-c";
 
 export type TourStep = { work: string; view: string; title: Bilingual; text: Bilingual };

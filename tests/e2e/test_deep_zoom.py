@@ -135,6 +135,17 @@ def test_the_boxes_of_characters_stay_on_them_in_the_depth(as_person: LogIn, sen
     assert inside.mean() > 0.05  # the character is in its box
 
 
+def test_the_surface_is_as_fine_as_the_work_from_nearby(as_person: LogIn, sent: dict[str, str]) -> None:
+    owner = as_person("owner")
+    page = open_large(owner, sent, "?mode=contours")
+    far = int(page.locator(".viewer-canvas").get_attribute("data-heights") or 0)
+    page.evaluate("location.hash += '&cam=0.1,0.05,0.3,0.1,0.05,0'")
+    expect(page.locator(f'{SHARP}:not([data-heights="{far}"])')).to_be_visible()
+    near = int(page.locator(".viewer-canvas").get_attribute("data-heights") or 0)
+    assert near >= 2 * far
+    assert canvas(page).std() > 5  # contours are drawn
+
+
 def test_on_a_phone_two_fingers_zoom(as_person: LogIn, sent: dict[str, str]) -> None:
     page = open_large(as_person("owner", **PHONE), sent)
     before = factor(page)

@@ -145,6 +145,23 @@ def test_a_measured_work_is_tiled_from_its_surface(bare, page):
         assert np.abs(tile - expected[:512, :512]).mean() < (0.6 if name == "normals" else 3)
 
 
+def test_heights_are_tiled_in_levels(bare, page):
+    surface = relief(page[::SCALE, ::SCALE])
+    files = stored(bare.store, surface)
+    tile_maps._make(bare.store, files, "heights")
+    tiles = stored_tiles(bare.store, files, "heights")
+    height, width = surface.height.shape
+    told = tiles.info["heights"]
+    for scale in (1, 2):
+        name = tile_name(0, 0, scale=scale, width=width, height=height, suffix="png")
+        levels = np.asarray(Image.open(io.BytesIO(tiles.read(name)))).astype(float)
+        found = (256 * levels[..., 0] + levels[..., 1]) * told["scale"] + told["offset"]
+        whole = surface.height[: height // 2 * 2, : width // 2 * 2]
+        means = whole if scale == 1 else whole.reshape(height // 2, 2, width // 2, 2).mean(axis=(1, 3))
+        rows, columns = np.minimum(means.shape, found.shape)
+        assert np.abs(found[:rows, :columns][:512, :512] - means[:512, :512]).max() <= 1.01 * told["scale"]
+
+
 def test_photographs_under_three_lamps_are_tiled_as_they_are(bare, page, tmp_path, monkeypatch):
     """And the picture of a measured work, which is another than its albedo; of a large one at once."""
     folder = tmp_path / "capture"
@@ -225,7 +242,7 @@ def test_the_maps_of_a_work_have_versions_of_their_own(bare, page, tmp_path):
     files = assets_of(bare.store, work(bare, add(bare, tmp_path / "page.png", page)))
     assert tiles_etag(files, "albedo") != tiles_etag(files, "normals")
     with pytest.raises(GalleryError, match="expected a map among albedo, normals"):
-        tiles_etag(files, "heights")
+        tiles_etag(files, "slopes")
 
 
 def test_a_blank_leaf_has_tiles_of_its_picture_and_no_normals(bare, page, tmp_path):

@@ -23,7 +23,7 @@ import {
 } from "three";
 import type { TiledMap, TileServices } from "../types";
 import { loadPicture } from "./loading";
-import { drawingOrder, type ImageInfo, neededTiles, type Part, type Pyramid, readPyramid, type Tile, versionQuery } from "./pyramid";
+import { drawingOrder, loadInfo, neededTiles, type Part, type Pyramid, readPyramid, type Tile } from "./pyramid";
 import { TileCache } from "./tileCache";
 
 /** Bytes of graphics memory that the tiles of all maps may take. */
@@ -152,7 +152,9 @@ export class SheetDetail {
       Object.assign(layer, { pyramid, awaited: false });
       onChange();
     };
-    if (service) void loadPyramid(service, version, this.signal).then(come, () => this.signal.aborted || come(null));
+    if (service) void loadInfo(service, version, this.signal)
+        .then((info) => readPyramid(service, version, info))
+        .then(come, () => this.signal.aborted || come(null));
     return layer;
   }
 
@@ -199,12 +201,6 @@ export class SheetDetail {
     this.quad.material.uniformsNeedUpdate = true;
     this.renderer.render(this.scene, this.camera);
   }
-}
-
-async function loadPyramid(service: string, version: string, signal: AbortSignal): Promise<Pyramid> {
-  const response = await fetch(`${service}/info.json${versionQuery(version)}`, { signal, credentials: "same-origin" });
-  if (!response.ok) throw new Error(`${service}: ${response.status}`);
-  return readPyramid(service, version, (await response.json()) as ImageInfo);
 }
 
 const overlaps = (a: Part, b: Part): boolean => a.left < b.right && a.right > b.left && a.top < b.bottom && a.bottom > b.top;

@@ -2,9 +2,15 @@
 
 import type { ViewerFacts } from "../types";
 import { bilinear, type Vec3 } from "./shading";
+import { WHOLE } from "./grid";
+import type { HeightPatch } from "./nearHeights";
+import type { Part } from "./pyramid";
 import type { SheetLine } from "./state";
 
 export type ProfilePoint = { distance: number; height: number };
+
+/** Heights over the whole sheet or a part of it, row by row from the top. */
+type Heights = { values: Float32Array; width: number; height: number; part?: Part };
 
 export class HeightField {
   /** Size of the sheet where its longer side is 1. */
@@ -12,6 +18,8 @@ export class HeightField {
   readonly tall: number;
   /** Length of the longer side in `unit`. */
   readonly scale: number;
+  /** Finer heights over the part that is seen, where there are some. */
+  near: HeightPatch | null = null;
 
   constructor(
     readonly values: Float32Array,
@@ -37,7 +45,9 @@ export class HeightField {
 
   /** Height in `unit` at fractions of the sheet, origin top left. */
   at(u: number, v: number): number {
-    return bilinear(u, v, this.width, this.height, (c, r) => this.values[r * this.width + c]!);
+    const part = this.near?.part;
+    const within = part && u >= part.left && u <= part.right && v >= part.top && v <= part.bottom;
+    return heightIn(within ? this.near! : this, u, v);
   }
 
   /** Length in `unit` of a line given in fractions of the sheet. */
@@ -90,24 +100,29 @@ export class HeightField {
     }
     return null;
   }
+}
 
-  /**
-   * Heights averaged under a tent that reaches about `radius` texels to each side, so that a grid of squares of that
-   * size steps over an edge without stairs. weights: what each height counts, such as whether it was measured.
-   */
-  smoothed(radius: number, weights?: Float32Array): Float32Array {
-    const reach = Math.round(radius / 2);
-    if (reach === 0) return this.values;
-    const { width, height } = this;
-    const blur = (values: Float32Array) => {
-      for (let pass = 0; pass < 2; pass++) values = boxMeans(boxMeans(values, width, height, reach, 1), height, width, reach, width);
-      return values;
-    };
-    if (!weights) return blur(this.values);
-    const sums = blur(this.values.map((value, k) => value * weights[k]!));
-    const counted = blur(weights);
-    return sums.map((sum, k) => (counted[k]! > 1e-3 ? sum / counted[k]! : this.values[k]!));
-  }
+/** Height at fractions of the sheet in heights of the whole or of a part. */
+export function heightIn({ values, width, height, part = WHOLE }: Heights, u: number, v: number): number {
+  const [x, y] = [(u - part.left) / (part.right - part.left), (v - part.top) / (part.bottom - part.top)];
+  return bilinear(x, y, width, height, (c, r) => values[r * width + c]!);
+}
+
+/**
+ * Heights averaged under a tent that reaches about `radius` texels to each side, so that a grid of squares of that
+ * size steps over an edge without stairs. weights: what each height counts, such as whether it was measured.
+ */
+export function smoothed({ values, width, height }: Heights, radius: number, weights?: Float32Array): Float32Array {
+  const reach = Math.round(radius / 2);
+  if (reach === 0) return values;
+  const blur = (means: Float32Array) => {
+    for (let pass = 0; pass < 2; pass++) means = boxMeans(boxMeans(means, width, height, reach, 1), height, width, reach, width);
+    return means;
+  };
+  if (!weights) return blur(values);
+  const sums = blur(values.map((value, k) => value * weights[k]!));
+  const counted = blur(weights);
+  return sums.map((sum, k) => (counted[k]! > 1e-3 ? sum / counted[k]! : values[k]!));
 }
 
 /** Means of 2 reach + 1 neighbours along lines of `length`, whose values lie `step` apart; edges are repeated. */

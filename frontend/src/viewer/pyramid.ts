@@ -24,7 +24,16 @@ export type ImageInfo = {
   height: number;
   tiles?: { width: number; scaleFactors: number[] }[];
   preferredFormats?: string[];
+  /** Of heights: what a level is worth. */
+  heights?: { scale: number; offset: number };
 };
+
+/** What a service says of itself. */
+export async function loadInfo(service: string, version: string, signal: AbortSignal): Promise<ImageInfo> {
+  const response = await fetch(`${service}/info.json${versionQuery(version)}`, { signal, credentials: "same-origin" });
+  if (!response.ok) throw new Error(`${service}: ${response.status}`);
+  return (await response.json()) as ImageInfo;
+}
 
 const BYTES_PER_PIXEL = 4;
 /** Fewest pixels of a tile for one of the screen. A little below 1, or a picture that just fills the screen would take four times as many. */

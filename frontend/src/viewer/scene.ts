@@ -1,8 +1,7 @@
 // The three.js scene of one sheet: textures, mesh, one material for every mode. It renders only when asked to.
 
 import {
-  BufferAttribute,
-  BufferGeometry,
+  type BufferGeometry,
   ClampToEdgeWrapping,
   Color,
   DataTexture,
@@ -27,13 +26,16 @@ import {
   WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { bilinear, lampDirection, mixtureWeights, type Vec3 } from "./shading";
+import { lampDirection, mixtureWeights, type Vec3 } from "./shading";
 import { niceStep } from "./scales";
 import { fragment, vertex } from "./shaders";
-import type { HeightField } from "./heightfield";
+import { type HeightField, heightIn, smoothed } from "./heightfield";
+import { grid, squares, WHOLE } from "./grid";
+import { type HeightPatch, NearHeights } from "./nearHeights";
 import { FIELD_OF_VIEW, fitCamera } from "./camera";
 import type { TiledMap, TileServices } from "../types";
 import { type DetailState, SheetDetail, type ViewName, visiblePart, type Window } from "./detail";
+import type { Part } from "./pyramid";
 import { type Camera, type Lens, LOOKS, type Mode, type ViewState } from "./state";
 
 /** Decoded pictures of one sheet. `photo`: null where the albedo is the picture itself. `lamps`: three photographs, if there are; `mask`: white where the surface was measured, if only in part. */
@@ -68,12 +70,16 @@ const DISTANT_EYE: Vec3 = [0, 0, 1e4];
 /** u, v: its middle, fractions of the sheet; radius: as a fraction of the longer side; pixels: its radius on the screen, in CSS pixels. */
 export type LensPosition = { u: number; v: number; radius: number; pixels: number };
 
+/** How many times longer than the screen's the picture of a part that is seen aslant may be. */
+const ASLANT = 1.5;
 /** How many times larger the lens that magnifies shows things. */
 const MAGNIFIED = 2.5;
 /** The uniform of each map that is drawn from tiles. */
 const TILED: Record<TiledMap, string> = { albedo: "albedo", normals: "normals", picture: "photo", "lamp-a": "lampA", "lamp-b": "lampB", "lamp-c": "lampC" };
 const LIT: TiledMap[] = ["albedo", "normals"];
 const MIXED: TiledMap[] = ["lamp-a", "lamp-b", "lamp-c"];
+
+type Relief = { patch: HeightPatch | null; grids: Map<number, BufferGeometry>; heights: Map<number, DataTexture> };
 
 export class SheetScene {
   readonly renderer: WebGLRenderer;
@@ -86,8 +92,10 @@ export class SheetScene {
   /** The maps of the whole sheet. */
   private readonly base: Record<TiledMap, Texture>;
   private detail: SheetDetail | null = null;
-  private readonly grids = new Map<number, BufferGeometry>();
-  private readonly smoothed = new Map<number, DataTexture>();
+  private near: NearHeights | null = null;
+  /** Meshes by their number of squares, and heights averaged over so many texels: of the whole sheet, and of the part that is seen from nearby. */
+  private readonly whole: Relief = { patch: null, grids: new Map(), heights: new Map() };
+  private part: Relief = this.whole;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -103,7 +111,7 @@ export class SheetScene {
     const albedo = this.texture(maps.albedo, true);
     const light = (bitmap: ImageBitmap | undefined | null) => (bitmap ? this.texture(bitmap, true) : albedo);
     this.base = { albedo, normals: this.texture(maps.normals, false), picture: light(photo), "lamp-a": light(lamps?.a), "lamp-b": light(lamps?.b), "lamp-c": light(lamps?.c) };
-    this.sheet = new Mesh(this.grid(FLAT_SQUARES), this.material());
+    this.sheet = new Mesh(this.grid(FLAT_SQUARES, this.whole), this.material());
     this.sheet.frustumCulled = false; // heights are only known on the GPU
     this.scene.add(this.sheet);
   }
@@ -122,17 +130,21 @@ export class SheetScene {
 
   draw(state: ViewState, lensPosition: LensPosition | null): void {
     const [x, y, z, tx, ty, tz] = state.camera ?? this.defaultCamera(state.mode);
-    this.prepare(state, lensPosition, state.mode === "sheet" ? DISTANT_EYE : [x, y, z]);
     this.camera.position.set(x, y, z);
     this.camera.lookAt(tx, ty, tz);
     this.camera.updateMatrixWorld();
-    if (this.detail && state.mode === "sheet") this.drawSharp(this.detail, state.lens, lensPosition);
+    const part = visiblePart(this.camera, this.field);
+    const relief = this.reliefOf(state.mode === "sheet" ? null : (this.near?.over(part) ?? null));
+    this.prepare(state, lensPosition, state.mode === "sheet" ? DISTANT_EYE : [x, y, z], relief);
+    const window = this.detail && this.sharpWindow(state.mode, part);
+    if (this.detail && window) this.drawSharp(this.detail, window, state.lens, lensPosition);
     else this.renderer.render(this.scene, this.camera);
   }
 
   /** From now on the flat sheet is as sharp as the screen. onChange: called when it can be drawn sharper. */
   showTiles(services: TileServices, onChange: () => void, signal: AbortSignal): void {
     this.detail = new SheetDetail(this.renderer, this.base, services, onChange, signal);
+    if (services.heights) this.near = new NearHeights(services, this.field, this.field.width, onChange, signal);
     onChange();
   }
 
@@ -141,16 +153,32 @@ export class SheetScene {
     this.detail?.reload();
   }
 
-  /** What is shown of the detail; null without any. */
-  get detailState(): DetailState | null {
-    return this.detail?.state ?? null;
+  /** What is shown of the detail; null without any. heights: those that are drawn along the width of the whole. */
+  get detailState(): (DetailState & { heights: number }) | null {
+    if (!this.detail) return null;
+    const { patch } = this.part;
+    const heights = patch ? Math.round(patch.width / (patch.part.right - patch.part.left)) : this.field.width;
+    return { ...this.detail.state, missing: this.detail.state.missing + (this.near?.missing ?? 0), heights };
+  }
+
+  /** What of the sheet is drawn from tiles, and how large; null where the maps of the whole are as fine. */
+  private sharpWindow(mode: Mode, part: Part): Omit<Window, "maps"> | null {
+    const size = this.renderer.getDrawingBufferSize(new Vector2());
+    if (mode === "sheet") return { part, size };
+    if (mode === "mesh") return null;
+    const seen = { left: Math.max(part.left, 0), top: Math.max(part.top, 0), right: Math.min(part.right, 1), bottom: Math.min(part.bottom, 1) };
+    const [wide, tall] = [(seen.right - seen.left) * this.field.wide, (seen.bottom - seen.top) * this.field.tall];
+    const pixels = size.y / (2 * this.camera.position.z * Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180))); // for a length of 1, straight below
+    if (!(wide > 0 && tall > 0) || pixels * this.field.wide <= this.maps.albedo.width) return null;
+    const fit = Math.min(1, Math.sqrt((size.x * size.y) / (wide * tall * pixels ** 2)) * ASLANT);
+    return { part: seen, size: { x: Math.max(1, Math.round(wide * pixels * fit)), y: Math.max(1, Math.round(tall * pixels * fit)) } };
   }
 
   /** Draws the sheet, and then what is in the lens over it, each from its own part of the tiles. */
-  private drawSharp(detail: SheetDetail, lens: Lens, position: LensPosition | null): void {
+  private drawSharp(detail: SheetDetail, window: Omit<Window, "maps">, lens: Lens, position: LensPosition | null): void {
     const { uniforms } = this.sheet.material;
     const maps = uniforms.mixture!.value.lengthSq() > 0 ? MIXED : LIT;
-    const sheet = { part: visiblePart(this.camera, this.field), size: this.renderer.getDrawingBufferSize(new Vector2()), maps };
+    const sheet = { ...window, maps };
     const through = lens === "none" || !position ? null : this.lensWindow(lens, position, maps);
     detail.update({ sheet, lens: through });
     const number = uniforms.lens!.value;
@@ -189,7 +217,7 @@ export class SheetScene {
     const { wide, tall } = this.field;
     const camera = new OrthographicCamera(-wide / 2, wide / 2, tall / 2, -tall / 2, 0.1, 10);
     camera.position.z = 2;
-    this.prepare({ ...state, mode: "sheet", lens: "none" }, null, DISTANT_EYE);
+    this.prepare({ ...state, mode: "sheet", lens: "none" }, null, DISTANT_EYE, this.whole);
     this.renderer.setRenderTarget(target);
     this.renderer.render(this.scene, camera);
     const rows = new Uint8Array(width * height * 4);
@@ -202,7 +230,8 @@ export class SheetScene {
   dispose(): void {
     this.detail?.dispose();
     this.textures.forEach((texture) => texture.dispose());
-    this.grids.forEach((geometry) => geometry.dispose());
+    this.reliefOf(null);
+    freeRelief(this.whole);
     this.sheet.material.dispose();
     const { albedo, normals, photo, mask, lamps } = this.maps;
     [albedo, normals, photo, mask, lamps?.a, lamps?.b, lamps?.c].forEach((bitmap) => bitmap?.close());
@@ -210,9 +239,18 @@ export class SheetScene {
     this.renderer.forceContextLoss();
   }
 
-  private prepare(state: ViewState, lensPosition: LensPosition | null, eye: Vec3): void {
-    const longest = state.mode === "sheet" ? FLAT_SQUARES : state.mode === "mesh" ? MESH_SQUARES : SURFACE_SQUARES;
-    this.sheet.geometry = this.grid(longest);
+  /** The meshes and heights of a patch, those of the one before it being given up; of the whole where there is none. */
+  private reliefOf(patch: HeightPatch | null): Relief {
+    if (this.part.patch === patch) return this.part;
+    if (this.part !== this.whole) freeRelief(this.part);
+    this.field.near = patch;
+    return (this.part = patch ? { patch, grids: new Map(), heights: new Map() } : this.whole);
+  }
+
+  private prepare(state: ViewState, lensPosition: LensPosition | null, eye: Vec3, relief: Relief): void {
+    const meshSquares = relief.patch ? 2 * MESH_SQUARES : MESH_SQUARES; // of a part about half is on the screen
+    const longest = state.mode === "sheet" ? FLAT_SQUARES : state.mode === "mesh" ? meshSquares : SURFACE_SQUARES;
+    this.sheet.geometry = this.grid(longest, relief);
     const uniform = (name: string) => this.sheet.material.uniforms[name]!;
     uniform("mode").value = SHADER_MODES[state.mode];
     uniform("lens").value = state.lens === "none" || !lensPosition ? -1 : SHADER_MODES[state.lens];
@@ -220,10 +258,13 @@ export class SheetScene {
     uniform("light").value.set(...lampDirection(state.tilt, state.slant));
     uniform("lift").value = state.mode === "sheet" ? 0 : state.exaggeration / this.field.scale;
     uniform("exaggeration").value = this.litExaggeration(state);
-    uniform("smoothed").value = this.heights(state.mode === "contours" ? CONTOUR_REACH : this.squareSize(longest));
+    uniform("heights").value = this.heights(0, relief);
+    uniform("smoothed").value = this.heights(state.mode === "contours" ? CONTOUR_REACH : this.squareSize(longest, relief), relief);
+    const known = relief.patch?.part ?? WHOLE;
+    uniform("known").value.set(known.left, known.top, known.right - known.left, known.bottom - known.top);
     uniform("look").value = LOOKS.indexOf(state.look);
     uniform("eye").value.set(...eye);
-    uniform("cells").value.set(...squares(this.field, longest));
+    uniform("cells").value.set(...squares(this.field, longest, known));
     for (const [map, name] of Object.entries(TILED) as [TiledMap, string][]) uniform(name).value = this.base[map];
     uniform("part").value.set(0, 0, 1, 1);
     const { lamps, mask } = this.maps;
@@ -241,7 +282,7 @@ export class SheetScene {
   private material(): RawShaderMaterial {
     const { field, maps } = this;
     const { albedo } = this.base;
-    const heights = this.heights(0);
+    const heights = this.heights(0, this.whole);
     return new RawShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: vertex,
@@ -250,6 +291,7 @@ export class SheetScene {
       uniforms: {
         heights: { value: heights },
         smoothed: { value: heights },
+        known: { value: new Vector4(0, 0, 1, 1) },
         ...Object.fromEntries(Object.entries(TILED).map(([map, name]) => [name, { value: this.base[map as TiledMap] }])),
         photographed: { value: maps.photo !== null },
         part: { value: new Vector4(0, 0, 1, 1) },
@@ -283,37 +325,39 @@ export class SheetScene {
   }
 
   /** Texels of the heights to a square of the mesh. */
-  private squareSize(longest: number): number {
-    return longest === FLAT_SQUARES ? 0 : Math.max(this.field.width, this.field.height) / longest;
+  private squareSize(longest: number, { patch }: Relief): number {
+    const { width, height } = patch ?? this.field;
+    return longest === FLAT_SQUARES ? 0 : Math.max(width, height) / longest;
   }
 
   /** The heights averaged over so many texels, made when first needed. */
-  private heights(reach: number): DataTexture {
+  private heights(reach: number, { patch, heights }: Relief): DataTexture {
     const { field, maps } = this;
-    const known = this.smoothed.get(reach);
+    const known = heights.get(reach);
     if (known) return known;
-    const values = field.smoothed(reach, maps.mask && reach > 0 ? sharesMeasured(maps.mask, field) : undefined);
-    const texture = new DataTexture(values as Float32Array<ArrayBuffer>, field.width, field.height, RedFormat, FloatType);
+    const { width, height } = patch ?? field;
+    const weights = maps.mask && reach > 0 && !patch ? sharesMeasured(maps.mask, field) : undefined;
+    const values = smoothed(patch ?? field, reach, weights) as Float32Array<ArrayBuffer>;
+    const texture = new DataTexture(values, width, height, RedFormat, FloatType);
     texture.minFilter = texture.magFilter = NearestFilter;
     texture.needsUpdate = true;
-    this.textures.push(texture);
-    this.smoothed.set(reach, texture);
+    heights.set(reach, texture);
     return texture;
   }
 
   /** The mesh with so many squares, built when first needed. */
-  private grid(longest: number): BufferGeometry {
-    const geometry = this.grids.get(longest) ?? grid(this.field, longest, this.vertexHeights(longest));
-    this.grids.set(longest, geometry);
+  private grid(longest: number, relief: Relief): BufferGeometry {
+    const part = relief.patch?.part;
+    const geometry = relief.grids.get(longest) ?? grid(this.field, longest, this.vertexHeights(longest, relief), part);
+    relief.grids.set(longest, geometry);
     return geometry;
   }
 
   /** The height at a vertex of the mesh with so many squares, as the shader lifts it; none of the flat sheet. */
-  private vertexHeights(longest: number): HeightAt | undefined {
+  private vertexHeights(longest: number, relief: Relief): ((u: number, v: number) => number) | undefined {
     if (longest === FLAT_SQUARES) return undefined;
-    const { width, height } = this.field;
-    const values = this.heights(this.squareSize(longest)).image.data as unknown as Float32Array;
-    return (u, v) => bilinear(u, v, width, height, (c, r) => values[r * width + c]!);
+    const { width, height, data } = this.heights(this.squareSize(longest, relief), relief).image;
+    return (u, v) => heightIn({ values: data as unknown as Float32Array, width, height, part: relief.patch?.part }, u, v);
   }
 
   private texture(bitmap: ImageBitmap, encoded: boolean): Texture {
@@ -330,43 +374,9 @@ export class SheetScene {
   }
 }
 
-function squares(field: HeightField, longest: number): [number, number] {
-  return [Math.max(2, Math.round(field.wide * longest)), Math.max(2, Math.round(field.tall * longest))];
-}
-
-type HeightAt = (u: number, v: number) => number;
-
-/**
- * A flat grid over the sheet, y up, with fractions (origin top left) as its texture coordinates; faces look to +z. heightAt: to where its
- * vertices will be lifted: each square is folded between the two opposite corners that are nearest in height, or a wall that runs the
- * other way would become a saw.
- */
-export function grid(field: { wide: number; tall: number }, longest: number, heightAt?: HeightAt): BufferGeometry {
-  const [columns, rows] = squares(field as HeightField, longest);
-  const positions = new Float32Array((columns + 1) * (rows + 1) * 3);
-  const fractions = new Float32Array((columns + 1) * (rows + 1) * 2);
-  for (let r = 0, k = 0; r <= rows; r++) {
-    for (let c = 0; c <= columns; c++, k++) {
-      const [u, v] = [c / columns, r / rows];
-      positions.set([(u - 0.5) * field.wide, (0.5 - v) * field.tall, 0], k * 3);
-      fractions.set([u, v], k * 2);
-    }
-  }
-  const at = (c: number, r: number) => heightAt?.(c / columns, r / rows) ?? 0;
-  const folds = (c: number, r: number) => heightAt && Math.abs(at(c, r) - at(c + 1, r + 1)) < Math.abs(at(c + 1, r) - at(c, r + 1));
-  const faces = new Uint32Array(columns * rows * 6);
-  for (let r = 0, k = 0; r < rows; r++) {
-    for (let c = 0; c < columns; c++, k += 6) {
-      const a = r * (columns + 1) + c;
-      const below = a + columns + 1;
-      faces.set(folds(c, r) ? [a, below, below + 1, a, below + 1, a + 1] : [a, below, a + 1, a + 1, below, below + 1], k);
-    }
-  }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(positions, 3));
-  geometry.setAttribute("uv", new BufferAttribute(fractions, 2));
-  geometry.setIndex(new BufferAttribute(faces, 1));
-  return geometry;
+function freeRelief({ grids, heights }: Relief): void {
+  grids.forEach((geometry) => geometry.dispose());
+  heights.forEach((texture) => texture.dispose());
 }
 
 /** How much of each texel of the heights was measured, by a mask. */

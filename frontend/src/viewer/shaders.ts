@@ -3,6 +3,10 @@
 import { ANCHORS, WARM } from "./shading";
 
 const sampling = /* glsl */ `
+uniform vec4 known; // over what of the sheet the heights reach: left, top, width, height
+vec2 inKnown(vec2 uv) {
+  return (uv - known.xy) / known.zw;
+}
 float heightAt(highp sampler2D values, vec2 uv) {
   vec2 size = vec2(textureSize(values, 0));
   vec2 p = clamp(uv * size - 0.5, vec2(0.0), size - 1.0);
@@ -68,8 +72,8 @@ ${sampling}
 void main() {
   at = uv;
   measured = cut ? step(0.96, textureLod(mask, uv, 0.0).r) : 1.0;
-  grid = uv * cells;
-  scenePosition = vec3(position.xy, lift == 0.0 ? 0.0 : heightAt(smoothed, uv) * lift);
+  grid = inKnown(uv) * cells;
+  scenePosition = vec3(position.xy, lift == 0.0 ? 0.0 : heightAt(smoothed, inKnown(uv)) * lift);
   gl_Position = projectionMatrix * modelViewMatrix * vec4(scenePosition, 1.0);
 }`;
 
@@ -131,11 +135,11 @@ vec3 sheetAt(vec2 uv) { // linear; the albedo texture is decoded by the sampler
   return warmLamp(a, normalAt(uv), light, normalize(eye - scenePosition), look == 2 ? 0.0 : sheen);
 }
 vec3 heightsAt(vec2 uv) {
-  float t = (heightAt(heights, uv) - range.x) / max(range.y - range.x, 1e-9);
+  float t = (heightAt(heights, inKnown(uv)) - range.x) / max(range.y - range.x, 1e-9);
   return srgbToLinear(heightColour(t)) * mix(1.0, shading(normalAt(uv), light), 0.5);
 }
 vec3 contoursAt(vec2 uv) {
-  float h = heightAt(smoothed, uv);
+  float h = heightAt(smoothed, inKnown(uv));
   float wide = max(fwidth(h) / interval, 1e-6);
   float line = 1.0 - smoothstep(0.6, 1.6, contourDistance(h, interval) / wide);
   float fifth = 1.0 - smoothstep(0.6, 1.6, contourDistance(h, interval * 5.0) / (wide / 5.0) / 1.8);

@@ -232,7 +232,7 @@ class SheetViewer implements Viewer {
     this.frame = 0;
     this.scene.draw(this.state, this.lensPosition());
     const detail = this.scene.detailState;
-    if (detail) Object.assign(this.canvas.dataset, { factor: detail.factor, missing: detail.missing, tileBytes: detail.bytes });
+    if (detail) Object.assign(this.canvas.dataset, { factor: detail.factor, missing: detail.missing, tileBytes: detail.bytes, heights: detail.heights });
     this.listeners.forEach((listener) => listener());
   }
 

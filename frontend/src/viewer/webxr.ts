@@ -13,7 +13,7 @@ export async function enterSession(sheetScene: SheetScene, state: () => ViewStat
   const session = await xr.requestSession(kind, { optionalFeatures: ["local"] });
   const { renderer, scene, sheet, camera } = sheetScene;
   const { mode } = state();
-  sheetScene.draw({ ...state(), mode: mode === "sheet" ? "surface" : mode, lens: "none" }, null);
+  sheetScene.draw({ ...state(), mode: mode === "sheet" ? "surface" : mode, lens: "none", camera: null }, null); // the whole
   renderer.xr.enabled = true;
   renderer.xr.setReferenceSpaceType("local");
   await renderer.xr.setSession(session);

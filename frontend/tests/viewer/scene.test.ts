@@ -1,10 +1,10 @@
 import { PerspectiveCamera, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 import { layoutPlot } from "../../src/viewer/scales";
-import { HeightField } from "../../src/viewer/heightfield";
+import { HeightField, smoothed } from "../../src/viewer/heightfield";
 import { type Camera, lightAt } from "../../src/viewer/state";
 import { FIELD_OF_VIEW, fitCamera, orbit, pan, zoom } from "../../src/viewer/camera";
-import { grid } from "../../src/viewer/scene";
+import { grid } from "../../src/viewer/grid";
 
 /** A cone, 10 high, over the middle of 40 x 20 pixels. */
 function cone(): HeightField {
@@ -45,16 +45,15 @@ describe("the mesh", () => {
 
 describe("heights averaged over squares of the mesh", () => {
   const plane = Float32Array.from({ length: 800 }, (_, k) => 2 + 0.5 * (k % 40) - 0.25 * Math.floor(k / 40));
-  const sheet = { width: 40, height: 20, spacing: 1, unit: "px" } as const;
 
   it("leave a plane as it is, but at its rim", () => {
-    const smooth = new HeightField(plane, 40, 20, 0, 30, sheet).smoothed(4);
+    const smooth = smoothed({ values: plane, width: 40, height: 20 }, 4);
     for (const [c, r] of [[8, 8], [20, 10], [31, 11]] as const) expect(smooth[r * 40 + c]).toBeCloseTo(plane[r * 40 + c]!, 4);
   });
 
   it("turn a wall into a ramp as wide as their reach, of the same volume", () => {
     const wall = Float32Array.from({ length: 800 }, (_, k) => (k % 40 < 20 ? 0 : 10));
-    const smooth = new HeightField(wall, 40, 20, 0, 10, sheet).smoothed(4).slice(400, 440);
+    const smooth = smoothed({ values: wall, width: 40, height: 20 }, 4).slice(400, 440);
     expect([smooth[15], smooth[24]]).toEqual([0, 10]);
     for (let c = 16; c < 24; c++) expect(smooth[c]! - smooth[c - 1]!).toBeGreaterThan(0.3);
     expect(smooth.reduce((a, b) => a + b)).toBeCloseTo(200, 3);
@@ -63,7 +62,7 @@ describe("heights averaged over squares of the mesh", () => {
   it("take nothing from where nothing was measured", () => {
     const pit = plane.map((value, k) => (k % 40 < 20 ? value : -1000));
     const measured = Float32Array.from(pit, (value) => (value === -1000 ? 0 : 1));
-    const smooth = new HeightField(pit, 40, 20, -1000, 30, sheet).smoothed(4, measured);
+    const smooth = smoothed({ values: pit, width: 40, height: 20 }, 4, measured);
     expect(Math.min(...smooth.filter((_, k) => k % 40 < 20))).toBeGreaterThan(-3);
     expect(smooth[10 * 40 + 35]).toBe(-1000);
   });

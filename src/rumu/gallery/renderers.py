@@ -6,7 +6,8 @@ import io
 import json
 import math
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -137,9 +138,31 @@ def render_mask(assets: Assets) -> bytes:
 
 def render_height_16(assets: Assets) -> bytes:
     """All pixels of the height: value * scale + offset, both of which are in 'facts'; 16-bit PNG."""
+    return _png(_levels_16(height_levels(assets).bands()))
+
+
+@dataclass(frozen=True, slots=True)
+class HeightLevels:
+    """The height in whole numbers from 0 to 65535: value * scale + offset is that of the surface.
+
+    shape: (H, W). bands: yields its rows from the top, (rows, W) float64.
+    """
+
+    shape: tuple[int, int]
+    scale: float
+    offset: float
+    bands: Callable[[], Iterator[FloatArray]]
+
+
+def height_levels(assets: Assets) -> HeightLevels:
+    """All pixels of the height in 16 bits."""
     scale, offset = _scale_and_offset(assets)
-    bands = (np.round((z.astype(np.float64) - offset) / scale) for z in _bands(assets, "height"))
-    return _png(_levels_16(bands))
+    return HeightLevels(
+        _shape(assets),
+        scale,
+        offset,
+        lambda: (np.round((z.astype(np.float64) - offset) / scale) for z in _bands(assets, "height")),
+    )
 
 
 def render_heights(assets: Assets) -> bytes:

@@ -23,12 +23,12 @@ from rumu.errors import GalleryError, RumuError
 from rumu.gallery.assets import VERSION, Assets, assets_of, derived_folder, samples_of
 from rumu.gallery.catalog import work
 from rumu.gallery.derived import derived_file, limit_room
-from rumu.gallery.renderers import MAP, lamp_photograph
+from rumu.gallery.renderers import MAP, height_levels, lamp_photograph
 from rumu.gallery.store import Gallery, Store
-from rumu.gallery.tiles import TileMap, TileSet, open_tiles, write_tiles
+from rumu.gallery.tiles import TileMap, TileSet, open_tiles, packed_levels, write_tiles
 from rumu.workspaces import temporary_folder
 
-MapName = Literal["albedo", "normals", "picture", "lamp-a", "lamp-b", "lamp-c"]
+MapName = Literal["albedo", "normals", "heights", "picture", "lamp-a", "lamp-b", "lamp-c"]
 MAPS: tuple[MapName, ...] = ("albedo", "normals")
 """The maps that every work has, by which it is lit."""
 LAMPS: tuple[MapName, ...] = ("lamp-a", "lamp-b", "lamp-c")
@@ -86,7 +86,7 @@ def make_large_tiles(gallery: Gallery, work_id: str, *, maps_above: int | None =
                 derived_file(gallery, work_id, kind)
     if pixels <= LARGE:
         return
-    names: list[MapName] = [*MAPS] if row.capture is None else [*MAPS, "picture"]
+    names: list[MapName] = [*MAPS, "heights"] if row.capture is None else [*MAPS, "heights", "picture"]
     with contextlib.suppress(RumuError):
         if json.loads(derived_file(gallery, work_id, "facts").data)["three_lamps"] is not None:
             names += LAMPS
@@ -175,6 +175,15 @@ def _normals(assets: Assets) -> Iterator[TileMap]:
 
 
 @contextlib.contextmanager
+def _heights(assets: Assets) -> Iterator[TileMap]:
+    """The heights of which a surface seen from nearby is made: levels, as info.json says in `heights`."""
+    levels = height_levels(assets)
+    height, width = levels.shape
+    told = {"heights": {"scale": levels.scale, "offset": levels.offset}}
+    yield TileMap(width, height, lambda: map(packed_levels, levels.bands()), "heights", told)
+
+
+@contextlib.contextmanager
 def _photograph(assets: Assets, *, number: int) -> Iterator[TileMap]:
     """A photograph under one of the paper's three lamps."""
     from rumu.surface.mesh import albedo_srgb
@@ -194,6 +203,7 @@ def _photograph(assets: Assets, *, number: int) -> Iterator[TileMap]:
 _MAKERS: dict[MapName, Callable[[Assets], contextlib.AbstractContextManager[TileMap]]] = {
     "albedo": _albedo,
     "normals": _normals,
+    "heights": _heights,
     "picture": _picture,
     **{name: partial(_photograph, number=number) for number, name in enumerate(LAMPS)},
 }

@@ -12,7 +12,7 @@ import io
 import json
 import os
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, BinaryIO, Literal
@@ -25,7 +25,7 @@ from rumu.errors import GalleryError
 from rumu.gallery.store import Store
 
 Bytes = npt.NDArray[np.uint8]
-Kind = Literal["light", "normals"]
+Kind = Literal["light", "normals", "heights"]
 
 TILE = 512
 """Side of a tile, in pixels."""
@@ -44,13 +44,15 @@ class TileMap:
 
     width, height: pixels. bands: yields (rows, width) or (rows, width, 3) uint8, RGB. kind: 'light' of
     values in sRGB, which become JPEG; 'normals' of n = value / 127.5 - 1, which become PNG, since a JPEG
-    of quality 95 turns those at an outline by up to 12 degrees (`benchmarks/deep_zoom.py --errors`).
+    of quality 95 turns those at an outline by up to 12 degrees (`benchmarks/deep_zoom.py --errors`);
+    'heights' of (256 * red + green) in levels, PNG as well. more: what info.json says besides.
     """
 
     width: int
     height: int
     bands: Callable[[], Iterator[Bytes]]
     kind: Kind
+    more: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def suffix(self) -> str:
@@ -103,7 +105,7 @@ def write_tiles(tiled: TileMap, stream: BinaryIO) -> None:
     Raises GalleryError when the bands are not rows of the map, or not all of them.
     """
     with zipfile.ZipFile(stream, "w") as archive, ThreadPoolExecutor(os.cpu_count()) as pool:
-        info = tile_info(tiled.width, tiled.height, suffix=tiled.suffix)
+        info = tile_info(tiled.width, tiled.height, suffix=tiled.suffix) | dict(tiled.more)
         archive.writestr(zipfile.ZipInfo(INFO), json.dumps(info))
         finest = _Level(tiled, 1, archive, pool)
         rows = 0
@@ -184,8 +186,8 @@ def _encode_png(part: Bytes) -> bytes:
 
 
 def _halve(rows: Bytes, kind: Kind, pool: Executor) -> Bytes:
-    """Rows at half the size, rounded up: means of 2 x 2, of linear light or of unit vectors."""
-    half = _half_of_light if kind == "light" else _half_of_normals
+    """Rows at half the size, rounded up: means of 2 x 2, of linear light, unit vectors or heights."""
+    half = _HALVES[kind]
     strips = [rows[top : top + _STRIP] for top in range(0, len(rows), _STRIP)]
     return np.concatenate(list(pool.map(half, strips)))
 
@@ -202,6 +204,23 @@ def _half_of_normals(strip: Bytes) -> Bytes:
     mean = _mean_of_fours(strip.astype(np.float32) / np.float32(127.5) - np.float32(1))
     mean /= np.maximum(np.linalg.norm(mean, axis=2, keepdims=True), np.float32(1e-6))
     return np.asarray(np.round(mean * np.float32(127.5) + np.float32(127.5)), dtype=np.uint8)
+
+
+def _half_of_heights(strip: Bytes) -> Bytes:
+    return packed_levels(np.rint(_mean_of_fours(strip[..., 0] * np.float32(256) + strip[..., 1])))
+
+
+def packed_levels(levels: npt.NDArray[np.floating[Any]]) -> Bytes:
+    """Whole numbers of 16 bits as red, their upper byte, and green, their lower one."""
+    whole = levels.clip(0, _LEVELS).astype(np.uint16)
+    return np.dstack([whole >> 8, whole & 255, np.zeros_like(whole)]).astype(np.uint8)
+
+
+_HALVES: dict[Kind, Callable[[Bytes], Bytes]] = {
+    "light": _half_of_light,
+    "normals": _half_of_normals,
+    "heights": _half_of_heights,
+}
 
 
 def _mean_of_fours(values: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:

@@ -358,7 +358,7 @@ class SurfaceRead(Schema):
     glb: str
     tiles: dict[str, str] | None = Field(
         None,
-        description="Of a work of more than 1024 pixels: image services (level 0) of albedo and normals, of "
-        "a measured one of its picture, and of its three photographs (lamp-a, lamp-b, lamp-c), where it has "
-        "them; and their version, as `?v=` of their addresses.",
+        description="Of a work of more than 1024 pixels: image services (level 0) of albedo, normals and "
+        "heights, of a measured one of its picture, and of its three photographs (lamp-a, lamp-b, lamp-c), "
+        "where it has them; and their version, as `?v=` of their addresses.",
     )

@@ -89,14 +89,15 @@ def test_no_work_and_a_small_work_have_no_tiles(world, work_id, code_of):
     browser = world.browser()
     answer = browser("GET", f"/iiif/tiles/normals/{work_id}/info.json")
     assert answer.status_code == 404 and code_of(answer) == "not_found"
-    assert browser("GET", f"/iiif/tiles/heights/{work_id}/info.json").status_code == 422
+    assert browser("GET", f"/iiif/tiles/slopes/{work_id}/info.json").status_code == 422
     if work_id != "none":
         assert browser("GET", f"{WORK}/{work_id}/viewer").json()["tiles"] is None
 
 
 def test_a_picture_has_no_photographs_in_tiles(sent, code_of):
     browser, work_id = sent
-    assert set(browser("GET", f"{WORK}/{work_id}/viewer").json()["tiles"]) == {"albedo", "normals", "version"}
+    tiles = browser("GET", f"{WORK}/{work_id}/viewer").json()["tiles"]
+    assert set(tiles) == {"albedo", "normals", "heights", "version"}
     for name in ("picture", "lamp-a"):
         answer = browser("GET", f"/iiif/tiles/{name}/{work_id}/info.json")
         assert answer.status_code in (404, 422), answer.text

@@ -42,7 +42,8 @@ def get_tile_info(
 ) -> Response:
     """In what tiles a map of a work is served: its albedo, sRGB, or normals, n = value / 127.5 - 1, y up.
 
-    Of one that was measured also its picture and, where they are, its photographs under three lamps.
+    Heights are levels, 256 * red + green; `heights` says their scale and offset, as they are in `unit` of the
+    work. Of one that was measured also its picture and, where they are, its photographs under three lamps.
     They are made when they are first asked for, which takes a minute for the largest works. There are none
     of a work of at most 1024 pixels, and no normals of one that no surface can be made of.
     """

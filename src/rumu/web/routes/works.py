@@ -217,7 +217,7 @@ def tile_services(service: Service, work: Work, *, lamps: bool = False) -> dict[
         return None
     assets = assets_of(service.gallery.store, work)
     measured: tuple[MapName, ...] = () if assets.measured is None else ("picture",)
-    names = (*MAPS, *measured, *(LAMPS if lamps else ()))
+    names: tuple[MapName, ...] = (*MAPS, "heights", *measured, *(LAMPS if lamps else ()))
     services: dict[str, str] = {
         name: service_url(f"/iiif/tiles/{name}/{quote(work.id, safe='')}") for name in names
     }
