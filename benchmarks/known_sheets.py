@@ -70,14 +70,15 @@ def photographed(height: np.ndarray, albedo: np.ndarray, at: Condition) -> Captu
     lights = np.array([one.direction for one in far])
     lamps = [NearLamp(tuple(at.away * SIDE * one), 0.45) for one in lights] if at.away else far
     rng = np.random.default_rng(9)
+    turns = rng.uniform(0, 2 * np.pi, len(lamps))
+    moves = at.shift * np.stack([np.sin(turns), np.cos(turns)], axis=1)
+    moves -= np.median(moves, axis=0)  # --align lays frames where most lie, and the truth lies there, too
     frames = []
     for k, lamp in enumerate(lamps):
         sensor = Sensor(noise=0.0 if at.shift else at.noise, seed=k)
         frame = render(height, albedo, lamp=lamp, ambient=at.ambient, gloss=at.gloss, sensor=sensor)
         if at.shift:
-            turn = rng.uniform(0, 2 * np.pi)
-            by = at.shift * np.array([np.sin(turn), np.cos(turn), 0.0])
-            frame = ndimage.shift(frame, by[: frame.ndim], order=1, mode="nearest")
+            frame = ndimage.shift(frame, (*moves[k], 0.0)[: frame.ndim], order=1, mode="nearest")
             frame = np.clip(frame + rng.normal(0, at.noise, frame.shape), 0, 1)
         frames.append(np.round(frame * 255) / 255)
     images = np.array(frames, np.float32)

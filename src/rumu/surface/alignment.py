@@ -45,7 +45,7 @@ class FrameAlignmentSettings:
     warned: float = 3.0
     farthest: float = 0.15
     likeness: float = 0.25
-    clearly: float = 0.8
+    clearly: float = 0.85
     steps: int = 60
     step: float = 1e-6
     blur: int = 5
