@@ -162,8 +162,12 @@ class _Finder:
             kept = [i for i in range(len(found)) if i not in lost]
             poses = found - (np.median(found[kept], axis=0) if kept else 0.0)
             poses[sorted(lost)] = 0.0
-        some = edges[:: max(1, len(edges) // 3)][:3]  # each shows it by itself, whether it moved or not
-        return poses, sorted(lost), float(np.median([_period(one, self.settings) for one in some]))
+        return poses, sorted(lost), self._usual_period(edges) if np.abs(poses[:, :2]).max() > 1 else np.inf
+
+    def _usual_period(self, edges: FloatArray) -> float:
+        """The `_period` of a few frames, each of which shows it by itself, whether it moved or not."""
+        some = edges[:: max(1, len(edges) // 3)][:3]
+        return float(np.median([_period(one, self.settings) for one in some]))
 
     @property
     def _middle(self) -> FloatArray:
@@ -243,18 +247,15 @@ def _period(edges: FloatArray, settings: FrameAlignmentSettings) -> float:
     from scipy import fft, ndimage
 
     height, width = edges.shape
-    window = np.outer(np.hanning(height), np.hanning(width))
-    uneven = (edges - np.average(edges, weights=window)) * window
-    whole = (2 * height, 2 * width)
-
-    def with_itself(values: FloatArray) -> FloatArray:
-        power = np.abs(fft.rfft2(values, whole)) ** 2
-        return np.asarray(fft.fftshift(fft.irfft2(power, whole)))
-
-    alike, common = with_itself(uneven), with_itself(window)
-    near = (slice(height - height // 2, height + height // 2), slice(width - width // 2, width + width // 2))
-    alike = alike[near] / np.maximum(common[near], 1e-6 * common.max())
+    sides = [np.hanning(size).astype(np.float32) for size in (height, width)]
+    window = np.outer(*sides)
+    uneven = (edges - np.average(edges, weights=window)).astype(np.float32) * window
+    power = np.abs(fft.rfft2(uneven, (2 * height, 2 * width), workers=-1)) ** 2
+    alike = fft.fftshift(fft.irfft2(power, (2 * height, 2 * width), workers=-1))
+    common = np.outer(*(np.pad(np.correlate(one, one, "full"), (1, 0)) for one in sides))
     middle = (height // 2, width // 2)
+    near = tuple(slice(size - half, size + half) for size, half in zip((height, width), middle, strict=True))
+    alike = alike[near] / np.maximum(common[near], 1e-6 * common.max())
     share = alike / max(float(alike[middle]), 1e-12)
     parts, count = ndimage.label(share > settings.repeated)
     if not alike[middle] > 0 or count < 2:
