@@ -5,14 +5,16 @@ written on, and photographed by the simulated camera of the laboratory, whose ma
 share of cells that are found and right; how far their corners lie from the truth, of photographs of 12
 megapixels; the overlap of the ink; by how much marks differ from those of the unphotographed copies; what was
 refused. With --marks 0 nothing is marked; --save FOLDER writes a picture of each cell whose mark differs by
-more than 3 points, beside the copy in it; --time measures one photograph of 24 cells instead, whole and, in
-one process with one thread, by its parts.
+more than 3 points, beside the copy in it; --every-copy writes each of the copies once, instead of drawing
+them; --time measures one photograph of 24 cells instead, whole and, in one process with one thread, by its
+parts.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import functools
 import os
 import tempfile
 import time
@@ -37,12 +39,15 @@ from rumu_lab.simulation.camera import Conditions, draw_conditions, take_photogr
 
 DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[1] / ".." / "shared" / "data"))
 CELLS, DPI, INK = 24, 300, 0.9
+Copies = dict[tuple[int, int], Path]
+"""The copy that is written in each cell of a page, by its row and column."""
 
 
 @dataclass
 class Figures:
     """What is counted over all photographs."""
 
+    photographs: int = 0
     cells: int = 0
     right: int = 0
     wrong: int = 0
@@ -66,23 +71,29 @@ def read_copies() -> tuple[dict[str, list[Path]], dict[str, Path]]:
     return copies, templates
 
 
+def draw_copies(
+    page: SheetPage, copies: dict[str, list[Path]], rng: np.random.Generator, *, blank: float = 0.1
+) -> Copies:
+    """A copy by chance for each cell to write in but a share `blank`."""
+    drawn = {}
+    for cell in page.cells:
+        if cell.is_for_writing and rng.random() >= blank:
+            drawn[cell.row, cell.column] = copies[cell.character][rng.integers(len(copies[cell.character]))]
+    return drawn
+
+
 def print_and_write(
-    page: SheetPage,
-    masters: SheetMasters,
-    copies: dict[str, list[Path]],
-    rng: np.random.Generator,
-    *,
-    blank: float = 0.1,
+    page: SheetPage, masters: SheetMasters, chosen: Copies
 ) -> tuple[np.ndarray, dict[tuple[int, int], np.ndarray]]:
-    """A printed page with copies in its cells but a share `blank`, and those copies (400, 400) by cell."""
+    """A printed page with these copies in its cells, and those copies (400, 400) by cell."""
     document = pypdfium2.PdfDocument(sheet_pdf([page], masters.shapes))
     flat = np.asarray(document[0].render(scale=DPI / 72).to_pil().convert("RGB")).astype(np.float32)
     # the picture has whole pixels, the paper not
     (sx, sy), written = np.array(flat.shape[1::-1]) / page.size, {}
     for cell in page.cells:
-        if not cell.is_for_writing or rng.random() < blank:
+        path = chosen.get((cell.row, cell.column))
+        if path is None:
             continue
-        path = copies[cell.character][rng.integers(len(copies[cell.character]))]
         with Image.open(path) as picture:
             copy = np.asarray(picture.convert("L"))
         left, top = int(cell.box.left * sx), int(cell.box.top * sy)
@@ -101,30 +112,62 @@ def print_and_write(
     return np.clip(flat, 0, 255).astype(np.uint8), written
 
 
-def read_one(
-    number: int,
-    figures: Figures,
-    copies: dict[str, list[Path]],
-    folder: Path,
-    marks: int,
-    *,
-    gamma: float | None = None,
-    save: Path | None = None,
+def plan_sheet(number: int, text: str, masters: SheetMasters) -> tuple[SheetPage, ...]:
+    """The pages of a sheet of a text: grid, help and paper go by its number."""
+    grid, help_ = GRIDS[number % 5], HELPS[number // 5 % 5]
+    paper = sorted(PAPERS)[number % 2]
+    return lay_out(
+        SheetPage(text, masters.name, paper=paper, grid=grid, help=help_, times=1, cell=28, strokes=False)
+    )
+
+
+def read_drawn(
+    number: int, figures: Figures, copies: dict[str, list[Path]], folder: Path, asked: argparse.Namespace
 ) -> None:
-    """Print, write, photograph and read one sheet."""
+    """Read one sheet of characters and copies by chance."""
     rng = np.random.default_rng(number)
     text = "".join(rng.choice(sorted(copies), CELLS))
     masters = choose_masters(text, (str(folder),), script="regular")
-    grid, help_ = GRIDS[number % 5], HELPS[number // 5 % 5]
-    paper = sorted(PAPERS)[number % 2]
-    # a sheet that shows masters beside the cells has two cells for each character
-    whole = SheetPage(text, masters.name, paper=paper, grid=grid, help=help_, times=1, cell=28, strokes=False)
-    page = lay_out(whole)[0]
-    flat, written = print_and_write(page, masters, copies, rng)
+    # a sheet that shows masters beside the cells has two cells for each character, and is as long as its page
+    page = plan_sheet(number, text, masters)[0]
+    read_one(number, page, masters, draw_copies(page, copies, rng), figures=figures, rng=rng, asked=asked)
+
+
+def read_every_copy(
+    figures: Figures, copies: dict[str, list[Path]], folder: Path, asked: argparse.Namespace
+) -> None:
+    """Read sheets in which every copy is written once; of these sheets the asked ones."""
+    every = [(character, path) for character in sorted(copies) for path in copies[character]]
+    np.random.default_rng(0).shuffle(every)
+    sheets = [every[k : k + CELLS] for k in range(0, len(every), CELLS)]
+    for number in range(asked.first, min(asked.first + asked.count, len(sheets))):
+        rng = np.random.default_rng([1, number])
+        text = "".join(character for character, _ in sheets[number])
+        masters = choose_masters(text, (str(folder),), script="regular")
+        waiting = [path for _, path in sheets[number]]
+        for page in plan_sheet(number, text, masters):
+            places = [(cell.row, cell.column) for cell in page.cells if cell.is_for_writing]
+            chosen = {place: waiting.pop(0) for place in places}
+            read_one(number, page, masters, chosen, figures=figures, rng=rng, asked=asked)
+
+
+def read_one(
+    number: int,
+    page: SheetPage,
+    masters: SheetMasters,
+    chosen: Copies,
+    *,
+    figures: Figures,
+    rng: np.random.Generator,
+    asked: argparse.Namespace,
+) -> None:
+    """Print, write, photograph and read one page."""
+    flat, written = print_and_write(page, masters, chosen)
     conditions = draw_conditions(rng)
     turn = float(rng.choice([0, 90, 180, 270])) + conditions.turn
-    conditions = replace(conditions, turn=turn, gamma=gamma)
+    conditions = replace(conditions, turn=turn, gamma=asked.gamma)
     photograph = take_photograph(flat, conditions, seed=number)
+    figures.photographs += 1
     figures.cells += len(written)
     started = time.perf_counter()
     try:
@@ -132,7 +175,7 @@ def read_one(
         found = read_cells(sheet, masters.shapes)
     except RefusedImage as error:
         figures.refused[error.reason] += 1
-        print(number, error.reason, grid, help_, conditions, flush=True)
+        print(number, error.reason, page.grid, page.help, conditions, flush=True)
         return
     figures.seconds.append(time.perf_counter() - started)
     corners = np.concatenate([cell.box.corners for cell in page.cells])
@@ -146,18 +189,24 @@ def read_one(
     figures.wrong += len(places - right)
     if off.max() > 2 or places != set(written):
         print(
-            number, f"{off.max():.1f} px", sorted(places ^ set(written)), grid, help_, conditions, flush=True
+            number,
+            f"{off.max():.1f} px",
+            sorted(places ^ set(written)),
+            page.grid,
+            page.help,
+            conditions,
+            flush=True,
         )
     for k, one in enumerate(found):
         if (one.cell.row, one.cell.column) in right:
-            master = masters.by_character[one.cell.character].picture if k < marks else None
+            master = masters.by_character[one.cell.character].picture if k < asked.marks else None
             copy = written[one.cell.row, one.cell.column]
             off = _compare(one, copy, master, figures)
-            if save and off > 3:
+            if asked.save and off > 3:
                 size = (len(copy), len(copy))
                 pair = np.hstack([cv2.resize(one.picture, size, interpolation=cv2.INTER_CUBIC), copy])
-                save.mkdir(parents=True, exist_ok=True)
-                cv2.imwrite(str(save / f"{number}-{k}.png"), pair)
+                asked.save.mkdir(parents=True, exist_ok=True)
+                cv2.imwrite(str(asked.save / f"{number}-{page.number}-{k}.png"), pair)
 
 
 def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figures: Figures) -> float:
@@ -174,7 +223,7 @@ def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figu
     true = find_ink(copy).mask
     figures.overlaps.append(float(np.count_nonzero(ink & true) / np.count_nonzero(ink | true)))
     if master is not None:
-        prepared = pipeline.prepare_master(master, character=character)
+        prepared = _prepare(master.tobytes(), master.shape, character)
         both = [pipeline.assess(each, prepared, framed=True, remarks=False).score for each in (surface, copy)]
         if None not in both:
             figures.off.append(abs(both[0] - both[1]))
@@ -188,6 +237,13 @@ def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figu
     return 0.0
 
 
+@functools.lru_cache(maxsize=64)
+def _prepare(samples: bytes, shape: tuple[int, ...], character: str) -> pipeline.PreparedMaster:
+    return pipeline.prepare_master(
+        np.frombuffer(samples, np.uint8).reshape(shape).copy(), character=character
+    )
+
+
 def main() -> None:
     """Read many sheets and print the figures."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -196,6 +252,7 @@ def main() -> None:
     parser.add_argument("--marks", type=int, default=4, help="cells of each sheet that are marked")
     parser.add_argument("--save", type=Path, help="folder for pictures of cells whose marks differ")
     parser.add_argument("--gamma", type=float, help="of the camera's tone curve; that of sRGB unless given")
+    parser.add_argument("--every-copy", action="store_true")
     parser.add_argument("--time", action="store_true")
     asked = parser.parse_args()
     copies, templates = read_copies()
@@ -209,12 +266,15 @@ def main() -> None:
             measure_time(copies, folder, Path(home))
             return
         figures = Figures()
-        for number in range(asked.first, asked.first + asked.count):
-            read_one(number, figures, copies, folder, asked.marks, gamma=asked.gamma, save=asked.save)
+        if asked.every_copy:
+            read_every_copy(figures, copies, folder, asked)
+        else:
+            for number in range(asked.first, asked.first + asked.count):
+                read_drawn(number, figures, copies, folder, asked)
     corners, overlaps, off = (
         np.array(v or [np.nan]) for v in (figures.corners, figures.overlaps, figures.off)
     )
-    print(f"{asked.count} photographs, refused {dict(figures.refused)}")
+    print(f"{figures.photographs} photographs, refused {dict(figures.refused)}")
     print(f"cells found and right {figures.right} of {figures.cells}, wrong {figures.wrong}")
     print(f"corners at 12 MP: median {np.median(corners):.2f} px, 99 % {np.quantile(corners, 0.99):.2f}")
     print(f"overlap of ink: median {np.median(overlaps):.3f}, 5 % {np.quantile(overlaps, 0.05):.3f}")
@@ -235,7 +295,7 @@ def measure_time(copies: dict[str, list[Path]], folder: Path, home: Path) -> Non
         text = "".join(rng.choice(sorted(copies), count, replace=False))
         masters = choose_masters(text, (str(folder),), script="regular")
         (page,) = lay_out(SheetPage(text, masters.name, times=CELLS // count, strokes=False))
-        flat, _ = print_and_write(page, masters, copies, rng, blank=0.0)
+        flat, _ = print_and_write(page, masters, draw_copies(page, copies, rng, blank=0.0))
         photograph = take_photograph(flat, Conditions(tilt=20, towards=40, blur=1, noise=3), seed=1)
         Image.fromarray(photograph.picture).save(home / "photo.jpg", quality=92)
         started, used = time.perf_counter(), os.times()
