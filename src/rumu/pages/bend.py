@@ -13,9 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rumu.values import FloatArray
+from rumu.values import FloatArray, IntArray
 
 Picture = npt.NDArray[np.uint8]
+
+_BAND = 16  # rows of squares whose map is held at a time
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +73,7 @@ class _Shift:
     axis: int
     low: FloatArray
     high: FloatArray
-    powers: FloatArray
+    powers: IntArray
     weights: FloatArray
     even: tuple[FloatArray, FloatArray] | None = None
 
@@ -103,20 +105,25 @@ class Straightening:
         import cv2
 
         height, width = bent.shape[:2]
-        rows, columns = (max(2, side // self.settings.grid + 2) for side in (height, width))
-        x, y = np.meshgrid(np.linspace(0, width - 1, columns), np.linspace(0, height - 1, rows))
+        grid = self.settings.grid
+        # in the middle of squares of pixels, and in a row of squares around the picture
+        rows, columns = (np.arange(-1, -(-side // grid) + 1) for side in (height, width))
+        x, y = np.meshgrid(*(grid * (one + 0.5) - 0.5 for one in (columns, rows)))
         wanted = np.column_stack([x.ravel(), y.ravel()]) / scale
         source = wanted.copy()
         for _ in range(6):  # the inverse, by fixed points: shifts change little from place to place
             source += wanted - self.points(source)
-        back = (source * scale).astype(np.float32).reshape(rows, columns, 2)
-        at_x = np.linspace(0, columns - 1, width, dtype=np.float32)
-        at_y = np.linspace(0, rows - 1, height, dtype=np.float32)
-        place_x, place_y = np.meshgrid(at_x, at_y)
-        maps = cv2.remap(back, place_x, place_y, cv2.INTER_LINEAR)
-        return np.asarray(
-            cv2.remap(bent, maps, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.uint8
-        )
+        back = (source * scale).astype(np.float32).reshape(*x.shape, 2)
+        straight = np.empty_like(bent)
+        for top in range(0, height, _BAND * grid):  # the maps of a large picture take more room than itself
+            first = top // grid
+            nodes = back[first : first + _BAND + 2]
+            places = cv2.resize(nodes, (len(columns) * grid, len(nodes) * grid))
+            maps = places[grid : grid + min(_BAND * grid, height - top), grid : grid + width]
+            straight[top : top + len(maps)] = cv2.remap(
+                bent, maps, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
+            )
+        return straight
 
 
 def find_straightening(curves: PageCurves, *, settings: BendSettings | None = None) -> Straightening | None:
@@ -181,10 +188,11 @@ def _means(values: FloatArray, which: npt.NDArray[np.intp], weights: FloatArray)
     return np.asarray((np.array(sums) / np.maximum(total, 1e-9)).T)
 
 
-def _terms(points: FloatArray, low: FloatArray, high: FloatArray, powers: FloatArray) -> FloatArray:
+def _terms(points: FloatArray, low: FloatArray, high: FloatArray, powers: IntArray) -> FloatArray:
     """(n, k): products of powers of both coordinates, which run from -1 to 1 over the box and stay there."""
     unit = np.clip(2 * (points - low) / (high - low) - 1, -1, 1)
-    return np.asarray(unit[:, 0, None] ** powers[:, 0] * unit[:, 1, None] ** powers[:, 1])
+    in_x, in_y = (np.vander(unit[:, axis], powers[:, axis].max() + 1, increasing=True) for axis in (0, 1))
+    return np.asarray(in_x[:, powers[:, 0]] * in_y[:, powers[:, 1]])
 
 
 def _even_distances(

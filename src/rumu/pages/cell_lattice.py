@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rumu.pages.cell_scores import CellSettings, EdgeMaps, fit_at, fit_of_pairs, opposite_edges
+from rumu.pages.line_evidence import Evidence
 from rumu.values import BoolArray, FloatArray
 
 Place = tuple[int, int]
@@ -68,6 +69,7 @@ def fits_of_sizes(
 ) -> list[tuple[tuple[float, ...], float, float]]:
     """The same with the mean fit of the best so many cells, for each of the counts; the first orders them."""
     settings = settings or CellSettings()
+    edges, level = edges.in_levels()
     sides = [opposite_edges(edges, width * edges.pitch, along="x") for width in settings.widths]
     found = []
     for height in settings.heights:
@@ -75,7 +77,7 @@ def fits_of_sizes(
         for width, side in zip(settings.widths, sides, strict=True):
             fits = fit_of_pairs(side, ends)
             squareness = 1 - (np.log(height / width) / settings.square) ** 2
-            means = tuple(squareness * one for one in _means_of_peaks(fits, edges, counts))
+            means = tuple(squareness * one / level for one in _means_of_peaks(fits, edges, counts))
             found.append((means, width * edges.pitch, height * edges.pitch))
     return sorted(found, reverse=True)
 
@@ -88,7 +90,7 @@ def smallest_fitting(sizes: list[CellSize], *, alike: float) -> CellSize:
     return min((one for one in sizes if one[0] >= alike * sizes[0][0]), key=lambda one: one[1] * one[2])
 
 
-def _means_of_peaks(fits: FloatArray, edges: EdgeMaps, counts: Sequence[int]) -> list[float]:
+def _means_of_peaks(fits: Evidence, edges: EdgeMaps, counts: Sequence[int]) -> list[float]:
     apart = max(3, round(0.6 * edges.pitch / edges.stride))
     rows = fits[: fits.shape[0] // apart * apart, : fits.shape[1] // apart * apart]
     if not rows.size:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from rumu.pages.line_evidence import LineEvidence, Map, sum_of_moved
+from rumu.pages.line_evidence import Evidence, LineEvidence, Map, sum_of_moved
 from rumu.values import FloatArray, IntArray
 
 
@@ -43,10 +43,19 @@ class EdgeMaps:
         y.
     """
 
-    across: Map
-    down: Map
+    across: Evidence
+    down: Evidence
     stride: int
     pitch: float
+
+    def in_levels(self) -> tuple[EdgeMaps, float]:
+        """The same in whole numbers of two bytes, which are compared faster, and how many levels 1 has."""
+        most = max(float(self.across.max(initial=0)), float(self.down.max(initial=0)), 1e-6)
+        level = 60_000 / most
+        across, down = (
+            np.rint(one * np.float32(level)).astype(np.uint16) for one in (self.across, self.down)
+        )
+        return replace(self, across=across, down=down), level
 
 
 def map_edges(
@@ -60,29 +69,39 @@ def map_edges(
     """Evidence for edges of cells of this pitch."""
     settings = settings or CellSettings()
     stride = int(np.clip(round(pitch / settings.steps), 1, 8))
-    across = _edge_map(np.minimum(evidence.across, enough), pitch, stride, reduction, settings)
-    turned = np.minimum(np.ascontiguousarray(evidence.down.T), enough)
-    down = _edge_map(turned, pitch, stride, reduction, settings).T
+    turned = np.ascontiguousarray(evidence.down.T)
+    across, down = (
+        _edge_map(one, pitch, stride, reduction=reduction, enough=enough, settings=settings)
+        for one in (evidence.across, turned)
+    )
+    down = down.T
     height, width = (min(a, b) for a, b in zip(across.shape, down.shape, strict=True))
     cut = slice(height), slice(width)
     return EdgeMaps(np.ascontiguousarray(across[cut]), np.ascontiguousarray(down[cut]), stride, pitch)
 
 
-def _edge_map(response: Map, pitch: float, stride: int, reduction: int, settings: CellSettings) -> Map:
+def _edge_map(
+    response: Map, pitch: float, stride: int, *, reduction: int, enough: float, settings: CellSettings
+) -> Map:
     import cv2
 
     count = min(settings.samples, max(5, int(pitch / reduction) | 1))
     along = (np.arange(count) - count // 2) / (count - 1) * settings.covered * pitch
+    level = 65535 // count / enough  # whole numbers of two bytes are added in half the time
+    response = np.rint(np.clip(response, 0, enough) * np.float32(level)).astype(np.uint16)
     best = np.zeros_like(response)
     # short edges that lean a little lie on the same pixels
     leaning = {tuple((round(slope * x), round(x / reduction)) for x in along) for slope in settings.slopes}
     for steps in leaning:
         np.maximum(best, sum_of_moved(response, steps), out=best)
     reach = 2 * int(np.ceil(settings.tolerance * pitch)) + (stride | 1)
-    near = cv2.dilate(best, np.ones((reach, 1), np.uint8))
-    best = (settings.beside * near + (1 - settings.beside) * best)[stride // 2 :: stride]
-    size = -(-best.shape[1] * reduction // stride), best.shape[0]
-    return np.asarray(cv2.resize(best, size, interpolation=cv2.INTER_LINEAR) / count)
+    near, best = (
+        one[stride // 2 :: stride].astype(np.float32)
+        for one in (cv2.dilate(best, np.ones((reach, 1), np.uint8)), best)
+    )
+    found = settings.beside * near + (1 - settings.beside) * best
+    size = -(-found.shape[1] * reduction // stride), found.shape[0]
+    return np.asarray(cv2.resize(found, size, interpolation=cv2.INTER_LINEAR) / np.float32(level * count))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,8 +111,8 @@ class EdgePair:
     mean: half of their mean, as it is weighed. weakest: the weaker one, likewise.
     """
 
-    mean: Map
-    weakest: Map
+    mean: Evidence
+    weakest: Evidence
 
 
 def opposite_edges(
@@ -107,16 +126,19 @@ def opposite_edges(
     values = edges.down if along == "x" else edges.across
     first, second = (sum_of_moved(values, [(0, one) if along == "x" else (one, 0)]) for one in (-step, step))
     share = (1 - settings.least) / 4
-    mean = np.asarray(cv2.addWeighted(first, share, second, share, 0), np.float32)
-    return EdgePair(mean, np.float32(settings.least) * np.minimum(first, second))
+    weaker = cv2.min(first, second)
+    return EdgePair(
+        np.asarray(cv2.addWeighted(first, share, second, share, 0)),
+        np.asarray(cv2.addWeighted(weaker, settings.least, weaker, 0, 0)),
+    )
 
 
-def fit_of_pairs(sides: EdgePair, ends: EdgePair) -> Map:
+def fit_of_pairs(sides: EdgePair, ends: EdgePair) -> Evidence:
     """(h, w): how well a cell with these edges is drawn: their mean and the weakest."""
     import cv2
 
     weakest = cv2.min(sides.weakest, ends.weakest)
-    return np.asarray(cv2.add(cv2.add(sides.mean, ends.mean), weakest), np.float32)
+    return np.asarray(cv2.add(cv2.add(sides.mean, ends.mean), weakest))
 
 
 def fit_at(edges: EdgeMaps, cells: FloatArray, *, settings: CellSettings | None = None) -> FloatArray:
@@ -140,7 +162,7 @@ def edges_at(edges: EdgeMaps, cells: FloatArray) -> FloatArray:
     )
 
 
-def _sampled(values: Map, x: FloatArray, y: FloatArray, stride: int) -> FloatArray:
+def _sampled(values: Evidence, x: FloatArray, y: FloatArray, stride: int) -> FloatArray:
     column, row = _index(x, stride), _index(y, stride)
     inside = (column >= 0) & (row >= 0) & (column < values.shape[1]) & (row < values.shape[0])
     found = values[np.clip(row, 0, values.shape[0] - 1), np.clip(column, 0, values.shape[1] - 1)]

@@ -22,6 +22,7 @@ from rumu.pages.cell_scores import EdgeMaps, edges_at, map_edges
 from rumu.pages.even_cells import evenness_of_lines, uneven_sizes
 from rumu.pages.lattice_fill import fill_lattice
 from rumu.pages.lattice_model import LatticeModel
+from rumu.pages.lattice_room import evidence_beside, has_room_beside
 from rumu.pages.line_evidence import (
     LineEvidence,
     Picture,
@@ -169,7 +170,12 @@ def find_lattices(picture: Picture, *, settings: PageGridSettings) -> list[Place
     for alike in settings.alike:
         found: list[FoundLattice] = []
         for _ in range(settings.sizes):
-            rest = _beside_lattices(evidence, [one.lattice for one in found], lines)
+            known = [one.lattice for one in found]
+            if known and not has_room_beside(
+                known, picture.shape[:2], count=settings.further, smaller=settings.leaf
+            ):
+                break
+            rest = evidence_beside(evidence, known, lines)
             further = _lattices_of_one_size(rest, found, alike, lines=lines, settings=settings)
             if not further:
                 break
@@ -196,6 +202,8 @@ def _lattices_of_one_size(
     if pitch is None:
         return []
     times, strength = guides_within(evidence, pitch, lines=lines)
+    if strength < settings.strength:
+        return []
 
     def of_pitch(pitch: float) -> list[FoundLattice]:
         edges = map_edges(evidence, pitch, reduction=lines.reduction, enough=lines.enough)
@@ -249,20 +257,6 @@ def _is_of_like_size(lattice: Lattice, other: Lattice, most: float) -> bool:
     """Whether cells of two lattices are as large but for a factor."""
     sizes = [np.median(np.array(list(one.cells.values()))[:, 2:], axis=0) for one in (lattice, other)]
     return bool(np.abs(np.log(sizes[0] / sizes[1])).max() < np.log(most))
-
-
-def _beside_lattices(
-    evidence: LineEvidence, lattices: list[Lattice], lines: PrintedLineSettings
-) -> LineEvidence:
-    """The evidence for lines without that in the boxes around lattices."""
-    across, down, step = evidence.across.copy(), evidence.down.copy(), lines.reduction
-    for lattice in lattices:
-        cells = np.array(list(lattice.cells.values()))
-        low, high = cells[:, :2] - cells[:, 2:], cells[:, :2] + cells[:, 2:]
-        (x0, y0), (x1, y1) = low.min(axis=0).clip(0).astype(int), high.max(axis=0).clip(0).astype(int)
-        across[y0:y1, x0 // step : x1 // step] = 0
-        down[y0 // step : y1 // step, x0:x1] = 0
-    return replace(evidence, across=across, down=down)
 
 
 def _place(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,9 @@ from rumu.values import BoolArray, IntArray
 
 Picture = npt.NDArray[np.uint8]
 Map = npt.NDArray[np.float32]
+Evidence = Map | npt.NDArray[np.uint16]
+"""In whole numbers of two bytes, where it is compared often."""
+Moved = TypeVar("Moved", bound=Evidence)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,10 +106,13 @@ def reduce_evidence(
 
 def measure_darkness(picture: Picture) -> tuple[Map, Map]:
     """How much darker than the paper, in the darkest channel, and how coloured; shares of its level."""
-    darkest = picture.min(axis=2)
-    paper = paper_level(darkest)
+    import cv2
+
+    red, green, blue = cv2.split(picture)
+    lightest, darkest = cv2.max(cv2.max(red, green), blue), cv2.min(cv2.min(red, green), blue)
+    paper = paper_level(np.asarray(darkest, np.uint8))
     darkness = np.clip((paper - darkest) / paper, 0, 1)
-    return darkness, np.asarray((picture.max(axis=2) - darkest) / paper, np.float32)
+    return darkness, np.asarray(cv2.subtract(lightest, darkest) / paper, np.float32)
 
 
 def paper_level(channel: Picture) -> Map:
@@ -170,7 +177,7 @@ def _frames_apart(
     return np.asarray(found if len(found) >= settings.frames else found[:0], np.intp)
 
 
-def sum_of_moved(values: Map, steps: Sequence[tuple[int, int]]) -> Map:
+def sum_of_moved(values: Moved, steps: Sequence[tuple[int, int]]) -> Moved:
     """The sum of the values at (row + down, column + right) for all of these steps, 0 beyond the border."""
     height, width = values.shape
     total = np.zeros_like(values)

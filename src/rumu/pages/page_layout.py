@@ -141,8 +141,9 @@ def _best_lean(
     steps = max(2, round(settings.lean * width / 2))
     for lean in np.linspace(-settings.lean, settings.lean, 2 * steps + 1):
         row = np.rint(y - lean * x).astype(np.intp) + width
-        cells = np.unique(row * width + x)
-        counts = np.bincount(cells // width, minlength=height + 2 * width).astype(float)
+        covered = np.zeros((height + 2 * width, width), bool)
+        covered[row, x] = True
+        counts = np.count_nonzero(covered, axis=1).astype(float)
         thick = np.convolve(counts, np.ones(2), mode="same")  # a line on the border of two rows is one line
         score = float((np.minimum(thick, width) ** 3).sum())
         if best is None or score > best[0]:

@@ -41,6 +41,8 @@ WORKING_SIDE = 2400
 
 _MORE_CELLS = 1.05
 """How many times as much of a photograph its cells must cover as those of the page as it lies flat."""
+_WHOLE, _MOST_OF_PAGE = 0.98, 0.45
+"""Shares of their outline and of the page that cells cover of which none is missing."""
 
 
 def find_characters(
@@ -87,14 +89,19 @@ def _straightened(page: Page, found: PageGrid | FreePage) -> Page:
     if straight is None:
         return page
 
-    def moved(one: PageCharacter) -> PageCharacter:
-        return replace(one, polygon=straight.points(one.polygon / scale) * scale)
+    def moved(those: tuple[PageCharacter, ...]) -> tuple[PageCharacter, ...]:
+        if not those:
+            return ()
+        corners = straight.points(np.concatenate([one.polygon for one in those]) / scale) * scale
+        ends = np.cumsum([len(one.polygon) for one in those])[:-1]
+        parts = np.split(corners, ends)
+        return tuple(replace(one, polygon=part) for one, part in zip(those, parts, strict=True))
 
     return replace(
         page,
         picture=straight.picture(page.picture, scale=scale),
-        characters=tuple(map(moved, page.characters)),
-        cells=tuple(map(moved, page.cells)),
+        characters=moved(page.characters),
+        cells=moved(page.cells),
     )
 
 
@@ -105,7 +112,7 @@ def _find_in_photo(photo: Picture) -> tuple[Picture, PageGrid | FreePage]:
     """
     flat = flatten_photo(photo)
     found = _find(flat.picture)
-    if isinstance(found, PageGrid) and flat.picture is not photo:
+    if isinstance(found, PageGrid) and flat.picture is not photo and not _fills_page(found, flat.picture):
         grid = find_grid(photo)
         if grid is not None and holds_writing(grid, photo):
             areas = [
@@ -115,6 +122,16 @@ def _find_in_photo(photo: Picture) -> tuple[Picture, PageGrid | FreePage]:
             if areas[0] > _MORE_CELLS * areas[1]:
                 return photo, grid
     return flat.picture, found
+
+
+def _fills_page(grid: PageGrid, picture: Picture) -> bool:
+    """Whether cells make up a whole rectangle that covers most of a page, so that none can be missing."""
+    import cv2
+
+    corners = np.concatenate([cell.polygon for cell in grid.cells]).astype(np.float32)
+    outline = cv2.contourArea(cv2.convexHull(corners))
+    cells = _area([cell.polygon for cell in grid.cells])
+    return bool(cells > _WHOLE * outline and cells > _MOST_OF_PAGE * picture.shape[0] * picture.shape[1])
 
 
 def _area(polygons: list[FloatArray]) -> float:
