@@ -141,7 +141,7 @@ def assess_cell(task: CellTask) -> tuple[Assessment, SheetMaster]:
     """The mark of one cell, and the master that was printed there."""
     from rumu import pipeline
 
-    prepared, master = _prepared_master(task.masters, task.character)
+    prepared, master = prepared_master(task.masters, task.character)
     mark = pipeline.assess(
         surface_of_cell(task.picture),
         prepared,
@@ -171,7 +171,7 @@ def surface_of_cell(picture: npt.NDArray[np.uint8]) -> Surface | npt.NDArray[np.
 
 
 @functools.lru_cache(maxsize=64)
-def _prepared_master(masters: str, character: str) -> tuple[PreparedMaster, SheetMaster]:
+def prepared_master(masters: str, character: str) -> tuple[PreparedMaster, SheetMaster]:
     """The master of a cell, made ready once in each process, and as it was printed."""
     from rumu import pipeline
     from rumu.gallery.sheet_masters import open_masters
