@@ -166,6 +166,8 @@ def read_one(
     conditions = draw_conditions(rng)
     turn = float(rng.choice([0, 90, 180, 270])) + conditions.turn
     conditions = replace(conditions, turn=turn, gamma=asked.gamma)
+    if asked.bend is not None:
+        conditions = replace(conditions, bend=asked.bend)
     photograph = take_photograph(flat, conditions, seed=number)
     figures.photographs += 1
     figures.cells += len(written)
@@ -252,6 +254,7 @@ def main() -> None:
     parser.add_argument("--marks", type=int, default=4, help="cells of each sheet that are marked")
     parser.add_argument("--save", type=Path, help="folder for pictures of cells whose marks differ")
     parser.add_argument("--gamma", type=float, help="of the camera's tone curve; that of sRGB unless given")
+    parser.add_argument("--bend", type=float, help="height of the wave of every sheet, in its widths")
     parser.add_argument("--every-copy", action="store_true")
     parser.add_argument("--time", action="store_true")
     asked = parser.parse_args()

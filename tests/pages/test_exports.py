@@ -88,6 +88,7 @@ def test_hocr_names_its_parts_as_hocr_does(page):
     root = ET.fromstring(text)
     title = root.find(".//h:div[@class='ocr_page']", HTML).get("title")
     assert title == 'image "p.png"; bbox 0 0 120 90; ppageno 0'
+    assert root.find("h:head/h:meta[@name='ocr-langs']", HTML).get("content") == "zh"
     words = root.findall(".//h:span[@class='ocrx_word']", HTML)
     assert [word.text for word in words] == ["永", "<", "〓", "水"]
     assert words[1].get("title").endswith("x_wconf 50")

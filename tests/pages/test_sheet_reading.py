@@ -7,7 +7,9 @@ import pytest
 from rumu.errors import RefusedImage
 from rumu.gallery.sheet_masters import choose_masters
 from rumu.pages.sheet_layout import SheetPage, lay_out
+from rumu.pages.sheet_markers import find_markers
 from rumu.pages.sheet_reading import is_sheet, locate_sheet, read_cells
+from rumu_lab.simulation.camera import Conditions, take_photograph
 
 WRITTEN = {(0, 0), (0, 3), (1, 1), (2, 2), (2, 5), (3, 4)}
 
@@ -98,6 +100,25 @@ def test_a_bent_sheet_is_read_by_the_frames_of_its_cells(written, page, masters,
         bent = y - 14 * np.sin(np.pi * x / width)
     assert np.hypot(*(sheet.places.pixels(corners) - np.column_stack([x, bent])).T).max() < 1.0
     assert {(c.cell.row, c.cell.column) for c in read_cells(sheet, masters.shapes)} == WRITTEN
+
+
+@pytest.mark.parametrize("along", [False, True])
+def test_a_sheet_that_is_rolled_two_centimetres_high_is_read(along, written, page, masters):
+    photograph = take_photograph(
+        written, Conditions(tilt=20, towards=30, bend=0.1, bend_along=along, megapixels=3)
+    )
+    sheet = locate_sheet(photograph.picture)
+    corners = np.concatenate([cell.box.corners for cell in page.cells])
+    true = photograph.points(corners * (np.array(written.shape[1::-1]) / page.size) - 0.5)
+    assert np.hypot(*(sheet.places.pixels(corners) - true).T).max() < 1.0
+    assert {(c.cell.row, c.cell.column) for c in read_cells(sheet, masters.shapes)} == WRITTEN
+
+
+def test_all_markers_of_a_blurred_sheet_from_far_away_are_found(written, page):
+    conditions = Conditions(tilt=20, towards=30, turn=10, fill=0.7, megapixels=3, blur=2, noise=4, jpeg=75)
+    picture = take_photograph(written, conditions).picture
+    assert len(find_markers(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))) == 12
+    assert locate_sheet(picture).page == page
 
 
 def test_another_master_of_the_same_text_has_another_sheet(masters):

@@ -121,6 +121,7 @@ def hocr(page: Page, *, picture_name: str, creator: str = "rumu") -> str:
     _tag(head, "meta", charset="utf-8")
     _tag(head, "meta", name="ocr-system", content=creator)
     _tag(head, "meta", name="ocr-capabilities", content="ocr_page ocr_carea ocr_line ocrx_word")
+    _tag(head, "meta", name="ocr-langs", content="zh")
     height, width = page.picture.shape[:2]
     title = f'image "{picture_name}"; bbox 0 0 {width} {height}; ppageno 0'
     sheet = _tag(_tag(root, "body"), "div", id="page_1", title=title, **{"class": "ocr_page"})

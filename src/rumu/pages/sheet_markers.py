@@ -106,6 +106,8 @@ def find_markers(
     parameters.minMarkerPerimeterRate = 0.02
     parameters.adaptiveThreshWinSizeMin, parameters.adaptiveThreshWinSizeMax = 7, 47
     parameters.adaptiveThreshWinSizeStep = 20
+    # the middle of a module alone is read: in a small or blurred marker its rim is the next one's
+    parameters.perspectiveRemovePixelPerCell, parameters.perspectiveRemoveIgnoredMarginPerCell = 8, 0.3
     found, numbers, _ = cv2.aruco.ArucoDetector(_dictionary(), parameters).detectMarkers(small)
     if numbers is None:
         return []
