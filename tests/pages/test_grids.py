@@ -140,7 +140,7 @@ def test_cells_that_stand_apart_on_all_sides_are_found_once_each():
     seen, quads = photograph(page, quads, np.zeros((4, 2)))
     grid = find_grid(seen)
     assert grid is not None and len(grid.cells) == 30
-    assert farthest(np.array([cell.polygon for cell in grid.cells]), quads) < 28  # up to the next cell
+    assert farthest(np.array([cell.polygon for cell in grid.cells]), quads) < 4
 
 
 @pytest.mark.parametrize(("kind", "colour"), [("plain", BLACK), ("rice", GRAY), ("rice", RED)])
@@ -152,6 +152,18 @@ def test_cells_a_quarter_apart_do_not_take_in_the_gap(kind, colour):
     assert grid is not None and len(grid.cells) == 30
     assert farthest(np.array([cell.polygon for cell in grid.cells]), quads) < 3
     assert [cell.empty for cell in grid.cells] == (~written).ravel().tolist()
+
+
+@pytest.mark.parametrize(("cell", "gap"), [(34, 5), (34, 14), (90, 36)])
+def test_frames_that_touch_no_other_are_the_cells_however_small_and_far_apart(cell, gap):
+    written = RNG.random((8, 6)) < 0.8
+    page, quads, _ = draw_grid(
+        8, 6, cell=cell, kind="field", gap=gap, beside=gap, side=1 + cell // 60, written=written
+    )
+    grid = find_grid(page)
+    assert grid is not None and len(grid.cells) == 48
+    assert farthest(np.array([cell.polygon for cell in grid.cells]), quads) < 3
+    assert [(cell.column, cell.row) for cell in grid.cells] == [(r, c) for r in range(8) for c in range(6)]
 
 
 def test_dark_cells_that_stand_apart_are_no_characters():

@@ -20,6 +20,7 @@ from rumu.pages.cell_lattice import (
 )
 from rumu.pages.cell_scores import EdgeMaps, edges_at, map_edges
 from rumu.pages.even_cells import evenness_of_lines, uneven_sizes
+from rumu.pages.framed_cells import corners_on_frames, join_frames
 from rumu.pages.lattice_fill import fill_lattice
 from rumu.pages.lattice_model import LatticeModel
 from rumu.pages.lattice_room import evidence_beside, has_room_beside
@@ -198,6 +199,10 @@ def _lattices_of_one_size(
     settings: PageGridSettings,
 ) -> list[FoundLattice]:
     """The lattices of cells of the likeliest size; beside known ones, of a size like theirs."""
+    if len(evidence.frames):
+        found = _lattices_of_frames(evidence, known, lines=lines, settings=settings)
+        if found:
+            return found
     pitch = line_pitch(evidence.down, settings=lines)
     if pitch is None:
         return []
@@ -222,6 +227,20 @@ def _lattices_of_one_size(
     if between == 1:
         return found
     return of_pitch(between * times * pitch) or found
+
+
+def _lattices_of_frames(
+    evidence: LineEvidence,
+    known: list[FoundLattice],
+    *,
+    lines: PrintedLineSettings,
+    settings: PageGridSettings,
+) -> list[FoundLattice]:
+    """The lattices of cells that stand apart on all sides."""
+    pitch = float(np.median(evidence.frames[:, 2:]))
+    edges = map_edges(evidence, pitch, reduction=lines.reduction, enough=lines.enough)
+    joined = join_frames(evidence.frames, edges)
+    return _chosen_lattices(edges, evidence, joined, known, settings=settings)
 
 
 def _chosen_lattices(
@@ -263,6 +282,7 @@ def _place(
     evidence: LineEvidence, lattice: Lattice, model: LatticeModel, *, lines: PrintedLineSettings
 ) -> Placed:
     quads = place_edges(evidence, lattice, model, reduction=lines.reduction, enough=lines.enough)
+    quads = corners_on_frames(quads, evidence.frames)
     cells = [(*place, quad, lattice.fits[place]) for place, quad in zip(lattice.cells, quads, strict=True)]
     return sorted(cells, key=lambda cell: cell[:2])
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from rumu.pages.cell_lattice import Lattice
 from rumu.pages.line_evidence import LineEvidence, PrintedLineSettings
+from rumu.values import FloatArray
 
 _CELL = 12  # pixels of a cell where room for more of them is looked for
 
@@ -41,7 +42,16 @@ def evidence_beside(
     for x0, y0, x1, y1 in map(_box_around, lattices):
         across[y0:y1, x0 // step : x1 // step] = 0
         down[y0 // step : y1 // step, x0:x1] = 0
-    return replace(evidence, across=across, down=down)
+    return replace(evidence, across=across, down=down, frames=_outside(evidence.frames, lattices))
+
+
+def _outside(frames: FloatArray, lattices: list[Lattice]) -> FloatArray:
+    """Those of the frames (N, 4) that lie in none of the boxes around lattices."""
+    x, y = frames[:, :2].T
+    outside = np.ones(len(frames), bool)
+    for x0, y0, x1, y1 in map(_box_around, lattices):
+        outside &= (x < x0) | (x > x1) | (y < y0) | (y > y1)
+    return frames[outside]
 
 
 def _box_around(lattice: Lattice) -> tuple[int, int, int, int]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from rumu.values import BoolArray, IntArray
+from rumu.values import BoolArray, FloatArray, IntArray
 
 Picture = npt.NDArray[np.uint8]
 Map = npt.NDArray[np.float32]
@@ -30,6 +30,7 @@ class PrintedLineSettings:
         piece: a piece of a thin grid has fewer pixels than this share of width and height of its box, and is
         longer than this share of the longer side.
     pitch: least distance of parallel lines.
+    printed: darkness of what is printed or written.
     framed: least ratio of the sides of a cell's frame that touches no other. rim: share of its side within
         which its lines lie; whole: share of each side that is dark there. alike: natural logarithm by which
         sizes of frames may differ; frames: least number of them.
@@ -48,6 +49,7 @@ class PrintedLineSettings:
     bare: float = 2.2
     piece: float = 0.03
     pitch: int = 20
+    printed: float = 0.12
     framed: float = 0.7
     rim: float = 0.05
     whole: float = 0.95
@@ -62,6 +64,7 @@ class LineEvidence:
     darkness: (H, W), 0 on paper, 1 black. coloured: (H, W), how far its colour is from gray. writing: (H, W)
     bool, what was taken for writing and left out. across: (H, W / reduction), darkness of a short piece of a
     line that runs along x over that of the paper on both sides of it; down: (H / reduction, W), along y.
+    frames: (N, 4), centre x and y, width and height of frames of cells that touch no other.
     """
 
     darkness: Map
@@ -69,6 +72,7 @@ class LineEvidence:
     writing: BoolArray
     across: Map
     down: Map
+    frames: FloatArray = field(default_factory=lambda: np.zeros((0, 4)))
 
 
 def find_line_evidence(picture: Picture, *, settings: PrintedLineSettings | None = None) -> LineEvidence:
@@ -79,7 +83,7 @@ def find_line_evidence(picture: Picture, *, settings: PrintedLineSettings | None
     bare = np.where(writing, np.float32(0), darkness)
     across = _line_response(bare, settings)
     down = np.ascontiguousarray(_line_response(np.ascontiguousarray(bare.T), settings).T)
-    return LineEvidence(darkness, coloured, writing, across, down)
+    return LineEvidence(darkness, coloured, writing, across, down, _find_frames(darkness, settings))
 
 
 def reduce_evidence(
@@ -151,6 +155,17 @@ def find_writing(darkness: Map, coloured: Map, settings: PrintedLineSettings) ->
         inside = slice(top + rim, top + high - rim), slice(left + rim, left + wide - rim)
         writing[inside] |= cv2.morphologyEx(dark[inside], cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     return np.asarray(cv2.dilate(writing, np.ones((5, 5), np.uint8)) > 0)
+
+
+def _find_frames(darkness: Map, settings: PrintedLineSettings) -> FloatArray:
+    """(N, 4) centre x and y, width and height of the frames that touch no other, of any colour."""
+    import cv2
+
+    printed = (darkness > settings.printed).astype(np.uint8)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(printed, connectivity=8)
+    boxes = stats[_frames_apart(labels, stats, np.arange(1, len(stats)), settings), :4].astype(float)
+    # from the middle of a line to that of the other
+    return np.column_stack([boxes[:, :2] + boxes[:, 2:] / 2, np.maximum(1, boxes[:, 2:] - 1)])
 
 
 def _frames_apart(
