@@ -126,7 +126,7 @@ def test_a_large_work_is_told_its_own_size(as_person: LogIn) -> None:
     added = owner.page.evaluate(ADD_A_LARGE_PICTURE)
     page = owner.go(f"/works/{added['id']}")
     size = page.locator(".facts dd").filter(has_text="×")
-    expect(size.locator(".size")).to_have_text(["2000 × 1400 px", "3-D view at 1024 × 717"])
+    expect(size.locator(".size")).to_have_text(["2000 × 1400 px", "3-D view from afar at 1024 × 717"])
     page.on("dialog", lambda dialog: dialog.accept())
     page.get_by_role("button", name="Delete this work").click()
     expect(page.get_by_text("39 works")).to_be_visible()

@@ -11,7 +11,7 @@ import "./home.css";
 export function LitWork({ work }: { work: CoverWork }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [move, setMove] = useState<((lamp: Lamp) => void) | null>(null);
-  const [lit, setLit] = useState(false);
+  const [shown, setShown] = useState<"waiting" | "lit" | "flat">("waiting");
   const touch = matchMedia("(pointer: coarse)").matches;
   useEffect(() => {
     const controller = new AbortController();
@@ -22,9 +22,9 @@ export function LitWork({ work }: { work: CoverWork }) {
       const stop = startCircling((lamp) => light(lamp.tilt, lamp.slant));
       controller.signal.addEventListener("abort", () => (stop(), dispose()));
       setMove(() => (lamp: Lamp) => (stop(), requestAnimationFrame(() => light(lamp.tilt, lamp.slant))));
-      setLit(true);
-    }, () => undefined); // the plain picture stays
-    return () => controller.abort();
+      setShown("lit");
+    }, () => controller.signal.aborted || setShown("flat")); // the plain picture stays, as of a leaf without writing
+    return () => (controller.abort(), setShown("waiting"));
   }, [work.id]);
   const follow = (event: PointerEvent) => {
     const frame = canvas.current!.getBoundingClientRect();
@@ -36,12 +36,12 @@ export function LitWork({ work }: { work: CoverWork }) {
         style={{ aspectRatio: `${work.width} / ${work.height}`, "--shape": work.width / work.height }}>
         <img src={work.picture} alt="" width={work.width} height={work.height} fetchpriority="high"
           onError={(event) => event.currentTarget.src.endsWith(work.thumb) || (event.currentTarget.src = work.thumb)} />
-        <canvas ref={canvas} class={lit ? "lit" : ""} aria-hidden="true" />
+        <canvas ref={canvas} class={shown === "lit" ? "lit" : ""} aria-hidden="true" />
       </a>
       <figcaption>
         <strong>{localize(work.title)}</strong> {localize(work.hand)}
-        <small>{common(work.height_source)}</small>
-        <small>{t(touch ? "lampHintTouch" : "lampHint")}</small>
+        {shown !== "flat" && <small>{common(work.height_source)}</small>}
+        {shown !== "flat" && <small>{t(touch ? "lampHintTouch" : "lampHint")}</small>}
         {touch && move && <TiltButton move={move} />}
       </figcaption>
     </figure>

@@ -38,7 +38,7 @@ export const t = translator({
   heightFrom: { zh: "高度從何而來", en: "Where the height comes from" },
   size: { zh: "尺寸", en: "Size" },
   shownAt: { zh: "此處顯示為 {width} × {height}", en: "shown here at {width} × {height}" },
-  inDepthAt: { zh: "立體檢視為 {width} × {height}", en: "3-D view at {width} × {height}" },
+  inDepthAt: { zh: "從遠處立體檢視為 {width} × {height}", en: "3-D view from afar at {width} × {height}" },
   facts: { zh: "作品資料", en: "About this work" },
   notes: { zh: "註解", en: "Notes" },
   addNote: { zh: "加註解", en: "Add a note" },

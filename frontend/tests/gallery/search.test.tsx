@@ -64,9 +64,9 @@ describe("the size of a work", () => {
   it("is drawn whole from tiles, but for the view in depth", () => {
     const tiles = { albedo: "iiif/tiles/albedo/a", normals: null, version: "1" };
     language.value = "en";
-    expect(sizes({ tiles })).toEqual(["6000 × 4000 px", "3-D view at 1024 × 683"]);
+    expect(sizes({ tiles })).toEqual(["6000 × 4000 px", "3-D view from afar at 1024 × 683"]);
     language.value = "zh";
-    expect(sizes({ tiles })).toEqual(["6000 × 4000 px", "立體檢視為 1024 × 683"]);
+    expect(sizes({ tiles })).toEqual(["6000 × 4000 px", "從遠處立體檢視為 1024 × 683"]);
   });
 
   it("is told once where the maps are as large", () => {
