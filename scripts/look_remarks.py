@@ -1,12 +1,13 @@
 """Draw learners' copies beside their masters, with the marks and remarks on them, for a teacher's eye.
 
-    .venv/bin/python scripts/look_remarks.py OUT [--set tuning|kept|first|second|...|eighth]
+    .venv/bin/python scripts/look_remarks.py OUT [--set tuning|kept|first|second|...|ninth]
 
 Half of the E3C copies, by a checksum of their names, are for tuning the remarks; the other half is kept for
 looking. From each half come the 10 that people marked best, the 10 worst and 20 of the middle, at most three
-of a character; `first` to `eighth` are chosen in the same way from what is left of that half, one after the
-other, at most two of a character. A row shows master and copy with what each remark speaks of, the copy laid
-on the master (red where it is off, blue where it is wanting), people's mark, ours, and the remarks.
+of a character; `first` to `ninth` are chosen in the same way from what is left of that half, one after the
+other, at most two of a character, and the 34 of `ninth` from all that is left then. A row shows master and
+copy with what each remark speaks of, the copy laid on the master (red where it is off, blue where it is
+wanting), people's mark, ours, and the remarks.
 OUT/remarks.txt holds the same words.
 """
 
@@ -32,9 +33,8 @@ from rumu_lab.experiments.marked_copies import Copy, read_copies
 
 SIDE, ROWS, WORDS, LETTERS = 360, 4, 700, 66
 ENDS, MIDDLE = 10, 20
-OF_A_CHARACTER = {"tuning": 3, "kept": 3} | dict.fromkeys(
-    ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth"), 2
-)
+_LATER = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth")
+OF_A_CHARACTER = {"tuning": 3, "kept": 3} | dict.fromkeys(_LATER, 2) | {"ninth": 5}
 COLOURS = ((200, 30, 30), (20, 90, 190), (20, 130, 60), (160, 90, 0), (120, 40, 140))
 
 
@@ -66,7 +66,7 @@ def choose(rows: list[Copy], name: str) -> list[Copy]:
     most = OF_A_CHARACTER[name]
     counts: Counter[str] = Counter()
     best = _first(by_mark, ENDS, counts, most)
-    worst = _first(by_mark[::-1], ENDS, counts, most)
+    worst = _first([row for row in by_mark[::-1] if row not in best], ENDS, counts, most)
     rest = [row for row in by_mark if row not in best and row not in worst]
     nearest = sorted(rest, key=lambda row: abs(row.mark - rest[len(rest) // 2].mark))
     return [*best, *worst, *_first(nearest, MIDDLE, Counter(), most)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,6 +60,23 @@ def test_of_one_stroke_a_fault_is_not_told_twice_in_other_words():
     out = fault("sticks_out", 5.0, cause="stroke 3", predicate=Bilingual("出頭", "sticks out"))
     (told,) = choose(long, out)
     assert "出頭" not in told.zh
+
+
+@pytest.mark.parametrize("second", ["displaced", "entry_heavy"])
+def test_where_a_turned_stroke_stands_and_how_it_begins_is_not_told_with_its_turn(second):
+    turned = fault("stroke_angle", 9.0, cause="stroke 3", predicate=Bilingual("斜了 9°", "is off by 9°"))
+    other = fault(second, 5.0, excess=4.0, cause="stroke 3", predicate=Bilingual("偏左", "too far left"))
+    (told,) = choose(turned, other)
+    assert "偏左" not in told.zh
+
+
+def test_what_a_remark_tells_of_together_is_not_told_by_itself():
+    single = [fault("stroke_heavy", 9.0 - n, cause=f"stroke {n}") for n in range(3)]
+    covers = tuple((f.cause, "stroke_heavy") for f in single[:2])
+    together = replace(fault("stroke_heavy", 8.0, cause="weight"), covers=covers)
+    told, untold = choose_remarks([*single, together], parts={}, limits=LIMITS)
+    assert [remark.severity for remark in told] == [8.0, 7.0]
+    assert [remark.severity for remark in untold] == [9.0, 8.0]
 
 
 def test_the_same_advice_does_not_end_two_remarks():

@@ -15,6 +15,7 @@ from rumu.assessment.thresholds import RemarkThresholds
 from rumu.assessment.whole_remarks import find_whole_faults
 from rumu.gallery.starter import find_work, starter_samples
 from rumu.strokes.correspondence import CopyStrokes
+from rumu_lab.experiments.marked_copies import read_copies
 from rumu_lab.simulation.faults import FAULTS
 from rumu_lab.simulation.glyph import Glyph, region_of
 
@@ -227,3 +228,34 @@ def test_what_the_few_remarks_leave_unsaid_is_kept_apart():
     severities = [r.severity for r in mark.untold]
     assert severities == sorted(severities, reverse=True)
     assert pipeline.assess(sample.path, find_work(WORK).path, remarks=False).untold == ()
+
+
+# --- learners' copies, as a teacher saw them ------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("image", "said_zh", "unsaid_zh"),
+    [
+        (
+            "003888",
+            "第二、三、九筆比範本粗",
+            "抖動",
+        ),  # three heavy strokes are seen first, a little tremor not
+        ("004132", "整字比範本大 14%，又在格中偏右", "抖動"),
+        (
+            "007294",
+            "整字比範本大 25%，又在格中偏",
+            "一團墨",
+        ),  # the lump is the right end of the eighth stroke
+        ("000645", "", "墨漬"),  # the foot of the right-falling stroke
+        ("005031", "", "沒有鉤出"),  # the fold of 日 is no hook
+        ("001880", "太平", "起筆太重"),
+    ],
+)
+def test_what_a_teacher_says_of_a_learners_copy(data, image, said_zh, unsaid_zh):
+    row = next(row for row in read_copies(data) if row.image.stem == image)
+    master = pipeline.prepare_master(row.template, character=row.character)
+    mark = pipeline.assess(row.image, master, framed=True)
+    told = "".join(remark.zh for remark in mark.remarks)
+    assert said_zh in told and unsaid_zh not in told
+    assert not any(unsaid_zh in remark.zh for remark in mark.untold if remark.kind in ("blot", "no_hook"))

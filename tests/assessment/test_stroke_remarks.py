@@ -92,9 +92,10 @@ def test_of_the_ink(*, itself, change, kind, zh, en):
         (InkPatch(0.05, 5.0, 0.6, True, False, SQUARE), 0.0),  # a heavy end's edge
         (InkPatch(0.05, 5.0, 2.0, True, True, SQUARE), 0.0),  # the brush was not lifted
         (InkPatch(0.05, 5.0, 2.0, True, False, SQUARE), 0.06),  # a stroke that stands elsewhere
+        (InkPatch(0.05, 1.2, 2.0, True, False, SQUARE), 0.06),  # a part of one
     ],
 )
-def test_ink_that_strokes_account_for_is_no_stroke_too_many(itself, patch, unfound):
+def test_ink_that_strokes_account_for_is_no_stroke_too_many_and_no_blot(itself, patch, unfound):
     match, registration = itself
     strokes = named(match, registration)
     ink = replace(NO_FAULT, patches=(patch,), unfound=unfound)
@@ -270,11 +271,19 @@ def test_a_vertical_that_stands_more_upright_than_a_slanting_master_is_not_told_
 
 
 @pytest.mark.parametrize(
-    ("width", "fuller", "told"), [(0.35, -0.6, True), (0.35, -0.1, False), (0.6, 0.0, True)]
+    ("width", "unlike", "fuller", "told"),
+    [
+        (0.35, np.inf, -0.6, True),
+        (0.35, np.inf, -0.1, False),
+        (0.6, np.inf, 0.0, True),  # no strip of ink was seen
+        (0.6, 0.5, -0.2, True),
+        (0.6, 0.5, 0.0, False),
+    ],
 )
-def test_a_great_change_of_width_is_believed_where_the_ink_shows_it(itself, width, fuller, told):
+def test_a_change_of_width_is_believed_where_the_ink_shows_it(itself, width, unlike, fuller, told):
     match, registration = itself
-    thin = replace(match.strokes[0], width=width, ink=replace(UNSEEN, fuller=fuller))
+    ink = replace(UNSEEN, unlike=unlike, fuller=fuller)
+    thin = replace(match.strokes[0], width=width, ink=ink)
     changed = replace(match, strokes=(thin, *match.strokes[1:]), tips=None)
     strokes = named(changed, registration)
     kinds = [f.remark.kind for f in find_stroke_faults(strokes, changed, LIMITS)]

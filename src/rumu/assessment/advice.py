@@ -157,8 +157,8 @@ STROKES: Mapping[str, Mapping[str, Advice]] = {
     "displaced": {
         "橫": (
             Bilingual(
-                "落筆前先看它與上下兩橫的距離。",
-                "Before you set it down, see how far it is from the horizontals around it.",
+                "落筆前先看範本這一橫的高低，量準它與鄰筆的距離。",
+                "Before you set it down, see how high the master's stands, and how far from its neighbours.",
             ),
         ),
         "豎": (

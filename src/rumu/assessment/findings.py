@@ -24,8 +24,10 @@ PARTS_OF_KINDS: Mapping[str, tuple[str, ...]] = {
 }  # fmt: skip
 """Part of the mark -> the kinds of remark that explain why it is low."""
 _LENGTHS = {"sticks_out", "stroke_long", "stroke_short"}
-_TOLD_WITH = 1.5
-"""How many times the smallest worth a remark a second fault of one stroke must be, to be told too."""
+_TOLD_WITH = 1.6
+"""How many times the smallest worth a remark a second fault of one cause must be, to be told too."""
+_TOLD_SECOND = {"stroke_angle", "stroke_heavy", "stroke_thin", *_LENGTHS, *POSE_KINDS}
+"""Kinds that may be told second: where a turned stroke stands, and how it begins, is less sure."""
 _JUST_BELOW = 0.99
 """Of the first remark's severity, which one of the pose may reach."""
 
@@ -47,7 +49,8 @@ class Finding:
     remark: with what is wrong, as a whole sentence, and not what to do. excess: its size over the smallest
     that is worth a remark. advice: what to do, the fittest first; of one assessment no two remarks end alike.
     cause: what is told once. predicate: the fault without its subject, so that two of one stroke can be told
-    in one sentence.
+    in one sentence. covers: cause and kind of faults that it tells of together, which are not told by
+    themselves.
     """
 
     remark: Remark
@@ -55,6 +58,7 @@ class Finding:
     advice: tuple[Bilingual, ...] = ()
     cause: str = ""
     predicate: Bilingual | None = None
+    covers: tuple[tuple[str, str], ...] = ()
 
 
 def choose_remarks(
@@ -65,7 +69,9 @@ def choose_remarks(
     A fault that a remark only mentions is among those besides, too, with its size.
     parts: of the mark, 0-100; one that is low is explained, by a small fault if there is no greater one.
     """
-    ordered = sorted(_merge_causes(found), key=lambda f: -f.remark.severity)
+    covered = {fault for f in found for fault in f.covers}
+    single = [f for f in found if (f.cause, f.remark.kind) not in covered]
+    ordered = sorted(_merge_causes(single), key=lambda f: -f.remark.severity)
     chosen: list[Finding] = []
     for finding in ordered:
         slight = chosen and finding.remark.severity < limits.slight * chosen[0].remark.severity
@@ -98,10 +104,11 @@ def _merge_causes(found: Iterable[Finding]) -> list[Finding]:
 
 
 def _adds_to(second: Finding, worst: Finding) -> bool:
-    """Whether a fault of the same stroke is worth telling with its worst, and is another one."""
+    """Whether a fault of the same cause is worth telling with its worst, and is another one."""
     kinds = {worst.remark.kind, second.remark.kind}
     same = len(kinds) == 1 or kinds <= _LENGTHS
-    return second.excess >= _TOLD_WITH and second.predicate is not None and not same
+    sure = second.excess >= _TOLD_WITH and second.remark.kind in _TOLD_SECOND
+    return sure and second.predicate is not None and not same
 
 
 def _told_together(worst: Finding, second: Finding) -> Finding:

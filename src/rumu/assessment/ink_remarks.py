@@ -36,7 +36,8 @@ def find_ink_faults(
     yield from _find_edge_fault(ink, limits, dry=dry)
     if not dry:
         for patch in ink.patches:
-            yield from _find_blot(patch, strokes, match, limits)
+            if not patch.attached or patch.share > ink.unfound:  # else it may be ink of what was not found
+                yield from _find_blot(patch, strokes, match, limits)
         yield from _find_extra_strokes(ink, limits)
     if dry:
         remark = Remark(

@@ -17,7 +17,7 @@ from rumu.strokes.naming import (
     HORIZONTAL,
     VERTICAL,
     canonical_kind,
-    is_hook,
+    hook_of,
     kind_of,
     name_strokes,
 )
@@ -126,9 +126,25 @@ class NamedStroke:
         return [line for line in self.match.master.lines if number and line.number == number]
 
     @property
+    def leg_positions(self) -> list[int]:
+        """Positions of its canonical stroke's lines without a hook; its own where that is not known."""
+        lines, number = self.match.master.lines, self.stroke.line.number
+        hook = self._hook
+        own = [k for k, line in enumerate(lines) if number and line.number == number and line is not hook]
+        return own or [self.position]
+
+    @property
+    def _hook(self) -> CentreLine | None:
+        """The hook of its canonical stroke."""
+        laid, number = self.match.laid, self.stroke.line.number
+        if laid is None or not number:
+            return None
+        return hook_of(self.legs, laid.character.strokes[number - 1].name)
+
+    @property
     def is_hook(self) -> bool:
         """Whether it is the hook of a stroke of several legs."""
-        return bool(self.legs) and self.stroke.line is self.legs[-1] and is_hook(self.legs)
+        return self.stroke.line is self._hook
 
     @property
     def length_change(self) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rumu.assessment.advice import WHOLE
+from rumu.assessment.advice import WHOLE, for_stroke
 from rumu.assessment.findings import Fault, Finding
 from rumu.assessment.missing_remarks import (
     find_missing_hook,
@@ -33,6 +33,7 @@ from rumu.strokes.naming import (
     RING,
     VERTICAL,
     direction_of,
+    strokes_title,
     way_of,
 )
 from rumu.strokes.spacing import StrokeGap, find_gaps
@@ -44,6 +45,7 @@ def find_stroke_faults(
 ) -> Iterator[Finding]:
     """Faults of single strokes, in no order, each where it is worth a remark or half of that."""
     yield from find_missing_strokes(every, match)
+    widths = []
     for stroke in every:
         if not is_measured(stroke, match):
             continue
@@ -54,10 +56,12 @@ def find_stroke_faults(
             if stroke.stroke.ink.unlike >= limits.unlike * match.enlargement:
                 yield from _find_place_faults(stroke)
                 yield from _find_length_fault(stroke)
-                yield from _find_width_fault(stroke)
+                widths += [(stroke, fault) for fault in _find_width_fault(stroke)]
             yield from _find_end_faults(stroke)
         elif not stroke.stroke.present and len(stroke.legs) > 1:
             yield from find_missing_leg(stroke)
+    yield from (fault for _, fault in widths)
+    yield from _find_several_widths(widths, limits)
     yield from _find_spacing_fault(find_gaps(match), every, limits)
     yield from _find_blunt_tips(every, match.tips, limits)
 
@@ -187,8 +191,10 @@ def _find_width_fault(named: NamedStroke) -> Iterator[Finding]:
     if abs(size) < limits.weak * least:
         return
     change = float(np.exp(size)) - 1.0
-    shown = named.stroke.ink.fuller * np.sign(change) >= limits.fuller * abs(change)
-    if abs(size) > limits.believed and not shown:
+    ink, is_great = named.stroke.ink, abs(size) > limits.believed
+    least_shown = limits.fuller if is_great else limits.somewhat_fuller
+    is_seen = is_great or np.isfinite(ink.unlike)
+    if is_seen and ink.fuller * np.sign(change) < least_shown * abs(change):
         return
     kind, zh, en = ("stroke_heavy", "粗", "heavier") if change > 0 else ("stroke_thin", "細", "thinner")
     yield named.finding(
@@ -196,6 +202,40 @@ def _find_width_fault(named: NamedStroke) -> Iterator[Finding]:
         Bilingual(f"比範本{zh} {abs(change):.0%}", f"is {abs(change):.0%} {en} than the master's"),
         named.kind.zh,
     )  # fmt: skip
+
+
+def _find_several_widths(
+    widths: Sequence[tuple[NamedStroke, Finding]], limits: RemarkThresholds
+) -> Iterator[Finding]:
+    """Several strokes that are each much too heavy, or too thin, where the whole is not: told as one."""
+    for kind in ("stroke_heavy", "stroke_thin"):
+        much = [
+            (named, fault)
+            for named, fault in widths
+            if fault.remark.kind == kind and fault.excess >= limits.much_heavier and named.number
+        ]
+        told = {named.position for named, _ in much}
+        found = [(named, fault) for named, fault in much if told >= set(named.leg_positions)]
+        numbers = sorted({named.number for named, _ in found if named.number})
+        if len(numbers) < limits.several:
+            continue
+        changes = [abs(fault.remark.size) for _, fault in found]
+        outlines = [named.stroke.outline for named, _ in found]
+        size = float(np.median([fault.remark.size for _, fault in found]))
+        title = strokes_title(numbers)
+        zh, en = ("粗", "heavier") if kind == "stroke_heavy" else ("細", "thinner")
+        remark = Remark(
+            kind, size, "of the master",
+            severity("width", float(np.log1p(size)), limits.stroke) * len(numbers) ** 0.25,
+            box(np.concatenate(outlines)),
+            f"{title.zh}比範本{zh} {min(changes):.0%} 至 {max(changes):.0%}。",
+            f"{title.en.capitalize()} are {min(changes):.0%} to {max(changes):.0%} {en} than the master's.",
+            as_lines(*outlines),
+            as_lines(*(named.master_outline for named, _ in found)),
+        )  # fmt: skip
+        covers = tuple((named.cause, kind) for named, _ in found)
+        excess = float(np.median([fault.excess for _, fault in found]))
+        yield Finding(remark, excess, for_stroke(kind, ""), "weight", covers=covers)
 
 
 def _find_end_faults(named: NamedStroke) -> Iterator[Finding]:

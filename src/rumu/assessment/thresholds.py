@@ -49,7 +49,8 @@ class RemarkThresholds:
     sticks_out: fraction of the cell.
     stroke: logarithm of one stroke's width over the master's, and over that of the whole; believed: the same
         above which it is an error of measurement unless its ink shows so large a share, fuller, of the
-        change; entry, exit: how much wider an end is than in the master, as a share of its stroke; faint: how
+        change; much_heavier: times `stroke` from which each of several, at least, is told with the others;
+        entry, exit: how much wider an end is than in the master, as a share of its stroke; faint: how
         much thinner an entry; most_end: from which the end of another stroke was measured.
     tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some;
         beyond_tip: stroke widths beyond a tip where no more ink lies.
@@ -109,6 +110,9 @@ class RemarkThresholds:
     stroke: float = 0.15
     believed: float = 0.8
     fuller: float = 0.5
+    somewhat_fuller: float = 0.25
+    much_heavier: float = 1.6
+    several: int = 3
     entry: float = 0.1
     faint: float = 0.22
     exit: float = 0.19
@@ -139,13 +143,15 @@ PLACE_DOUBT = 0.01
 SEVERITIES: Mapping[str, float] = {
     "lean": 6.0, "size": 6.0, "offset": 5.0, "aspect": 6.0, "weight": 7.0, "squeeze": 7.0,
     "part_place": 6.0, "inner": 7.0,
-    "missing": 8.0, "hook": 2.4, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 5.5, "torn": 7.0,
+    "missing": 8.0, "hook": 2.4, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 2.2, "torn": 7.0,
     "pale": 4.5, "filled": 6.0, "displaced": 3.4, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
-    "width": 2.5, "entry": 1.9, "end": 2.2, "tips": 3.2, "spacing": 4.5,
+    "width": 3.2, "entry": 1.9, "end": 2.2, "tips": 3.2, "spacing": 4.5,
 }  # fmt: skip
 """Points of the mark, about, that the smallest fault worth a remark stands for."""
 GROWTH = 0.6
 """Power of its size with which a fault grows more severe: twice as large is not twice as bad."""
+EDGE_GROWTH = 1.3
+"""The same of edges that tremble: a little is hardly seen beside other faults, much before all of them."""
 STROKE_BOUNDS = (0.5, 1.3)
 """Least and greatest factor by which a stroke's weight changes the severity of its fault."""
 INK_POINTS = 60.0
@@ -174,7 +180,8 @@ def severity(fault: str, size: float, least: float, *, weight: float = 1.0) -> f
     size, least: of the fault and of the smallest worth a remark. weight: of its stroke against a common one.
     """
     factor = np.clip(np.sqrt(weight), *STROKE_BOUNDS)
-    return float(SEVERITIES[fault] * (abs(size) / least) ** GROWTH * factor)
+    growth = EDGE_GROWTH if fault == "rough" else GROWTH
+    return float(SEVERITIES[fault] * (abs(size) / least) ** growth * factor)
 
 
 def ink_severity(fault: str, share: float) -> float:

@@ -139,29 +139,27 @@ def _find_pose_faults(pose: PoseSeen, limits: RemarkThresholds) -> Iterator[Find
     lean, size, away = pose.lean, pose.size, pose.offset
     if abs(lean) >= limits.lean:
         zh, en = ("右", "clockwise") if lean > 0 else ("左", "anticlockwise")
-        remark = Remark(
-            "lean", lean, "degrees", severity("lean", lean, limits.lean), None,
-            f"整字向{zh}傾斜 {abs(lean):.0f}°。", f"The whole character leans {abs(lean):.0f}° {en}.",
-        )  # fmt: skip
-        yield Finding(remark, abs(lean) / limits.lean, WHOLE["lean"], "lean")
+        said = Bilingual(f"向{zh}傾斜 {abs(lean):.0f}°", f"leans {abs(lean):.0f}° {en}")
+        yield _of_whole(_fault("lean", lean, "degrees", limits.lean), said, advice="lean")
     # what is too narrow is smaller, too
     by_shape = abs(np.log1p(size)) <= abs(pose.match.pose.aspect) / 2 + _SIZE_DOUBT
     if abs(size) >= limits.size and not by_shape:
         zh, en = ("大", "larger") if size > 0 else ("小", "smaller")
-        remark = Remark(
-            "size", size, "of the master", severity("size", size, limits.size), None,
-            f"整字比範本{zh} {abs(size):.0%}。",
-            f"The whole character is {abs(size):.0%} {en} than the master.",
-        )  # fmt: skip
-        yield Finding(remark, abs(size) / limits.size, WHOLE[en], "size")
+        said = Bilingual(f"比範本{zh} {abs(size):.0%}", f"is {abs(size):.0%} {en} than the master")
+        yield _of_whole(_fault("size", size, "of the master", limits.size), said, advice=en)
     offset = float(np.hypot(*away))
     if offset >= limits.offset:
-        remark = Remark(
-            "offset", offset, "of the cell", severity("offset", offset, limits.offset), None,
-            f"整字在格中偏{direction_of(away).zh}，離範本位置約 {offset:.0%} 格。",
-            f"The whole character stands {way_of(away)}, by about {offset:.0%} of the cell.",
-        )  # fmt: skip
-        yield Finding(remark, offset / limits.offset, WHOLE["offset"], "offset")
+        said = Bilingual(
+            f"在格中偏{direction_of(away).zh}，離範本位置約 {offset:.0%} 格",
+            f"stands {way_of(away)}, by about {offset:.0%} of the cell",
+        )
+        yield _of_whole(_fault("offset", offset, "of the cell", limits.offset), said, advice="offset")
+
+
+def _of_whole(fault: Fault, said: Bilingual, *, advice: str) -> Finding:
+    """A finding on the pose of the whole character; said: its predicate."""
+    remark = Remark(*fault[:4], None, f"整字{said.zh}。", f"The whole character {said.en}.")
+    return Finding(remark, fault.excess, WHOLE[advice], "pose", said)
 
 
 def find_part_faults(

@@ -145,14 +145,16 @@ def _leg_kind(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> 
     return FOLD if "折" in name.zh else SLANTED
 
 
-def _hook_of(legs: Sequence[CentreLine], name: Bilingual) -> CentreLine | None:
+def hook_of(legs: Sequence[CentreLine], name: Bilingual) -> CentreLine | None:
     """The last of a stroke's legs, where it is a hook by its name and its length."""
-    return legs[-1] if "鉤" in name.zh and is_hook(legs) else None
+    if "鉤" not in name.zh or len(legs) < 2:
+        return None
+    return legs[-1] if legs[-1].length < NAMING.hook_share * max(leg.length for leg in legs) else None
 
 
 def _is_whole(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> bool:
     """Whether a leg is all of its stroke but for a hook and a little."""
-    hook = _hook_of(legs, name)
+    hook = hook_of(legs, name)
     others = [leg for leg in legs if leg is not hook]
     return line is not hook and line.length >= NAMING.whole_share * sum(leg.length for leg in others)
 
@@ -163,20 +165,25 @@ def stroke_title(number: int, name: Bilingual) -> Bilingual:
     return Bilingual(f"第{zh}筆「{name.zh}」", f"the {en} stroke ({name.en})")
 
 
+def strokes_title(numbers: Sequence[int]) -> Bilingual:
+    """Several canonical strokes by their numbers in the order of writing, from 1, rising."""
+    words = [number_words(number) for number in numbers]
+    *first, last = (word.en for word in words)
+    return Bilingual(
+        f"第{'、'.join(word.zh for word in words)}筆",
+        f"the {', '.join(first)} and {last} strokes" if first else f"the {last} stroke",
+    )
+
+
 def _name_leg(line: CentreLine, legs: Sequence[CentreLine], name: Bilingual) -> Bilingual:
     """The name of a line of a stroke that is made of `legs`, which may be this one alone."""
     title = stroke_title(line.number, name)
-    if line is _hook_of(legs, name):
+    if line is hook_of(legs, name):
         return Bilingual(f"{title.zh}的鉤", f"the hook of {title.en}")
     if _is_whole(line, legs, name):
         return title
     part = _LEGS[_leg_kind(line, legs, name)]
     return Bilingual(f"{title.zh}的{part.zh}", f"the {part.en} part of {title.en}")
-
-
-def is_hook(legs: Sequence[CentreLine]) -> bool:
-    """Whether the last of a stroke's legs is short enough for a hook."""
-    return len(legs) > 1 and legs[-1].length < NAMING.hook_share * max(leg.length for leg in legs)
 
 
 def number_words(n: int) -> Bilingual:
