@@ -250,6 +250,7 @@ def test_what_the_few_remarks_leave_unsaid_is_kept_apart():
         ("000645", "", "墨漬"),  # the foot of the right-falling stroke
         ("005031", "", "沒有鉤出"),  # the fold of 日 is no hook
         ("001880", "太平", "起筆太重"),
+        ("003374", "第四筆「點」太小", "墨漬"),
     ],
 )
 def test_what_a_teacher_says_of_a_learners_copy(data, image, said_zh, unsaid_zh):

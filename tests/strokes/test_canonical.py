@@ -15,6 +15,7 @@ from rumu.gallery.starter import starter_works
 from rumu.pipeline import PreparedMaster, measure, prepare_master
 from rumu.strokes.canonical import lay_character
 from rumu.strokes.correspondence import CopyStrokes, StrokeMatch, match_strokes
+from rumu.strokes.dots import find_lone_stroke
 from rumu.strokes.naming import HORIZONTAL, name_strokes, stroke_title
 from rumu.strokes.placement import stroke_numbers
 from rumu.values import FloatArray, Surface
@@ -27,9 +28,10 @@ def printed(
     *,
     without: tuple[int, ...] = (),
     moved: dict[int, tuple[int, int]] | None = None,
+    shrunk: dict[int, float] | None = None,
     join: tuple[int, int] | None = None,
 ) -> Surface:
-    """A character as copybooks print it; strokes, from 1, left out, moved by pixels, or joined."""
+    """A character as copybooks print it; strokes, from 1, left out, moved by pixels, shrunk, or joined."""
     known = find_character(character)
     assert known is not None
     page = np.full((SIDE, SIDE), 255, np.uint8)
@@ -37,6 +39,8 @@ def printed(
         if number not in without:
             shift = np.array((moved or {}).get(number, (0, 0)))
             outline = 40 + stroke.polygon() * (SIDE - 80) + shift
+            middle = outline.mean(axis=0)
+            outline = middle + (outline - middle) * (shrunk or {}).get(number, 1.0)
             cv2.fillPoly(page, [np.round(outline).astype(np.int32)], 0)
     if join:
         ends = [known.strokes[n - 1].centre_line[k] for n, k in zip(join, (-1, 0), strict=True)]
@@ -180,6 +184,29 @@ def test_a_remark_names_the_missing_stroke_in_both_languages() -> None:
     remark = next(remark for remark in mark.remarks if remark.kind == "missing")
     assert remark.stroke == 1 and remark.master_outline
     assert "漏寫了第一筆「橫」" in remark.zh and "The first stroke (horizontal) is missing" in remark.en
+
+
+@pytest.mark.parametrize(("shrunk", "told"), [(1.0, False), (0.8, False), (0.5, True)])
+def test_a_dot_that_stands_alone_is_too_small_where_half_of_its_ink_is_there(shrunk, told) -> None:
+    master = PreparedMaster(printed("玉"), "玉")
+    copy = printed("玉", shrunk={5: shrunk})
+    match = matched(copy, master)
+    alone = find_lone_stroke(match, position_of(5, match))
+    assert alone is not None and alone.area == pytest.approx(shrunk**2, abs=0.08)
+    mark = rumu.assess(copy, master)
+    said = [r for r in (*mark.remarks, *mark.untold) if "太小" in r.zh]
+    assert bool(said) == told
+    if told:
+        assert "第五筆「點」太小" in said[0].zh and "The fifth stroke (dot) is too small" in said[0].en
+
+
+def test_a_dot_that_joins_another_stroke_does_not_stand_alone() -> None:
+    match = matched(printed("太"), PreparedMaster(printed("太"), "太"))
+    assert find_lone_stroke(match, position_of(4, match)) is None
+
+
+def position_of(number: int, match: StrokeMatch) -> int:
+    return next(k for k, line in enumerate(match.master.lines) if line.number == number)
 
 
 # --- learners' copies ---------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,7 +26,9 @@ from rumu.assessment.thresholds import (
     severity,
 )
 from rumu.strokes.correspondence import BluntTips, StrokeMatch
+from rumu.strokes.dots import find_lone_stroke
 from rumu.strokes.naming import (
+    DOT,
     FOLD,
     HORIZONTAL,
     LEFT_FALLING,
@@ -51,6 +54,9 @@ def find_stroke_faults(
             continue
         if stroke.is_hook:
             yield from find_missing_hook(stroke)
+            continue
+        if stroke.kind == DOT and (small := list(_find_small_dot(stroke))):
+            yield from small
             continue
         if stroke.is_on_ink:
             if stroke.stroke.ink.unlike >= limits.unlike * match.enlargement:
@@ -179,6 +185,22 @@ def _find_length_fault(named: NamedStroke) -> Iterator[Finding]:
         Bilingual(f"{zh}了 {abs(told):.0%}", f"is {abs(told):.0%} {en}"),
         named.kind.zh,
     )  # fmt: skip
+
+
+def _find_small_dot(named: NamedStroke) -> Iterator[Finding]:
+    """A dot that stands alone and holds half of the ink that it should, or less."""
+    alone, limits = find_lone_stroke(named.match, named.position), named.limits
+    if alone is None or alone.area > limits.small_dot:
+        return
+    size = alone.area - 1.0
+    excess = size / (limits.small_dot - 1.0)
+    remark = named.remark(
+        "stroke_short", size, "of the master", named.severity("length", size, limits.length),
+        f"{named.name.zh}太小，只有範本的 {alone.area:.0%}。",
+        f"{named.en} is too small, {alone.area:.0%} of the master's.",
+    )  # fmt: skip
+    shown = replace(remark, region=named.box(alone.outline), outline=as_lines(alone.outline))
+    yield Finding(shown, excess, for_stroke("stroke_short", named.kind.zh), named.cause)
 
 
 def _find_width_fault(named: NamedStroke) -> Iterator[Finding]:

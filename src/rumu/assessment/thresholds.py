@@ -46,6 +46,7 @@ class RemarkThresholds:
         share of its ink that may differ at most then, its own shift and turn taken out.
     length: relative; length_doubt: up to which readings of it may differ in sign; length_unsure: so many
         times more for a stroke that joins others at both ends, and for one up to `short` widths long.
+    small_dot: share of its ink that a dot that stands alone may hold at most to be called too small.
     sticks_out: fraction of the cell.
     stroke: logarithm of one stroke's width over the master's, and over that of the whole; believed: the same
         above which it is an error of measurement unless its ink shows so large a share, fuller, of the
@@ -106,6 +107,7 @@ class RemarkThresholds:
     longest: float = 1.0
     shrunk: float = 0.03
     put_back: float = 0.6
+    small_dot: float = 0.5
     sticks_out: float = 0.05
     stroke: float = 0.15
     believed: float = 0.8
