@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ from rumu.surface.relief import relief
 from rumu.values import Assessment, Capture, FloatArray, PointSet, Registration, Surface
 
 SurfaceLike = Surface | str | Path | np.ndarray
+_MOST_FILES = 1000  # of a folder whose surface is kept for the next copies
 
 
 def reconstruct(
@@ -259,8 +261,8 @@ def prepare_master(
     if script not in STROKE_SCRIPTS:
         character = None
     recognised = script is not None and script in STROKE_SCRIPTS
-    if isinstance(reference, str | Path):
-        return _prepare_stored(Path(reference), _stamps(Path(reference)), character, recognised)
+    if isinstance(reference, str | Path) and (stamps := _stamps(Path(reference))) is not None:
+        return _prepare_stored(Path(reference), stamps, character, recognised)
     if not isinstance(reference, PreparedMaster):
         return PreparedMaster(surface_of(reference), character, recognised)
     if character and reference.character is None:
@@ -276,10 +278,13 @@ def _prepare_stored(
     return PreparedMaster(surface_of(path), character, recognised)
 
 
-def _stamps(path: Path) -> tuple[tuple[str, int, int], ...]:
-    """Name, size and time of change of a file, or of every file in a folder; nothing where there is none."""
+def _stamps(path: Path) -> tuple[tuple[str, int, int], ...] | None:
+    """Name, size and time of change of a file, or of every file in a folder; None of too many files."""
+    files = list(islice(path.rglob("*"), _MOST_FILES)) if path.is_dir() else [path]
+    if len(files) == _MOST_FILES:
+        return None
     stamps = []
-    for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
+    for file in sorted(files):
         try:
             found = file.stat()
         except (OSError, ValueError):
