@@ -16,6 +16,7 @@ from PIL import Image, ImageCms
 from rumu.capture.colours import ProfileWarning
 from rumu.capture.folder import read_capture
 from rumu.capture.image import read_image, read_linear
+from rumu.capture.primaries import read_primaries
 
 D50 = np.array([0.9642, 1.0, 0.8249])
 PRIMARIES = {  # x, y of red, green and blue, and the exponent
@@ -186,6 +187,20 @@ def test_curves_of_profiles(tmp_path: Path, tag: bytes) -> None:
     shown = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0) ** (1 / 2.4) - 0.055)
     path = deep_tiff(tmp_path / "a.tif", np.clip(shown, 0, 1), profile)
     assert np.abs(read_linear(path) - linear_of(patches())).max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    "tag",
+    [
+        b"curv\0\0\0\0" + struct.pack(">I2H", 0x7FFFFFFF, 0, 65535),  # says two milliards of points, has two
+        b"curv\0\0\0\0" + struct.pack(">I", 1),
+        parametric(0, -2.0),
+        parametric(1, 2.2, 0.0, 0.1),
+        parametric(9, 1.0),
+    ],
+)
+def test_a_curve_that_cannot_be_makes_no_primaries(tag: bytes) -> None:
+    assert read_primaries(rgb_profile("Display P3", tag)) is None
 
 
 def with_profile(png: bytes, profile: bytes) -> bytes:

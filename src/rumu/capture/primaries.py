@@ -60,6 +60,8 @@ def read_primaries(profile: bytes) -> Primaries | None:
         columns = [struct.unpack(">3i", tags[name][8:20]) for name in (b"rXYZ", b"gXYZ", b"bXYZ")]
     except (KeyError, ValueError, IndexError, ZeroDivisionError, struct.error):
         return None
+    if not np.isfinite(curves).all():
+        return None
     matrix = np.linalg.solve(_SRGB, np.array(columns, np.float64).T / 65536)
     return Primaries(curves.astype(np.float32), matrix)
 
@@ -81,6 +83,8 @@ def _curve(tag: bytes) -> FloatArray:
         (count,) = struct.unpack(">I", tag[8:12])
         if count == 0:
             return levels
+        if len(tag) < 12 + 2 * count:
+            raise ValueError("expected all points of the curve")
         points = np.frombuffer(tag[12 : 12 + 2 * count], ">u2").astype(np.float64)
         if count == 1:
             return np.asarray(levels ** (points[0] / 256))
@@ -93,6 +97,8 @@ def _curve(tag: bytes) -> FloatArray:
     count = _PARAMETERS[kind]
     told = np.array(struct.unpack(f">{count}i", tag[12 : 12 + 4 * count])) / 65536
     g, a, b, c, d, e, f = np.pad(told, (0, 7 - count)).tolist()
+    if g <= 0:
+        raise ValueError("expected an exponent above 0")
     if kind == 0:
         return np.asarray(levels**g)
     if kind in (1, 2):
