@@ -108,7 +108,7 @@ def test_a_whole_work_is_shown_with_its_text(mirador: str, as_person: LogIn, sen
     expect(page.locator("[annotationid]")).to_have_count(COLUMNS * ROWS)
     page.get_by_role("tab", name="Search").click()
     page.get_by_role("combobox", name="search terms").fill(columns[1][:2])
-    page.keyboard.press("Enter")
+    page.get_by_role("button", name="Submit search").click()
     count = page_text().replace("\n", "").count(columns[1][:2])
     expect(page.get_by_text(f"1 of {count}")).to_be_visible()
     assert owner.refused == []

@@ -18,12 +18,13 @@ function shown(picture: () => Promise<unknown>): HTMLElement {
   render(<LitWork work={work as unknown as CoverWork} />, box);
   return box;
 }
+const PATIENCE = { timeout: 4_000 }; // for a busy machine
 const hints = (box: HTMLElement): number => box.querySelectorAll("figcaption small").length;
 
 it("speaks of a lamp and of heights only where a lamp shines", async () => {
   const lit = shown(() => Promise.resolve({ light: () => undefined, dispose: () => undefined }));
-  await vi.waitFor(() => expect(lit.querySelector("canvas.lit")).not.toBeNull());
+  await vi.waitFor(() => expect(lit.querySelector("canvas.lit")).not.toBeNull(), PATIENCE);
   expect(hints(lit)).toBe(2);
   const flat = shown(() => Promise.reject(new Error("422: nothing to light")));
-  await vi.waitFor(() => expect(hints(flat)).toBe(0));
+  await vi.waitFor(() => expect(hints(flat)).toBe(0), PATIENCE);
 });
