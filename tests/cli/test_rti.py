@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rumu.capture.image import to_srgb
 from rumu.capture.lights import direction
+from rumu.capture.stored import to_srgb
 
 
 @pytest.fixture

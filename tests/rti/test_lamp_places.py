@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rumu.capture.dome import without_fall_off
-from rumu.capture.image import to_srgb
 from rumu.capture.lights import direction
+from rumu.capture.stored import to_srgb
 from rumu.image_stack import ImageStack
 from rumu.rti.fitting import RtiSettings, fit_rti
 from rumu.rti.image import relight_rti

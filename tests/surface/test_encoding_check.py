@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rumu.capture.image import to_srgb
+from rumu.capture.stored import to_srgb
 from rumu.image_stack import ImageStack, Photograph
 from rumu.surface.encoding_check import encoding_notes
 from rumu.surface.photometric import photometric

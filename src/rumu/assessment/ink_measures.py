@@ -174,7 +174,7 @@ def _find_filled(framed: FramedInk, whites: tuple[InnerWhite, ...]) -> tuple[Fil
         if lost > INK.lost:
             own = np.zeros(framed.ink.shape, bool)
             own[tuple(white.pixels.T)] = True
-            found.append(FilledWhite(lost, _outline_of(own, framed)))
+            found.append(FilledWhite(lost, framed.outline_of(own)))
     return tuple(sorted(found, key=lambda white: -white.lost))
 
 
@@ -194,17 +194,8 @@ def _find_sticking_out(framed: FramedInk, master: BoolArray) -> tuple[StickingOu
             farthest = pixels[int(away[own].argmax())]
             tip, middle = from_pixels(np.array([farthest, pixels.mean(axis=0)])[:, ::-1])
             distance = float(away[own].max()) / SCALE
-            found.append(StickingOut(distance, tip, middle, _outline_of(own, framed)))
+            found.append(StickingOut(distance, tip, middle, framed.outline_of(own)))
     return tuple(sorted(found, key=lambda patch: -patch.distance))
-
-
-def _outline_of(own: BoolArray, framed: FramedInk) -> FloatArray:
-    """(n, 2) the longest edge of some pixels of the frame, on the copy's picture, closed."""
-    import cv2
-
-    edges, _ = cv2.findContours(own.view(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
-    edge = max(edges, key=len)[:, 0, :].astype(float)
-    return framed.on_picture(from_pixels(np.concatenate([edge, edge[:1]])))
 
 
 def _find_patches(framed: FramedInk, tube: BoolArray, width: float) -> tuple[InkPatch, ...]:
@@ -228,7 +219,7 @@ def _find_patches(framed: FramedInk, tube: BoolArray, width: float) -> tuple[Ink
         attached = bool((around & framed.ink & tube).any())
         link = attached and _is_link(own, away, tube, reach=0.6 * width)
         reach = float(away[own].max()) / width
-        found.append(InkPatch(area / total, slender, reach, attached, link, _outline_of(own, framed)))
+        found.append(InkPatch(area / total, slender, reach, attached, link, framed.outline_of(own)))
     return tuple(sorted(found, key=lambda p: -p.share))
 
 

@@ -126,12 +126,9 @@ class NamedStroke:
         return [line for line in self.match.master.lines if number and line.number == number]
 
     @property
-    def leg_positions(self) -> list[int]:
-        """Positions of its canonical stroke's lines without a hook; its own where that is not known."""
-        lines, number = self.match.master.lines, self.stroke.line.number
-        hook = self._hook
-        own = [k for k, line in enumerate(lines) if number and line.number == number and line is not hook]
-        return own or [self.position]
+    def body(self) -> set[CentreLine]:
+        """The lines of its canonical stroke, but for a hook."""
+        return {leg for leg in self.legs if leg is not self._hook}
 
     @property
     def _hook(self) -> CentreLine | None:

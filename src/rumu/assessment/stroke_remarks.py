@@ -236,8 +236,8 @@ def _find_several_widths(
             for named, fault in widths
             if fault.remark.kind == kind and fault.excess >= limits.much_heavier and named.number
         ]
-        told = {named.position for named, _ in much}
-        found = [(named, fault) for named, fault in much if told >= set(named.leg_positions)]
+        lines = {named.stroke.line for named, _ in much}
+        found = [(named, fault) for named, fault in much if named.body <= lines]
         numbers = sorted({named.number for named, _ in found if named.number})
         if len(numbers) < limits.several:
             continue

@@ -50,9 +50,10 @@ class RemarkThresholds:
     sticks_out: fraction of the cell.
     stroke: logarithm of one stroke's width over the master's, and over that of the whole; believed: the same
         above which it is an error of measurement unless its ink shows so large a share, fuller, of the
-        change; much_heavier: times `stroke` from which each of several, at least, is told with the others;
-        entry, exit: how much wider an end is than in the master, as a share of its stroke; faint: how
-        much thinner an entry; most_end: from which the end of another stroke was measured.
+        change, and somewhat_fuller of a smaller change; much_heavier: times `stroke` from which strokes are
+        told together, where `several` are; entry, exit: how much wider an end is than in the master, as a
+        share of its stroke; faint: how much thinner an entry; most_end: from which the end of another stroke
+        was measured.
     tips: share of the taper that most tips have lost; most_tips: share of the tips that must have lost some;
         beyond_tip: stroke widths beyond a tip where no more ink lies.
     gap: relative change of the white between strokes; uneven: spread of the changes, over that.

@@ -69,7 +69,7 @@ def to_srgb(samples: Samples, profile: bytes | None, *, name: object) -> Samples
         if _is_srgb(conversion):
             return samples
         primaries = read_primaries(profile) if samples.dtype == np.uint16 else None
-        return conversion.colours(eight_bits(samples)) if primaries is None else primaries.to_srgb(samples)
+        return conversion.colours(eight_bits(samples)) if primaries is None else primaries.convert(samples)
     except _UnusableProfileError as error:
         _warn(name, error)
         return samples

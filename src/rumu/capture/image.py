@@ -13,7 +13,7 @@ from rumu.capture.decoded_size import FULL_SIZE, Reduction, check_size
 from rumu.capture.formats import ENCODINGS, Encoding, decode
 from rumu.capture.stored import Samples, Stored, eight_bits, over_white, turn
 from rumu.errors import ImageError
-from rumu.image_stack import Floats, Photograph
+from rumu.image_stack import Photograph
 from rumu.values import BoolArray
 
 Image = npt.NDArray[np.float32]
@@ -139,11 +139,6 @@ def to_linear(image: Image) -> Image:
     low = image <= 0.04045
     curve = ((image + np.float32(0.055)) / np.float32(1.055)) ** np.float32(2.4)
     return np.where(low, image / np.float32(12.92), curve).astype(np.float32)
-
-
-def to_srgb(light: Floats) -> Floats:
-    """Linear light in [0, 1] as sRGB-encoded values (IEC 61966-2-1); same shape and type."""
-    return np.asarray(np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055))
 
 
 def luminance(image: Image) -> Image:

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from rumu.capture.stored import Samples
+from rumu.capture.stored import Samples, to_srgb
 from rumu.values import FloatArray
 
 _LEVELS = 65536
@@ -29,7 +30,7 @@ class Primaries:
     curves: FloatArray
     matrix: FloatArray
 
-    def to_srgb(self, samples: Samples) -> Samples:
+    def convert(self, samples: Samples) -> Samples:
         """(H, W, 3) uint16 as sRGB of 16 bits; what sRGB does not hold is cut."""
         converted = np.empty_like(samples)
         shown = _shown_levels()
@@ -43,11 +44,10 @@ class Primaries:
         return converted
 
 
+@lru_cache(maxsize=1)
 def _shown_levels() -> Samples:
     """Levels of sRGB in 16 bits of 2^20 steps of light, fine enough for the darkest."""
-    light = np.linspace(0, 1, 1 << 20)
-    shown = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return np.asarray(np.rint(shown * (_LEVELS - 1)), np.uint16)
+    return np.asarray(np.rint(to_srgb(np.linspace(0, 1, 1 << 20)) * (_LEVELS - 1)), np.uint16)
 
 
 def read_primaries(profile: bytes) -> Primaries | None:

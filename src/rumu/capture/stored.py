@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rumu.capture.decoded_size import Reduction
+from rumu.image_stack import Floats
 
 Samples = npt.NDArray[Any]
 _STRIP = 256  # rows that are computed with at a time
@@ -31,6 +32,11 @@ class Stored:
     display: bool = False
     orientation: int = 1
     whole: tuple[int, int] = (0, 0)
+
+
+def to_srgb(light: Floats) -> Floats:
+    """Linear light in [0, 1] as sRGB-encoded values (IEC 61966-2-1); same shape and type."""
+    return np.asarray(np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055))
 
 
 def full_scale(samples: Samples) -> Any:

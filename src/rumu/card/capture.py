@@ -19,9 +19,9 @@ from rumu.capture.dome import without_fall_off
 from rumu.capture.exif import read_facts
 from rumu.capture.formats import Encoding, read_header
 from rumu.capture.frames import kept, read_named
-from rumu.capture.image import to_srgb
 from rumu.capture.memory_plan import plan_memory
 from rumu.capture.photographs import capture_error
+from rumu.capture.stored import to_srgb
 from rumu.capture.unlit import find_photographs
 from rumu.card.ball import FoundBall, find_ball
 from rumu.card.finding import CardView, find_card

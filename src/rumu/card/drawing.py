@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rumu.capture.image import to_srgb
+from rumu.capture.stored import to_srgb
 from rumu.card.layout import GRAYS, CardLayout
 from rumu.pages.paper_canvas import GREY, INK, MM, PaperCanvas, new_canvas
 from rumu.pages.sheet_font import SheetFont

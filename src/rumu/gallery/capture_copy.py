@@ -97,7 +97,7 @@ def _write_photograph(stack: ImageStack, number: int, path: Path, *, levels: int
     """Write one photograph of a stack as a PNG in sRGB; levels: that of white."""
     import cv2
 
-    from rumu.capture.image import to_srgb
+    from rumu.capture.stored import to_srgb
 
     light = stack.frame(number)
     samples = np.empty(light.shape, np.uint16 if levels > 255 else np.uint8)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.image import to_srgb
+from rumu.capture.stored import to_srgb
 from rumu.values import FloatArray, Surface
 
 Picture = npt.NDArray[Any]  # uint8 unless said: (H, W) gray, (H, W, 3) RGB

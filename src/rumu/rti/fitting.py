@@ -12,7 +12,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from rumu.capture.image import to_srgb
+from rumu.capture.stored import to_srgb
 from rumu.errors import CaptureError
 from rumu.image_stack import ImageStack, Progress, each_range
 from rumu.rti.image import TERMS, Basis, RtiImage

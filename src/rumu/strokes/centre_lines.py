@@ -70,6 +70,21 @@ class FramedInk:
         """The skeleton of the ink, in pixels of the frame."""
         return skeletonise(self.ink)
 
+    @cached_property
+    def pieces(self) -> IntArray:
+        """(SIDE, SIDE): the number of the connected piece of ink that each pixel belongs to, 0 for paper."""
+        import cv2
+
+        return np.asarray(cv2.connectedComponents(self.ink.view(np.uint8), connectivity=8)[1])
+
+    def outline_of(self, part: BoolArray) -> FloatArray:
+        """(n, 2) the longest edge of some pixels of the frame, on the picture, closed."""
+        import cv2
+
+        edges, _ = cv2.findContours(part.view(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+        edge = max(edges, key=len)[:, 0, :].astype(float)
+        return self.on_picture(from_pixels(np.concatenate([edge, edge[:1]])))
+
     def on_picture(self, points: FloatArray) -> FloatArray:
         """(n, 2) of the frame -> (n, 2) fractions of the picture, origin top left."""
         return np.asarray(points @ self.to_picture[:, :2].T + self.to_picture[:, 2])

@@ -166,12 +166,12 @@ def stroke_title(number: int, name: Bilingual) -> Bilingual:
 
 
 def strokes_title(numbers: Sequence[int]) -> Bilingual:
-    """Several canonical strokes by their numbers in the order of writing, from 1, rising."""
+    """Two canonical strokes or more by their numbers in the order of writing, from 1, rising."""
     words = [number_words(number) for number in numbers]
     *first, last = (word.en for word in words)
     return Bilingual(
         f"第{'、'.join(word.zh for word in words)}筆",
-        f"the {', '.join(first)} and {last} strokes" if first else f"the {last} stroke",
+        f"the {', '.join(first)} and {last} strokes",
     )
 
 

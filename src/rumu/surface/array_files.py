@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.image import to_linear, to_srgb
+from rumu.capture.image import to_linear
+from rumu.capture.stored import to_srgb
 from rumu.errors import SurfaceError
 from rumu.surface.png_files import write_png_bands
 from rumu.values import FloatArray, Surface

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rumu.capture.image import to_srgb
+from rumu.capture.stored import to_srgb
 from rumu.errors import SurfaceError
 from rumu.values import BoolArray, FloatArray, Surface
 
