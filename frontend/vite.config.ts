@@ -13,6 +13,7 @@ export default defineConfig({
     chunkSizeWarningLimit: 900,
   },
   server: { proxy: { "/api": "http://127.0.0.1:8000", "/iiif": "http://127.0.0.1:8000" } },
-  // One page for all files: a new one for each took two fifths of the time.
+  // One page for all files: a new one for each took two fifths of the time. What one file has loaded is there for
+  // the next, so a module cannot be replaced (`vi.mock`): give a component what a test wants to replace.
   test: { environment: "happy-dom", isolate: false, include: ["tests/**/*.test.{ts,tsx}"], css: true },
 });

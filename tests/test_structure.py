@@ -149,3 +149,9 @@ def test_the_pages_address_the_service_relative_to_themselves():
         if re.search(r"[\"'`]/(api|iiif|assets)/", line)
     ]
     assert sources and not absolute
+
+
+def test_no_frontend_test_replaces_a_module():
+    """All their files run in one page: what another file has loaded stays, and a replacement has no effect."""
+    tests = list((ROOT / "frontend/tests").rglob("*.test.ts*"))
+    assert tests and not [test.name for test in tests if "vi.mock(" in test.read_text("utf-8")]

@@ -8,7 +8,9 @@ import { circling, hasCircled, type Lamp, pointed, tilted } from "./lampMotion";
 import { createLampPicture } from "./lampPicture";
 import "./home.css";
 
-export function LitWork({ work }: { work: CoverWork }) {
+type Draw = typeof createLampPicture;
+
+export function LitWork({ work, draw = createLampPicture }: { work: CoverWork; draw?: Draw }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [move, setMove] = useState<((lamp: Lamp) => void) | null>(null);
   const [shown, setShown] = useState<"waiting" | "lit" | "flat">("waiting");
@@ -16,7 +18,7 @@ export function LitWork({ work }: { work: CoverWork }) {
   useEffect(() => {
     const controller = new AbortController();
     const files = { picture: work.picture, normals: work.normals, measured: work.height_source === "photometric" };
-    const picture = createLampPicture(canvas.current!, files, controller.signal);
+    const picture = draw(canvas.current!, files, controller.signal);
     void picture.then(({ light, dispose }) => {
       if (controller.signal.aborted) return dispose();
       const stop = startCircling((lamp) => light(lamp.tilt, lamp.slant));
