@@ -24,7 +24,7 @@ import numpy as np
 
 from rumu.errors import CaptureError
 from rumu.image_stack import each_range
-from rumu.surface.lamp_order import AS_GIVEN, LampCheckSettings, check_order, unexplained
+from rumu.surface.lamp_order import AS_GIVEN, LampCheckSettings, unexplained
 from rumu.surface.robust import pixel_scale
 from rumu.surface.stereo import gradients_from_normals
 from rumu.surface.strengths import sample
@@ -57,17 +57,14 @@ def check_lamps(
     albedo: FloatArray,
     *,
     known: BoolArray,
-    strengths: FloatArray,
     settings: LampCheckSettings | None = None,
 ) -> None:
-    """Raise CaptureError when other lamps than those of the capture clearly fit its photographs better.
+    """Raise CaptureError when lamps that are turned or mirrored leave a surface, and those given do not.
 
-    normals: (H, W, 3) under the lamps as given; albedo: (H, W) or (H, W, 3); known: (H, W), where they hold;
-    strengths: (N,) of the lamps, as they were found. Silent where the photographs do not tell, such as on
-    flat paper.
+    normals: (H, W, 3) under the lamps as given; albedo: (H, W) or (H, W, 3); known: (H, W), where they hold.
+    Silent where the photographs do not tell, such as on flat paper.
     """
     settings = settings or LampCheckSettings()
-    check_order(capture, strengths, settings)
     fit = _turned_or_mirrored(normals, albedo, known, settings)
     if fit is None:
         return
@@ -121,7 +118,7 @@ def _pyramid(
         whole = sums[0] > side * side - 0.5
         means = sums[1:] / np.maximum(sums[0], 1.0)
         whole &= means[3] - means[2] ** 2 < settings.ink_edge**2
-        p, q = (_less_smooth(one, whole) for one in means[:2])
+        p, q = _less_smooth(means[:2], whole)
         parts = [*_differences(p), *_differences(q)]
         near = np.hypot(*_differences(means[2])) < settings.ink_edge
         near &= whole[1:, 1:] & whole[1:, :-1] & whole[:-1, 1:] & whole[:-1, :-1]
@@ -164,17 +161,25 @@ def _halve(sums: FloatArray) -> FloatArray:
     return np.asarray(by_rows[:, :, 0::2] + by_rows[:, :, 1::2])
 
 
-def _less_smooth(slope: FloatArray, known: BoolArray) -> FloatArray:
-    """A slope less its smooth part, a quadric: a bent sheet, or lamps that light it unevenly."""
-    h, w = slope.shape
-    y, x = np.mgrid[-1 : 1 : h * 1j, -1 : 1 : w * 1j].astype(np.float32)
-    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
-    if np.count_nonzero(known) < 2 * len(terms):
-        return slope
-    few = np.flatnonzero(known)[:: max(1, np.count_nonzero(known) // _FITTED)]
-    flat = terms.reshape(len(terms), -1)
-    weights = np.linalg.lstsq(flat[:, few].T, slope.ravel()[few], rcond=None)[0]
-    return np.asarray(slope - np.tensordot(weights.astype(np.float32), terms, axes=1))
+def _less_smooth(slopes: FloatArray, known: BoolArray) -> FloatArray:
+    """(2, h, w) slopes less their smooth part, a quadric: a bent sheet, or lamps that light it unevenly."""
+    _, h, w = slopes.shape
+    y, x = np.ogrid[-1 : 1 : h * 1j, -1 : 1 : w * 1j]
+    places = np.flatnonzero(known)
+    if len(places) < 12:
+        return slopes
+    few = places[:: max(1, len(places) // _FITTED)]
+    rows, columns = np.divmod(few, w)
+    terms = _quadric(x[0, columns], y[rows, 0])
+    weights = np.linalg.lstsq(terms.T, slopes.reshape(2, -1)[:, few].T, rcond=None)[0].astype(np.float32)
+    one, by_x, by_y, by_xx, by_xy, by_yy = weights[:, :, None, None]
+    x, y = x.astype(np.float32), y.astype(np.float32)
+    return np.asarray(slopes - (one + y * (by_y + y * by_yy) + x * (by_x + x * by_xx) + by_xy * x * y))
+
+
+def _quadric(x: FloatArray, y: FloatArray) -> FloatArray:
+    """(6, P) the terms of a polynomial of second degree."""
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
 
 
 def _differences(values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -72,11 +72,14 @@ AS_GIVEN = Bilingual(
 )
 
 
-def check_order(capture: Capture, strengths: FloatArray, settings: LampCheckSettings) -> None:
+def check_order(
+    capture: Capture, strengths: FloatArray, settings: LampCheckSettings | None = None
+) -> None:
     """Raise CaptureError when another order of the lamps, or other lamps, explain the photographs better.
 
     strengths: (N,) of the lamps, as they were found.
     """
+    settings = settings or LampCheckSettings()
     n = len(capture.lights)
     rows = sample(capture.photographs, mask=capture.mask, most=settings.rows)
     if n < 5 or len(rows) < n:

@@ -6,7 +6,7 @@ A page of flat paper and ink comes out flat here, however black the ink: see `ru
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -20,6 +20,7 @@ from rumu.surface.beyond_lambert import find_materials
 from rumu.surface.frame_check import check_exposure, check_still
 from rumu.surface.integrate import INTEGRATORS, integrate
 from rumu.surface.lamp_check import check_lamps
+from rumu.surface.lamp_order import check_order
 from rumu.surface.level import check_level, take_level
 from rumu.surface.near_lamps import solve_near
 from rumu.surface.perspective import check_focal_length
@@ -136,23 +137,24 @@ def surface_normals(
     begin(CHECKING, progress)
     check_exposure(capture)
     lamps = paper_tilts(capture.lights, tolerance=_PAPER_TOLERANCE) if capture.positions is None else None
-    with ThreadPoolExecutor(1) as beside:  # OpenCV's work, which lets others run
-        still = None if capture.lamps_as_given else beside.submit(check_still, capture)
-        photometry = _photometry(capture, lamps, solver)
-        materials = _materials(capture, photometry, progress) if lamps is None and solver == "robust" else ()
-        if still is not None:
-            still.result()
+    trusted = capture.lamps_as_given
     check = None
-    if lamps is not None:
-        solution, check = _closed_form(capture, lamps, photometry.strengths)
-    else:
-        solution = _solved(capture, photometry, solver, materials, progress)
+    with ThreadPoolExecutor(1) as beside:
+        checks = [] if trusted else [beside.submit(check_still, capture)]
+        photometry = _photometry(capture, lamps, solver)
+        if not trusted:
+            checks.append(beside.submit(check_order, capture, photometry.strengths))
+        materials = _materials(capture, photometry, progress) if lamps is None and solver == "robust" else ()
+        if lamps is not None:
+            solution, check = _closed_form(capture, lamps, photometry.strengths)
+        else:
+            solution = _solved(capture, photometry, solver, materials, _unless_refused(checks, progress))
+        for one in checks:
+            one.result()
     measured = capture.mask & (solution.confidence > 0)
-    if not capture.lamps_as_given:
+    if not trusted:
         begin(CHECKING_LAMPS, progress)
-        check_lamps(
-            capture, solution.normals, solution.albedo, known=measured, strengths=photometry.strengths
-        )
+        check_lamps(capture, solution.normals, solution.albedo, known=measured)
     brightness = _within_one(solution.albedo, measured)
     leaning = solution
     if lamps is not None and photometry.sheet:  # lamps taken for equal show how the sheet leans
@@ -173,6 +175,19 @@ def surface_normals(
     if check is not None:
         quality["fourth_lamp"] = check
     return solution.normals, solution.albedo, solution.confidence, quality
+
+
+def _unless_refused(checks: Sequence[Future[None]], progress: Progress | None) -> Progress:
+    """Progress that is told on, until one of the checks beside it has ended in an error, which it raises."""
+
+    def tell(what: str, done: int, parts: int) -> None:
+        for one in checks:
+            if one.done():
+                one.result()
+        if progress is not None:
+            progress(what, done, parts)
+
+    return tell
 
 
 def _materials(capture: Capture, photometry: Photometry, progress: Progress | None) -> tuple[Material, ...]:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -81,20 +83,46 @@ def estimate_photometry(
     rows = sample(images, mask=mask, most=min(settings.pixels, max(300, 150_000 // n)))
     if n < settings.least_lamps or len(rows) < n:
         return photometry
-    trials: list[Callable[[], Photometry | None]] = []
+    now = _Trial(rows, lights, photometry)
+    trials: list[Callable[[], _Trial | None]] = []
     if n > 4:
-        trials += [lambda: _refine(rows, lights, photometry, settings, of_strengths=False)]
+        trials += [lambda: _refine(now, settings, of_strengths=False)]
     if strengths is None:
         trials += [
             lambda: _from_sheet(rows, lights, settings),
-            lambda: _refine(rows, lights, _from_singular_vectors(rows, lights), settings, of_strengths=True),
+            lambda: _refine(_from_singular_vectors(now), settings, of_strengths=True),
         ]
-    best = _best_trial(rows, lights, photometry, trials, settings)
-    if best is photometry or strengths is not None or n == 4:
-        return best
-    of_strengths = best.black_level != 0.0  # what was not corrected yet
-    again = [lambda: _refine(rows, lights, best, settings, of_strengths=of_strengths)]
-    return _best_trial(rows, lights, best, again, settings)
+    best = _best_trial(now, trials, settings)
+    if best is now or strengths is not None or n == 4:
+        return best.photometry
+    of_strengths = best.photometry.black_level != 0.0  # what was not corrected yet
+    again = [lambda: _refine(best, settings, of_strengths=of_strengths)]
+    return _best_trial(best, again, settings).photometry
+
+
+class _Trial:
+    """Some pixels, solved under what a capture may be like.
+
+    rows: (P, N) their brightness, less the black level in `cleaned`. lamps: (N, 3), times strength.
+    scaled: (P, 3) albedo times normal by least absolute residuals.
+    """
+
+    def __init__(self, rows: FloatArray, lights: FloatArray, photometry: Photometry) -> None:
+        self.rows, self.lights, self.photometry = rows, lights, photometry
+        self.cleaned = subtract_black(rows, photometry.black_level)
+        self.lamps = lights * photometry.strengths[:, None]
+        self.scaled = l1_solver()(self.cleaned, self.lamps, RobustSettings())
+
+    def changed(self, **changes: Any) -> _Trial:
+        """The same pixels under another photometry."""
+        return _Trial(self.rows, self.lights, replace(self.photometry, **changes))
+
+    @cached_property
+    def residual(self) -> float:
+        """Sixty-percent quantile of what contradicts Lambert's law, in shares of the pixel's brightness."""
+        dark = RobustSettings().dark
+        off, lit = relative_residuals(self.cleaned, self.lamps, self.scaled, dark=dark)
+        return float(np.quantile(off[lit], 0.6)) if lit.any() else 0.0
 
 
 def sample(images: FloatArray | ImageStack, *, mask: BoolArray, most: int) -> FloatArray:
@@ -130,59 +158,44 @@ def flat_sheet(rows: FloatArray, *, settings: PhotometrySettings | None = None) 
     return np.asarray(np.median(ratios, axis=0))
 
 
-def _from_sheet(rows: FloatArray, lights: FloatArray, settings: PhotometrySettings) -> Photometry | None:
+def _from_sheet(rows: FloatArray, lights: FloatArray, settings: PhotometrySettings) -> _Trial | None:
     """Strengths that make the sheet face the camera."""
     usual = flat_sheet(rows, settings=settings)
     if usual is None or not (lights[:, 2] > 0.05).all():
         return None
     given = usual / lights[:, 2]
-    return Photometry(given / given.mean(), sheet=True)
+    return _Trial(rows, lights, Photometry(given / given.mean(), sheet=True))
 
 
 def _best_trial(
-    rows: FloatArray,
-    lights: FloatArray,
-    now: Photometry,
-    trials: Sequence[Callable[[], Photometry | None]],
-    settings: PhotometrySettings,
-) -> Photometry:
+    now: _Trial, trials: Sequence[Callable[[], _Trial | None]], settings: PhotometrySettings
+) -> _Trial:
     """The simplest of the good trials if it explains enough, else what is there now; simplest first.
 
     A flat sheet comes before free strengths: it separates strength from tilt by facing the camera, which the
     law alone leaves open.
     """
-    before = _residual(rows, lights, now)
-    if before < settings.least_residual:
+    if now.residual < settings.least_residual:
         return now
-    found: list[tuple[float, Photometry]] = []
+    found: list[_Trial] = []
     for attempt in trials:
         trial = attempt()
         if trial is not None:
-            found.append((_residual(rows, lights, trial), trial))
-            if found[-1][0] < min(settings.least_residual, settings.residual_ratio * before):
+            found.append(trial)
+            if trial.residual < min(settings.least_residual, settings.residual_ratio * now.residual):
                 break  # nothing is left to explain
-    good = settings.near_best * min((off for off, _ in found), default=0.0)
-    simplest = next((pair for pair in found if pair[0] <= good), (before, now))
-    return simplest[1] if simplest[0] < settings.residual_ratio * before else now
+    good = settings.near_best * min((one.residual for one in found), default=0.0)
+    simplest = next((one for one in found if one.residual <= good), now)
+    return simplest if simplest.residual < settings.residual_ratio * now.residual else now
 
 
-def _residual(rows: FloatArray, lights: FloatArray, photometry: Photometry) -> float:
-    """Sixty-percent quantile of what contradicts Lambert's law, in shares of the pixel's brightness."""
-    cleaned = subtract_black(rows, photometry.black_level)
-    lamps = lights * photometry.strengths[:, None]
-    scaled = l1_solver()(cleaned, lamps, RobustSettings())
-    off, lit = relative_residuals(cleaned, lamps, scaled, dark=RobustSettings().dark)
-    return float(np.quantile(off[lit], 0.6)) if lit.any() else 0.0
-
-
-def _from_singular_vectors(rows: FloatArray, lights: FloatArray) -> Photometry:
+def _from_singular_vectors(equal: _Trial) -> _Trial:
     """Strengths from the three directions in which the brightness of fully lit pixels varies.
 
     The law says brightness = S L B with S diagonal, so S L = V A for the three leading singular vectors V:
     one null vector holds both A and S.
     """
-    n = len(lights)
-    equal = Photometry(np.ones(n))
+    rows, lights, n = equal.rows, equal.lights, len(equal.lights)
     lit = rows[rows.min(axis=1) > 0.05 * pixel_scale(rows)[:, 0]]
     if len(lit) < max(3 * n, 0.1 * len(rows)):
         return equal
@@ -195,17 +208,12 @@ def _from_singular_vectors(rows: FloatArray, lights: FloatArray) -> Photometry:
             system[3 * lamp + axis, 9 + lamp] = -lights[lamp, axis]
     strengths = np.linalg.svd(system)[2][-1][9:]
     strengths = strengths * np.sign(strengths.sum())
-    return Photometry(strengths / strengths.mean()) if strengths.min() > 0.02 * strengths.max() else equal
+    if strengths.min() <= 0.02 * strengths.max():
+        return equal
+    return equal.changed(strengths=strengths / strengths.mean())
 
 
-def _refine(
-    rows: FloatArray,
-    lights: FloatArray,
-    start: Photometry,
-    settings: PhotometrySettings,
-    *,
-    of_strengths: bool,
-) -> Photometry:
+def _refine(start: _Trial, settings: PhotometrySettings, *, of_strengths: bool) -> _Trial:
     """Gauss-Newton on the sum of absolute residuals, over all strengths or over the black level.
 
     The normals are eliminated pixel by pixel (variable projection), so each step solves one small system;
@@ -213,29 +221,25 @@ def _refine(
     """
     now = start
     for _ in range(settings.iterations):
-        step = _gauss_newton_step(rows, lights, now, of_strengths=of_strengths)
+        step = _gauss_newton_step(now, of_strengths=of_strengths)
         if of_strengths:
-            strengths = np.maximum(now.strengths + step, 0.02)
-            now = replace(now, strengths=strengths / strengths.mean(), sheet=False)
+            strengths = np.maximum(now.photometry.strengths + step, 0.02)
+            now = now.changed(strengths=strengths / strengths.mean(), sheet=False)
         else:
-            now = replace(now, black_level=now.black_level + float(step[0]))
+            now = now.changed(black_level=now.photometry.black_level + float(step[0]))
         if np.abs(step).max() < settings.converged:
             break
     return now
 
 
-def _gauss_newton_step(
-    rows: FloatArray, lights: FloatArray, now: Photometry, *, of_strengths: bool
-) -> FloatArray:
+def _gauss_newton_step(now: _Trial, *, of_strengths: bool) -> FloatArray:
     """What to add to the strengths, (N,), or to the black level, (1,)."""
-    lamps = lights * now.strengths[:, None]
-    cleaned = subtract_black(rows, now.black_level)
+    lamps, cleaned = now.lamps, now.cleaned
     scale = pixel_scale(cleaned)
-    scaled = l1_solver()(cleaned, lamps, RobustSettings())
-    left = cleaned - law(scaled, lamps)
+    left = cleaned - law(now.scaled, lamps)
     trust = np.where(cleaned > 0.05 * scale, 1.0 / np.sqrt((left / scale) ** 2 + 1e-6), 0.0) / scale**2
     # What one unit of an unknown adds to a value: the light itself, or one unit of black.
-    effect = np.maximum(law(scaled, lights), 0.0) if of_strengths else np.ones_like(rows)
+    effect = np.maximum(law(now.scaled, now.lights), 0.0) if of_strengths else np.ones_like(left)
     pairs = (lamps[:, :, None] * lamps[:, None, :]).reshape(len(lamps), 9)
     A = (trust @ pairs).reshape(-1, 3, 3)
     A += (1e-9 * np.trace(A, axis1=1, axis2=2)[:, None, None] + 1e-12) * np.eye(3)
@@ -256,6 +260,12 @@ def _gauss_newton_step(
 
 def _inverse(symmetric: FloatArray) -> FloatArray:
     """Of (P, 3, 3) symmetric matrices, by cofactors, which LAPACK takes several times as long for."""
-    a, b, c = np.moveaxis(symmetric, 1, 0)
-    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    return np.asarray(cofactors / (a * cofactors[:, 0]).sum(axis=1)[:, None, None])
+    xx, xy, xz = symmetric[:, 0].T
+    yy, yz, zz = symmetric[:, 1, 1], symmetric[:, 1, 2], symmetric[:, 2, 2]
+    rows = (
+        (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy),
+        (xz * yz - xy * zz, xx * zz - xz * xz, xy * xz - xx * yz),
+        (xy * yz - xz * yy, xy * xz - xx * yz, xx * yy - xy * xy),
+    )
+    determinant = xx * rows[0][0] + xy * rows[0][1] + xz * rows[0][2]
+    return np.moveaxis(np.array(rows) / determinant, 2, 0)
