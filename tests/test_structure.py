@@ -152,6 +152,6 @@ def test_the_pages_address_the_service_relative_to_themselves():
 
 
 def test_no_frontend_test_replaces_a_module():
-    """All their files run in one page: what another file has loaded stays, and a replacement has no effect."""
+    """All their files run in one page: what another file has loaded stays, a replacement has no effect."""
     tests = list((ROOT / "frontend/tests").rglob("*.test.ts*"))
     assert tests and not [test.name for test in tests if "vi.mock(" in test.read_text("utf-8")]

@@ -72,9 +72,7 @@ AS_GIVEN = Bilingual(
 )
 
 
-def check_order(
-    capture: Capture, strengths: FloatArray, settings: LampCheckSettings | None = None
-) -> None:
+def check_order(capture: Capture, strengths: FloatArray, settings: LampCheckSettings | None = None) -> None:
     """Raise CaptureError when another order of the lamps, or other lamps, explain the photographs better.
 
     strengths: (N,) of the lamps, as they were found.
