@@ -83,8 +83,8 @@ def estimate_photometry(
     rows = sample(images, mask=mask, most=min(settings.pixels, max(300, 150_000 // n)))
     if n < settings.least_lamps or len(rows) < n:
         return photometry
-    now = _Trial(rows, lights, photometry)
-    trials: list[Callable[[], _Trial | None]] = []
+    now = _Guess(rows, lights, photometry)
+    trials: list[Callable[[], _Guess | None]] = []
     if n > 4:
         trials += [lambda: _refine(now, settings, of_strengths=False)]
     if strengths is None:
@@ -100,7 +100,7 @@ def estimate_photometry(
     return _best_trial(best, again, settings).photometry
 
 
-class _Trial:
+class _Guess:
     """Some pixels, solved under what a capture may be like.
 
     rows: (P, N) their brightness, less the black level in `cleaned`. lamps: (N, 3), times strength.
@@ -113,9 +113,9 @@ class _Trial:
         self.lamps = lights * photometry.strengths[:, None]
         self.scaled = l1_solver()(self.cleaned, self.lamps, RobustSettings())
 
-    def changed(self, **changes: Any) -> _Trial:
+    def changed(self, **changes: Any) -> _Guess:
         """The same pixels under another photometry."""
-        return _Trial(self.rows, self.lights, replace(self.photometry, **changes))
+        return _Guess(self.rows, self.lights, replace(self.photometry, **changes))
 
     @cached_property
     def residual(self) -> float:
@@ -158,18 +158,18 @@ def flat_sheet(rows: FloatArray, *, settings: PhotometrySettings | None = None) 
     return np.asarray(np.median(ratios, axis=0))
 
 
-def _from_sheet(rows: FloatArray, lights: FloatArray, settings: PhotometrySettings) -> _Trial | None:
+def _from_sheet(rows: FloatArray, lights: FloatArray, settings: PhotometrySettings) -> _Guess | None:
     """Strengths that make the sheet face the camera."""
     usual = flat_sheet(rows, settings=settings)
     if usual is None or not (lights[:, 2] > 0.05).all():
         return None
     given = usual / lights[:, 2]
-    return _Trial(rows, lights, Photometry(given / given.mean(), sheet=True))
+    return _Guess(rows, lights, Photometry(given / given.mean(), sheet=True))
 
 
 def _best_trial(
-    now: _Trial, trials: Sequence[Callable[[], _Trial | None]], settings: PhotometrySettings
-) -> _Trial:
+    now: _Guess, trials: Sequence[Callable[[], _Guess | None]], settings: PhotometrySettings
+) -> _Guess:
     """The simplest of the good trials if it explains enough, else what is there now; simplest first.
 
     A flat sheet comes before free strengths: it separates strength from tilt by facing the camera, which the
@@ -177,7 +177,7 @@ def _best_trial(
     """
     if now.residual < settings.least_residual:
         return now
-    found: list[_Trial] = []
+    found: list[_Guess] = []
     for attempt in trials:
         trial = attempt()
         if trial is not None:
@@ -189,7 +189,7 @@ def _best_trial(
     return simplest if simplest.residual < settings.residual_ratio * now.residual else now
 
 
-def _from_singular_vectors(equal: _Trial) -> _Trial:
+def _from_singular_vectors(equal: _Guess) -> _Guess:
     """Strengths from the three directions in which the brightness of fully lit pixels varies.
 
     The law says brightness = S L B with S diagonal, so S L = V A for the three leading singular vectors V:
@@ -213,7 +213,7 @@ def _from_singular_vectors(equal: _Trial) -> _Trial:
     return equal.changed(strengths=strengths / strengths.mean())
 
 
-def _refine(start: _Trial, settings: PhotometrySettings, *, of_strengths: bool) -> _Trial:
+def _refine(start: _Guess, settings: PhotometrySettings, *, of_strengths: bool) -> _Guess:
     """Gauss-Newton on the sum of absolute residuals, over all strengths or over the black level.
 
     The normals are eliminated pixel by pixel (variable projection), so each step solves one small system;
@@ -232,7 +232,7 @@ def _refine(start: _Trial, settings: PhotometrySettings, *, of_strengths: bool) 
     return now
 
 
-def _gauss_newton_step(now: _Trial, *, of_strengths: bool) -> FloatArray:
+def _gauss_newton_step(now: _Guess, *, of_strengths: bool) -> FloatArray:
     """What to add to the strengths, (N,), or to the black level, (1,)."""
     lamps, cleaned = now.lamps, now.cleaned
     scale = pixel_scale(cleaned)
