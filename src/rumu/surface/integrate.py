@@ -13,6 +13,7 @@ import numpy as np
 
 from rumu.capture.image import bounding_box
 from rumu.errors import SurfaceError
+from rumu.image_stack import each_range
 from rumu.surface.bilateral import integrate_bilateral
 from rumu.surface.neighbours import centre_parts, conjugate_gradients, poisson
 from rumu.surface.perspective import check_focal_length, height_of_distance, seen_normals
@@ -122,21 +123,26 @@ def _divergence_of(
     Worked out some rows at a time, since slopes of a whole sheet would take as much as the sheet twice more.
     """
     h, w = normals.shape[:2]
-    result = np.zeros((h, w), np.float32)
-    step = max(1, _BAND // w)
-    for top in range(0, h, step):
-        rows = slice(top, min(top + step, h))
-        more = slice(top, min(rows.stop + 1, h))  # and the next row, which the last differs from
-        by_column, by_row = _slopes(normals[more], None if inside is None else inside[more])
-        right = np.float32(0.5) * (by_column[: rows.stop - top, 1:] + by_column[: rows.stop - top, :-1])
+    result = np.empty((h, w), np.float32)
+
+    def work(rows: slice) -> None:
+        around = slice(max(rows.start - 1, 0), min(rows.stop + 1, h))  # what the first and last differ from
+        by_column, by_row = _slopes(normals[around], None if inside is None else inside[around])
+        own = slice(rows.start - around.start, rows.stop - around.start)
+        right = np.float32(0.5) * (by_column[own, 1:] + by_column[own, :-1])
         down = np.float32(0.5) * (by_row[1:] + by_row[:-1])
         if weights is not None:
             right *= weights[0][rows]
-            down *= weights[1][more.start : more.start + len(down)]
-        result[rows, :-1] += right
-        result[rows, 1:] -= right
-        result[top : top + len(down)] += down
-        result[top + 1 : top + 1 + len(down)] -= down
+            down *= weights[1][around.start : around.stop - 1]
+        here = result[rows]
+        here[:, :-1], here[:, -1] = right, 0
+        here[:, 1:] -= right
+        below, above = down[own.start : own.stop], down[: own.stop - 1]
+        here[: len(below)] += below
+        here[len(here) - len(above) :] -= above
+
+    for _ in each_range(work, h, size=max(1, _BAND // w), label="Integrating the height"):
+        pass
     return result
 
 

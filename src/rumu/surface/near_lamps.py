@@ -69,6 +69,7 @@ def solve_near(
     found, chosen = SolutionArrays(stack.shape[1:]), mask.reshape(-1)
 
     def one(part: slice) -> list[tuple[FloatArray, int, int]]:
+        found.leave(part)
         values = stack.range(part.start, part.stop)
         solved = []
         for block in _blocks(part, width, side):

@@ -42,7 +42,7 @@ _SHEET_SHARE = 0.6
 """Share of the pixels that must be trusted for an unmasked capture to count as a full sheet."""
 _BAND = 2_000_000
 """Pixels of the closed form worked on at a time."""
-_LOOKED_AT = 4_000_000
+_LOOKED_AT = 1_000_000
 """Pixels of a larger picture whose medians and quantiles are taken of every k-th one, to about this many."""
 _LEAST_TRUST = 0.05
 """Least weight of a slope in integration: an unsure slope is better than none."""

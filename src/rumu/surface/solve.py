@@ -22,7 +22,7 @@ from rumu.values import BoolArray, FloatArray, IntArray
 
 _TILE = 400_000
 """Values of brightness that a thread works on at a time: a few MB with all that is derived from them."""
-_RESIDUALS = 4_000_000
+_RESIDUALS = 1_000_000
 """Most residuals whose median is taken: those of 100 megapixels under 60 lamps would fill 2 GB."""
 
 
@@ -46,18 +46,21 @@ class Solution:
 
 
 class SolutionArrays:
-    """A solution while it is made, some pixels at a time; what is not solved faces the camera.
-
-    shape: (H, W), or (H, W, 3) in colour.
-    """
+    """A solution while it is made, some pixels at a time. shape: (H, W), or (H, W, 3) in colour."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         pixels = shape[0] * shape[1]
         self._shape = shape
+        # Without values: memory is given to what is written first, and threads do that side by side.
         self._normals = np.empty((pixels, 3), dtype=np.float32)
-        self._normals[:] = (0, 0, 1)
-        self._albedo = np.zeros((pixels, *shape[2:]), dtype=np.float32)
-        self._confidence = np.zeros(pixels, dtype=np.float32)
+        self._albedo = np.empty((pixels, *shape[2:]), dtype=np.float32)
+        self._confidence = np.empty(pixels, dtype=np.float32)
+
+    def leave(self, pixels: slice) -> None:
+        """Make some pixels what those are that are not solved: they face the camera, with no confidence."""
+        self._normals[pixels] = (0, 0, 1)
+        self._albedo[pixels] = 0
+        self._confidence[pixels] = 0
 
     def put(self, pixels: slice | IntArray, done: TileSolution) -> None:
         """Set some pixels by their numbers."""
@@ -119,8 +122,10 @@ def solve(
 
     def one(part: slice) -> tuple[FloatArray, int, int]:
         inside = slice(None) if chosen is None else np.flatnonzero(chosen[part])
-        if not isinstance(inside, slice) and not inside.size:
-            return np.zeros(0), 0, 0
+        if not isinstance(inside, slice):
+            found.leave(part)
+            if not inside.size:
+                return np.zeros(0), 0, 0
         if isinstance(inside, slice):
             values = stack.range(part.start, part.stop)
         else:
