@@ -142,3 +142,10 @@ def test_no_grid_is_looked_for_where_there_can_be_none(ink):
     assert without.left_out["grid"] < find_ink(page).left_out["grid"]
     clean = photograph(ink)
     assert (find_ink(clean).mask == find_ink(clean, settings=InkMaskSettings(grid=False)).mask).all()
+
+
+def test_strokes_of_a_character_of_forty_pixels_are_no_grid():
+    page = np.full((44, 44), PAPER_GRAY, np.uint8)
+    for at in (10, 20, 30):
+        page[at : at + 2] = page[:, at : at + 2] = 40
+    assert remove_grid(page)[1] == 0

@@ -21,6 +21,8 @@ from rumu.values import BoolArray, FloatArray
 class GridLineSettings:
     """When dark lines are a printed grid. Lengths are shares of the picture's shorter side unless said.
 
+    least: shorter side, in pixels, of a picture on which lines are sought: on a smaller one, a character of a
+        page, lines of a pixel are as wide as strokes.
     side: longer side, in pixels, of the reduced picture on which lines are sought. thickness: of the widest
         line. contrast: least darkness of a line, in gray levels of 200 for the paper. pixels: fewest of its
         pixels, over the side, for a look at all.
@@ -37,6 +39,7 @@ class GridLineSettings:
         lighter than the ink for its own gray to tell it from ink.
     """
 
+    least: int = 64
     side: int = 512
     thickness: float = 0.016
     contrast: int = 14
@@ -83,6 +86,8 @@ def remove_grid(x: Bytes, *, settings: GridLineSettings | None = None) -> tuple[
     import cv2
 
     settings = settings or GridLineSettings()
+    if min(x.shape) < settings.least:
+        return x, 0
     small = shrink(x, side=settings.side)
     reach = 2 * round(settings.thickness * min(small.shape) / 2) + 3
     closed = cv2.morphologyEx(small, cv2.MORPH_CLOSE, np.ones((reach, reach), np.uint8))
