@@ -48,10 +48,9 @@ def _require(error: type[Exception], holds: bool, expected: str, came: object) -
 
 
 def _require_finite(error: type[Exception], array: FloatArray, name: str) -> None:
-    with np.errstate(invalid="ignore"):  # of infinities that cancel
-        total = array.sum(dtype=np.float64)  # one pass that makes no array; else each value is looked at
-    if np.isfinite(total):
-        return
+    with np.errstate(invalid="ignore"):
+        if np.isfinite(array.sum(dtype=np.float64)):
+            return
     bad = int(array.size - np.count_nonzero(np.isfinite(array)))
     _require(error, bad == 0, f"{name} to be finite", f"{bad} values that are NaN or infinite")
 
