@@ -496,6 +496,17 @@ def test_an_lp_of_an_upload_reads_its_own_photographs_only(tmp_path: Path, outsi
     assert refused.value.zh is not None
 
 
+def test_a_photograph_that_is_gone_is_left_out_by_name(tmp_path: Path) -> None:
+    folder = lp_folder(tmp_path / "gone", LP.replace("3\n", "4\nC:\\dome\\lost.png 0 -1 1\n"))
+    with pytest.raises(CaptureError, match=r"there is no such file.*--leave-out lost\.png"):
+        read_capture(folder)
+    for name in ("lost.png", "lost"):
+        capture = read_capture(folder, leave_out=[name])
+        assert capture.names == ("a.png", "b.png", "c.png") and capture.lights[0, 0] > 0.7
+    with pytest.raises(CaptureError, match="to leave out, got other"):
+        read_capture(folder, leave_out=["lost", "other"])
+
+
 @pytest.mark.parametrize("kind", range(6))
 def test_a_mask_of_an_upload_lies_in_it(tmp_path: Path, outside: Path, kind: int) -> None:
     mask = names_of(outside, "a.png")[kind].replace("a.png", "secret.png")

@@ -69,6 +69,11 @@ def test_all_black() -> None:
     assert str(error).startswith("p0.png, p1.png") and "black" in str(error)
 
 
+def test_photographs_without_shades_are_told_as_such() -> None:
+    error = refused(replace(capture_of(), images=(capture_of().images > 0.4).astype(np.float32)))
+    assert "black and white alone" in str(error)
+
+
 def test_overexposed_frames_are_named() -> None:
     images = capture_of().images.copy()
     images[2] = 1.0

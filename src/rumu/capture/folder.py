@@ -17,7 +17,7 @@ from __future__ import annotations
 import os
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
@@ -45,7 +45,8 @@ class _Lamps:
 
     strengths: (N,) of the lamps, mean 1, None when they are not told. as_shown: whether the lamps are told
     by how the pictures look on a screen. notes: what a person should know. positions: (N, 3) of near lamps,
-    in mm; None when they are not told. width: of the photograph in mm; None when it is not told.
+    in mm; None when they are not told. width: of the photograph in mm; None when it is not told. gone: names
+    to leave out of photographs that have a lamp and are not there.
     """
 
     images: tuple[Path, ...]
@@ -56,6 +57,7 @@ class _Lamps:
     notes: tuple[Bilingual, ...] = ()
     positions: FloatArray | None = None
     width: float | None = None
+    gone: frozenset[str] = frozenset()
 
 
 def read_capture(
@@ -87,7 +89,8 @@ def read_capture(
         A folder that holds the capture and every file that may be read, such as that of an upload. Without it
         an .lp and capture.json may name files anywhere.
     leave_out : collection of str, optional
-        Names of photographs that are not used, with or without their suffix.
+        Names of photographs that are not used, with or without their suffix; an .lp may name one that is
+        not there.
     mm_per_pixel : float, optional
         Scale of the photographs, instead of what the folder says.
     progress : callable, optional
@@ -115,8 +118,8 @@ def read_capture(
     """
     _check_choice("encoding", encoding, ENCODINGS)
     _check_choice("orientation", orientation, ORIENTATIONS)
-    images, description, lamps = _find_files(path, within)
-    lamps = _without(lamps, leave_out)
+    images, description, lamps = _find_files(path, within, leave_out)
+    lamps = _without(lamps, [name for name in leave_out if name not in lamps.gone])
     folder = images.folder
     turned = (
         entry_among(folder, "orientation", description.orientation, ORIENTATIONS)
@@ -179,14 +182,14 @@ def check_capture_files(path: str | os.PathLike[str], *, within: Path | None = N
 
 
 def _find_files(
-    path: str | os.PathLike[str], within: Path | None
+    path: str | os.PathLike[str], within: Path | None, leave_out: Collection[str] = ()
 ) -> tuple[FolderImages, Description, _Lamps]:
     whole = path_of(path, error_type=CaptureError, expected="the path of a capture folder")
     folder, named = split_path(whole)
     images = FolderImages(folder, within=within)
     images.check_links()
     description = description_of(folder)
-    lamps = _read_lamps(images, named, description)
+    lamps = _read_lamps(images, named, description, leave_out)
     _check_lamps(lamps)
     return images, description, lamps
 
@@ -220,7 +223,9 @@ def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
 # --- which images, which lamps ---------------------------------------------------------------------
 
 
-def _read_lamps(images: FolderImages, named: Path | None, description: Description) -> _Lamps:
+def _read_lamps(
+    images: FolderImages, named: Path | None, description: Description, leave_out: Collection[str]
+) -> _Lamps:
     folder = images.folder
     file = named or lamp_file(images, description)
     kind = file.suffix.lower()
@@ -232,24 +237,24 @@ def _read_lamps(images: FolderImages, named: Path | None, description: Descripti
             zh=f'{file.name} 與 {DESCRIPTION} 的 "slant" 都說了燈的位置；請只留一個',
         )
     if kind == ".lp":
-        return _from_lp(file, images)
+        return _from_lp(file, images, leave_out)
     if kind == ".dome":
         return _from_dome(file, images)
     return _from_json(file, images, description) if kind == ".json" else _from_table(file, images)
 
 
-def _from_lp(path: Path, images: FolderImages) -> _Lamps:
+def _from_lp(path: Path, images: FolderImages, leave_out: Collection[str]) -> _Lamps:
     listed = read_lp(path, images)
     found: dict[Path, LampLine] = {}
+    gone: set[str] = set()
     for lamp in listed.lamps:
         image = images.find(lamp.name)
+        plain = PurePosixPath(lamp.name.replace("\\", "/"))
+        if image is None and (asked := {one for one in leave_out if one in (plain.name, plain.stem)}):
+            gone |= asked
+            continue
         if image is None:
-            here = images.examples()
-            raise capture_error(
-                lamp.where,
-                en=f"expected the image {lamp.name}, there is no such file; {here.en}",
-                zh=f"這裡應是照片檔 {lamp.name}，卻沒有這個檔案；{here.zh}",
-            )
+            raise images.not_there(lamp.where, lamp.name)
         if image in found:
             before = found[image].where
             raise capture_error(
@@ -258,13 +263,14 @@ def _from_lp(path: Path, images: FolderImages) -> _Lamps:
                 zh=f"{image.name} 在 {before.zh} 已經出現過",
             )
         found[image] = lamp
-    strengths, told = _strengths(path, listed.lamps)
+    strengths, told = _strengths(path, tuple(found.values()))
     return _Lamps(
         tuple(found),
-        np.array([lamp.light for lamp in listed.lamps]).reshape(-1, 3),
+        np.array([lamp.light for lamp in found.values()]).reshape(-1, 3),
         path,
         strengths=strengths,
         notes=(*listed.notes, *told, *_other_names(path.parent, found), *_not_named(path, images, found)),
+        gone=frozenset(gone),
     )
 
 

@@ -153,11 +153,17 @@ class FolderImages:
         except (CaptureError, OSError, ValueError):
             return []
 
-    def examples(self) -> Bilingual:
-        """A few names of what is here, to be set beside a name that is not."""
+    def not_there(self, where: Bilingual, name: str) -> CaptureError:
+        """The error for a photograph that is named, and is not there; where: it is named."""
         names = ", ".join(p.name for p in self.photographs[:_LISTED]) or "-"
         more = "..." if len(self.photographs) > _LISTED else ""
-        return Bilingual(f"這裡有 {names}{more}", f"here are {names}{more}")
+        plain = PurePosixPath(name.replace("\\", "/")).name
+        return capture_error(
+            where,
+            en=f"expected the image {name}, there is no such file; here are {names}{more} "
+            f"(--leave-out {plain} does without it)",
+            zh=f"這裡應是照片檔 {name}，卻沒有這個檔案；這裡有 {names}{more}（--leave-out {plain} 可略過它）",
+        )
 
 
 def files(folder: Path) -> list[Path]:

@@ -71,6 +71,12 @@ def check_exposure(capture: Capture, *, settings: FrameCheckSettings | None = No
             zh=f"{which.zh}：全黑，燈沒有照到紙（鏡頭蓋沒拿下，或燈沒開）；請重拍，或除去這一張（--leave-out）。",
         )
     usable = enough_lit(frames[:, None]).mean()
+    if (white < settings.white).all() and not ((frames > SHADOW_FLOOR) & (frames < SATURATION)).any():
+        raise CaptureError(
+            "expected photographs with shades between black and white, got black and white alone, as of "
+            "1 bit: how bright a place is tells its slope; take files as the camera wrote them",
+            zh="照片只有全黑與全白（1 位元），沒有深淺；斜率要由明暗算出，請用相機原來的檔案。",
+        )
     if (white >= settings.white).any() or (usable < settings.usable and white.max() > 0.5):
         over = white >= min(settings.white, float(white.max()))
         which, share = _listed(names, over), 100 * white[over].min()
