@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 
 import cv2
 import numpy as np
@@ -49,7 +50,7 @@ def test_places_in_the_master_are_those_in_the_work(written, tmp_path, monkeypat
     mark, _ = assess_cell(CellTask(without_a_stroke, "regular", "水", {}))
     picture = UprightPicture(b"", "png", *cell.picture.shape)
     moved = marked_copy(picture, mark, master, seconds=0)
-    points = np.array([point[:2] for point in moved.residual["master"]])
+    points = np.array([point[:2] for point in json.loads(moved.residual)["master"]])
     near = cv2.erode(shown, np.ones((9, 9), np.uint8))
     at = np.round(points * [900, 700]).astype(int)
     assert np.mean(near[at[:, 1], at[:, 0]] < 128) > 0.97

@@ -1,4 +1,4 @@
-"""Responses kept for a second: made once for many, and never those of before a change."""
+"""Responses kept in memory: made once for many, and never those of before a change."""
 
 from __future__ import annotations
 
@@ -11,13 +11,18 @@ from typing import Any
 import pytest
 
 from rumu.web.caching import ETagMiddleware
+from rumu.web.responses import IMMUTABLE
 
 
 class Titles:
-    """An application with one title, which a GET reads at once and sends when it is let go."""
+    """An application with one title, which a GET reads at once and sends when it is let go.
 
-    def __init__(self):
+    more_headers: of every response.
+    """
+
+    def __init__(self, *more_headers):
         self.title, self.made = "old", 0
+        self.more_headers = more_headers
         self.let_go = asyncio.Event()
         self.let_go.set()
 
@@ -31,7 +36,7 @@ class Titles:
             raise RuntimeError("after the change")
         else:
             self.title, body = "new", b"{}"
-        headers = [(b"content-type", b"application/json")]
+        headers = [(b"content-type", b"application/json"), *self.more_headers]
         await send({"type": "http.response.start", "status": 200, "headers": headers})
         await send({"type": "http.response.body", "body": body})
 
@@ -72,6 +77,37 @@ def test_many_who_ask_at_once_are_served_from_one():
         assert titles.made == 1
         await request(app, "PATCH")
         assert await request(app) == {"title": "new"} and titles.made == 2
+
+    run(ask())
+
+
+def test_requests_that_change_nothing_open_leave_what_is_kept():
+    async def ask():
+        titles = Titles()
+        app = ETagMiddleware(titles)
+        await request(app)
+        for path in ("/api/marks", "/api/attempts/a", "/api/login"):
+            await request(app, "POST", path)
+        await request(app)
+        assert titles.made == 1
+        await request(app, "POST", "/api/sheets")  # a sheet's master may become a work
+        await request(app)
+        assert titles.made == 2
+
+    run(ask())
+
+
+@pytest.mark.parametrize(("caching", "made"), [(IMMUTABLE, 1), ("no-cache", 2)])
+def test_only_a_file_that_never_changes_is_kept_for_longer(caching, made, monkeypatch):
+    async def ask():
+        length = (b"content-length", b"16")
+        titles = Titles((b"etag", b'"a"'), (b"cache-control", caching.encode()), length)
+        app = ETagMiddleware(titles)
+        assert await request(app) == {"title": "old"}
+        monkeypatch.setattr("time.monotonic", lambda: 1e9)
+        assert await request(app) == {"title": "old"} and titles.made == made
+        await request(app, "DELETE")
+        assert await request(app) == {"title": "new"} and titles.made == made + 1
 
     run(ask())
 

@@ -28,11 +28,15 @@ MAX_STROKES = 2**20  # characters of JSON
 
 @dataclass(frozen=True, slots=True)
 class MarkedCopy:
-    """A copy's picture as it is stored, its mark (see `mark_facts`), and its residuals, None when refused."""
+    """A copy as it is stored.
+
+    facts: see `mark_facts`. residual: JSON of `residual_facts`, None when refused; it is thousands of numbers
+    that the service only stores and sends.
+    """
 
     picture: UprightPicture
     facts: dict[str, Any]
-    residual: dict[str, list[list[float]]] | None
+    residual: bytes | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +125,7 @@ def add_attempt(
     with gallery.store.whole_folder(folder), gallery.database.writing() as session:
         gallery.store.write(picture, copy.picture.data)
         if copy.residual is not None:
-            gallery.store.write(f"{folder}/residual.json", json.dumps(copy.residual).encode())
+            gallery.store.write(f"{folder}/residual.json", copy.residual)
         if strokes is not None:
             gallery.store.write(f"{folder}/strokes.json", strokes.encode())
         # PostgreSQL locks the task until the end of this transaction
@@ -132,13 +136,10 @@ def add_attempt(
     return attempt
 
 
-def read_residual(store: Store, attempt: Attempt) -> dict[str, Any] | None:
-    """Return the residual points of an attempt (see `marking.residual_facts`); None when it was refused."""
+def read_residual(store: Store, attempt: Attempt) -> bytes | None:
+    """Return the residual points of an attempt (see `MarkedCopy`); None when it was refused."""
     key = f"attempts/{attempt.id}/residual.json"
-    if not store.exists(key):
-        return None
-    parsed: dict[str, Any] = json.loads(store.read(key))
-    return parsed
+    return store.read(key) if store.exists(key) else None
 
 
 def list_attempts(

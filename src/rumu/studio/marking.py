@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import time
 from functools import lru_cache
 from typing import Any
@@ -53,7 +54,7 @@ def mark_copy(
     registration = assessment.registration
     residual = None if registration is None else residual_facts(registration)
     facts = mark_facts(assessment, seconds=time.perf_counter() - started) | {"framed": framed}
-    return MarkedCopy(picture, facts, residual)
+    return MarkedCopy(picture, facts, None if residual is None else encode_residual(residual))
 
 
 @lru_cache(maxsize=2)
@@ -109,6 +110,11 @@ def residual_facts(registration: Registration) -> dict[str, list[list[float]]]:
         distance = np.clip(cKDTree(other).query(plane[chosen])[0] / _FAR, 0, 1)
         residuals[name] = np.round(np.column_stack([in_cell(points)[chosen], distance]), 4).tolist()
     return residuals
+
+
+def encode_residual(facts: dict[str, list[list[float]]]) -> bytes:
+    """The residual points as they are stored and sent."""
+    return json.dumps(facts, separators=(",", ":")).encode()
 
 
 def alignment(registration: Registration) -> list[float]:

@@ -1,13 +1,17 @@
 """Passwords: how hard they are to guess, and their Argon2id hashes.
 
-Passwords are hashed two at a time, so that many logins at once do not take all the memory.
+Passwords are hashed two at a time, so that many logins at once do not take all the memory, and with lower
+priority where threads can have one, since each hash takes four threads for a while.
 """
 
 from __future__ import annotations
 
 import functools
+import os
+import sys
 import threading
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 
 from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
@@ -24,7 +28,7 @@ withstands one who is faster (10^8 guesses): owners and teachers see what others
 _ESTIMATED = 72  # characters of a password that are estimated; the time grows with their square
 
 HASHER = PasswordHasher()  # RFC 9106, low memory: 64 MiB each
-_TWO_AT_A_TIME = threading.BoundedSemaphore(2)
+_NICENESS = 15  # as the workers that mark have
 
 ADVICE = {
     "Use a few words, avoid common phrases.": "用幾個詞連起來，不要用常見的句子。",
@@ -95,15 +99,15 @@ def check_new_password(password: str, *, role: str, known: Iterable[str] = ()) -
 
 def hash_password(password: str) -> str:
     """Return the Argon2id hash of a password."""
-    with _TWO_AT_A_TIME:
-        return HASHER.hash(password)
+    return _hashing_threads().submit(HASHER.hash, password).result()
 
 
 def verify_password(password: str, hashed: str | None) -> bool:
     """Whether a password has this hash; as slow without one, so that response times reveal no names."""
     try:
-        with _TWO_AT_A_TIME:
-            HASHER.verify(hashed or _placeholder_hash(), password[: 2 * MAX_PASSWORD])
+        _hashing_threads().submit(
+            HASHER.verify, hashed or _placeholder_hash(), password[: 2 * MAX_PASSWORD]
+        ).result()
     except (VerificationError, InvalidHashError):
         return False
     return hashed is not None
@@ -112,3 +116,14 @@ def verify_password(password: str, hashed: str | None) -> bool:
 @functools.cache
 def _placeholder_hash() -> str:
     return HASHER.hash("a password that nobody has")
+
+
+@functools.cache
+def _hashing_threads() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(2, thread_name_prefix="rumu-hash", initializer=_lower_priority)
+
+
+def _lower_priority() -> None:
+    """Let this thread, and those that it starts, go after others; elsewhere a process has one priority."""
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)

@@ -126,7 +126,7 @@ def marked_copy(
 ) -> MarkedCopy:
     """A cell as a copy of the work that its master is."""
     from rumu.studio.attempts import MarkedCopy
-    from rumu.studio.marking import mark_facts, residual_facts
+    from rumu.studio.marking import encode_residual, mark_facts, residual_facts
 
     residual = None if mark.registration is None else residual_facts(mark.registration)
     facts = mark_facts(mark, seconds=seconds) | {"framed": PRINTED}
@@ -141,7 +141,7 @@ def marked_copy(
         sx, sy, tx, ty = master.in_work
         moved = (sx * a, sy * b, sx * c, sy * d, sx * e + tx, sy * f + ty)
         facts["align"]["matrix"] = [round(value, 6) for value in moved]
-    return MarkedCopy(picture, facts, residual)
+    return MarkedCopy(picture, facts, None if residual is None else encode_residual(residual))
 
 
 def work_of_master(gallery: Gallery, master: SheetMaster) -> str:

@@ -19,11 +19,7 @@ from rumu.studio.worker_pool import WorkerPool
 
 _MAX_MEMORY = 96 * 2**20  # bytes of all contents
 _MAX_FILE = 8 * 2**20  # bytes of one content that is kept in memory
-_MAX_ADDRESSES = 20_000
 _COMPRESSED_TYPES = ("image/", "application/zip")
-
-FileAddress = tuple[str, str, MeshShape, str]
-"""Work, kind, shape of a mesh and version of a file, as its URL gives them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +39,6 @@ class DerivedFiles:
         self._gallery, self._workers = gallery, workers
         self._contents: LRUCache[str, FileContent] = LRUCache(_MAX_MEMORY, getsizeof=_bytes_in_memory)
         self._contents_changed = threading.Condition()
-        self._etags: dict[FileAddress, str] = {}
 
     def get(
         self,
@@ -69,22 +64,6 @@ class DerivedFiles:
         if tag in client_etags:
             return FileContent(b"", None, "", tag)
         return self._load(tag, assets, kind, shape, of, before_making=before_making)
-
-    def at_address(self, address: FileAddress) -> FileContent | None:
-        """What was sent from this address, while it is in memory. It needs no query of the database."""
-        tag = self._etags.get(address)
-        with self._contents_changed:
-            return None if tag is None else self._contents.get(tag)
-
-    def set_address(self, address: FileAddress, content: FileContent) -> None:
-        """Remember the content of an address; only for versions that are the work's present one."""
-        if len(self._etags) >= _MAX_ADDRESSES:
-            self._etags.clear()
-        self._etags[address] = content.etag
-
-    def forget_addresses(self) -> None:
-        """Forget all addresses, because a work has changed or is deleted."""
-        self._etags.clear()
 
     @cachedmethod(
         lambda self: self._contents,

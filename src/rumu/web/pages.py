@@ -12,7 +12,7 @@ from fastapi.responses import HTMLResponse
 
 from rumu.studio.errors import Missing
 from rumu.web.files import FileContent
-from rumu.web.responses import IMMUTABLE, file_response
+from rumu.web.responses import file_response
 
 _TYPES = {
     ".js": "text/javascript; charset=utf-8",
@@ -58,10 +58,8 @@ def register(app: FastAPI, folder: Path) -> None:
         content = pages.get(f"/{path}")
         if content is None or path.startswith("api/"):
             raise Missing
-        response = file_response(request, content)
-        if path.startswith("assets/"):  # the build names them by their content
-            response.headers["Cache-Control"] = IMMUTABLE
-        return response
+        # the build names its assets by their content
+        return file_response(request, content, immutable=path.startswith("assets/"))
 
 
 def _read_file(path: Path) -> FileContent:

@@ -18,17 +18,21 @@ def requested_etags(headers: Headers) -> list[str]:
 
 
 def file_response(
-    request: Request, content: FileContent, *, filename: str | None = None, private: bool = False
+    request: Request,
+    content: FileContent,
+    *,
+    filename: str | None = None,
+    private: bool = False,
+    immutable: bool = False,
 ) -> Response:
     """A file, compressed if the client accepts gzip; 304 if the client has it.
 
-    filename: what the browser is to save it as. private: shared caches must not store it. A file that is
-    requested with its version (`?v=`) is immutable.
+    filename: what the browser is to save it as. private: shared caches must not store it. immutable: its
+    address names its version, so that clients need never ask again.
     """
-    versioned = "v" in request.query_params and not private
     headers = {
         "ETag": f'"{content.etag}"',
-        "Cache-Control": IMMUTABLE if versioned else f"private, {REVALIDATE}" if private else REVALIDATE,
+        "Cache-Control": IMMUTABLE if immutable else f"private, {REVALIDATE}" if private else REVALIDATE,
         "Vary": "Accept-Encoding",
     }
     if content.etag in requested_etags(request.headers):

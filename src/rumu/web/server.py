@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import ipaddress
 import socket
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -19,9 +21,11 @@ if TYPE_CHECKING:
     import uvicorn
     from fastapi import FastAPI
 
+    from rumu.web.service import Service
     from rumu.web.settings import ConnectionLimits, ServiceSettings
 
 _THIS_MACHINE = "127.0.0.1,::1"
+_SWITCH_INTERVAL = 0.001  # seconds that a thread computes before another may go on; Python's is 0.005
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +76,7 @@ def serve(
         )
         if on_ready is not None:
             threading.Thread(target=_wait_until_ready, args=(server, address, on_ready), daemon=True).start()
+        threading.Thread(target=_spare_readers, args=(server, service), daemon=True).start()
         server.run(sockets=[listener])
 
 
@@ -138,3 +143,19 @@ def _wait_until_ready(
             return
         time.sleep(0.05)
     on_ready(address)
+
+
+def _spare_readers(server: uvicorn.Server, service: Service) -> None:
+    """Keep short what no page can be sent in: Python's own pauses.
+
+    The thread that talks to the clients waits for others at every request. Collecting garbage stops all of
+    them, for a tenth of a second or more where every object is looked at, and what is there once the service
+    has started stays until its end.
+    """
+    sys.setswitchinterval(_SWITCH_INTERVAL)
+    while not server.started:
+        if server.should_exit:
+            return
+        time.sleep(0.05)
+    service.wait_until_started()
+    gc.freeze()

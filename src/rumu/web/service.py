@@ -28,6 +28,7 @@ from rumu.web.settings import ServiceSettings
 
 WRITE_WAIT = 5.0  # seconds that a request waits for SQLite's write lock, before it is told to come back
 MAX_MARKING_THREADS = 48  # threads that wait for marks; further requests wait without a thread
+MAX_LOGIN_THREADS = 4  # threads that wait for passwords to be hashed, two at a time
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +54,16 @@ class Service:
         self.stopping = False
         self._starting = threading.Thread(target=self._start_work, name="rumu-start", daemon=True)
         self.marking_limiter = CapacityLimiter(MAX_MARKING_THREADS)
+        self.login_limiter = CapacityLimiter(MAX_LOGIN_THREADS)
         self.runner = JobRunner(self.gallery.database, self._run_job, may_run=(lock or ServerLock()).is_held)
 
     def start(self) -> None:
         """Have the workers and then the queue of jobs started, while pages are sent already."""
         self._starting.start()
+
+    def wait_until_started(self) -> None:
+        """Return when the workers and the queue run, or when the service was stopped."""
+        self._starting.join()
 
     def _start_work(self) -> None:
         """Start the workers, so that the first mark is as quick as the others, and the queue of jobs."""

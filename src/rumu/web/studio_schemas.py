@@ -199,7 +199,7 @@ class AttemptRead(Schema):
     @model_validator(mode="before")
     @classmethod
     def _flatten(cls, shown: Any) -> Any:
-        """From AttemptDetails, Extended where `residual` and `progress` are known; lists leave them out."""
+        """From AttemptDetails, Extended where `progress` is known. `attempt_response` adds the residual."""
         attempt = shown.attempt
         mark = {name: value for name, value in attempt.mark.items() if name not in ("untold", "framed")}
         url = service_url(f"/api/attempts/{attempt.id}")
@@ -209,7 +209,7 @@ class AttemptRead(Schema):
             person=shown.person,
             picture=attempt.id and f"{url}/picture",
             strokes=attempt.strokes and f"{url}/strokes",
-            mark=mark | {"residual": getattr(shown, "residual", None)},
+            mark=mark,
             progress=getattr(shown, "progress", None),
             teacher_marks=[
                 {"teacher": person.name, "mark": mark.mark, "note": mark.note}

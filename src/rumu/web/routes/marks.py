@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated, BinaryIO, Literal
 
 from anyio.to_thread import run_sync
-from fastapi import APIRouter, File, Form, HTTPException, Request, UploadFile
+from fastapi import APIRouter, File, Form, HTTPException, Request, Response, UploadFile
 
 from rumu.database.tables import Attempt, Person, now
 from rumu.studio import attempts, worker_tasks
@@ -16,6 +16,7 @@ from rumu.studio.pictures import MAX_BYTES, check_picture
 from rumu.studio.progress import progress_of
 from rumu.web.addresses import client_address
 from rumu.web.dependencies import Id, OptionalUser, ServiceDep
+from rumu.web.routes.attempts import attempt_response
 from rumu.web.routes.works import find_work
 from rumu.web.schemas import Extended
 from rumu.web.service import Service
@@ -63,7 +64,7 @@ async def add_mark(
             "writer's; what is written with the pen always is."
         ),
     ] = False,
-) -> Extended:
+) -> Response:
     """Mark a copy against a work. Without a login only with keep=false, and then nothing is kept."""
     if user is None and keep:
         raise HTTPException(401, "login")
@@ -78,7 +79,7 @@ async def add_mark(
     return await run_sync(_mark, service, user, copy, limiter=service.marking_limiter)
 
 
-def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extended:
+def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Response:
     master = find_work(service, copy.work)
     check_master(master)
     if copy.task is not None and user is not None:
@@ -102,7 +103,7 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
         details = attempts.AttemptDetails(attempt, master, person, ())
         with service.gallery.database.reading() as session:
             changed = progress_of(session, attempt, person_id=user.id if user else None, work=master)
-        return Extended(details, residual=marked.residual, progress=changed)
+        return attempt_response(Extended(details, progress=changed), marked.residual, status=201)
     attempt = attempts.add_attempt(
         service.gallery,
         marked,
@@ -116,4 +117,4 @@ def _mark(service: Service, user: Identity | None, copy: MarkRequest) -> Extende
     with service.gallery.database.reading() as session:
         (shown,) = attempts.attempt_details(session, [attempt])
         changed = progress_of(session, attempt, person_id=user.id, work=master)
-    return Extended(shown, residual=marked.residual, progress=changed)
+    return attempt_response(Extended(shown, progress=changed), marked.residual, status=201)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated, Any
 
+from anyio.to_thread import run_sync
 from fastapi import APIRouter, HTTPException, Path, Query, Request, Response
 from sqlalchemy import select
 
@@ -57,11 +58,18 @@ def get_session(
 
 
 @router.post("/api/login", response_model=SessionRead)
-def log_in(
+async def log_in(
     request: Request, response: Response, service: ServiceDep, credentials: Credentials
 ) -> dict[str, Any]:
     """Log in; the session and its token change."""
     _limit_logins(request, service, credentials)
+    # a class that logs in leaves the threads that answer readers to them
+    return await run_sync(_log_in, request, response, service, credentials, limiter=service.login_limiter)
+
+
+def _log_in(
+    request: Request, response: Response, service: Service, credentials: Credentials
+) -> dict[str, Any]:
     with service.gallery.database.reading() as session:
         person = people.authenticate(session, name=credentials.name, password=credentials.password)
     if person is None:

@@ -73,13 +73,15 @@ def get_tile(
     assets = assets_of(service.gallery.store, work)
     path = "/".join((tiles_etag(assets, name), region, size, rotation, file))
     etag = hashlib.sha256(path.encode("utf-8", "replace")).hexdigest()[:20]
+    immutable = v == tiles_etag(assets, "albedo")
     if etag in requested_etags(request.headers):
-        return file_response(request, FileContent(b"", None, "", etag))
+        return file_response(request, FileContent(b"", None, "", etag), immutable=immutable)
     data = _tile_bytes(_tiles(service, work, name, assets), region, size, rotation, file)
     if data is None:
         raise Missing(zh="沒有這一塊圖。", en="There is no such tile.")
-    response = file_response(request, FileContent(data, None, MEDIA_TYPES[suffix], etag))
-    if v is None:
+    content = FileContent(data, None, MEDIA_TYPES[suffix], etag)
+    response = file_response(request, content, immutable=immutable)
+    if not immutable:
         response.headers["Cache-Control"] = _DAY
     return response
 

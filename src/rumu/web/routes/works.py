@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 from urllib.parse import quote
 
-from anyio.to_thread import run_sync
 from fastapi import APIRouter, Depends, Query, Request, Response
 
 from rumu.database.tables import Annotation, Work
@@ -26,7 +25,6 @@ from rumu.values import SCRIPTS
 from rumu.web.addresses import client_address, service_url
 from rumu.web.collection_schemas import CollectionRead, CollectionUpdate, ExhibitionRead, OrderUpdate
 from rumu.web.dependencies import Limit, Offset, OwnerUser, PathId, SearchText, ServiceDep, WorkId
-from rumu.web.files import FileContent
 from rumu.web.responses import file_response, requested_etags
 from rumu.web.schemas import (
     AnnotationCreate,
@@ -161,7 +159,6 @@ def delete_collection(service: ServiceDep, user: OwnerUser, collection_id: PathI
     """Delete a collection with all its works and everything that belongs to them, attempts too."""
     get_collection(service, collection_id)
     catalog.delete_collection(service.gallery, collection_id)
-    service.files.forget_addresses()
 
 
 @router.get("/api/works/{work_id}", response_model=WorkRead)
@@ -225,7 +222,7 @@ def tile_services(service: Service, work: Work, *, lamps: bool = False) -> dict[
 
 
 @router.get("/api/works/{work_id}/files/{kind}", response_class=Response)
-async def get_file(
+def get_file(
     *,
     request: Request,
     service: ServiceDep,
@@ -242,34 +239,23 @@ async def get_file(
     width, base: of an STL, in millimetres: from its left to its right side (by default as large as the sheet,
     100 mm long if its size is unknown), and the thickness below its lowest point.
     """
-    stem = _file_stem(work_id)
-    name = f"{stem}.{kind}" if kind in MESHES else f"{stem}-{kind}{KINDS[kind].suffix}"
-    content = service.files.at_address((work_id, kind, shape, v or ""))
-    if content is None:
-        content = await run_sync(_file_content, request, service, work_id, kind, shape)
-    return file_response(request, content, filename=name if download else None)
-
-
-def _file_content(
-    request: Request, service: Service, work_id: str, kind: str, shape: MeshShape
-) -> FileContent:
     if shape.exaggeration != PLAIN.exaggeration and kind not in MESHES:
         raise Unusable(zh="只有立體模型可以放大高度。", en="Only a mesh has an exaggeration.")
     if (shape.width, shape.base) != (PLAIN.width, PLAIN.base) and kind != "stl":
         raise Unusable(zh="只有 STL 可以指定寬度和底座厚度。", en="Only an STL has a width and a base.")
     work = find_work(service, work_id)
-    etags = requested_etags(request.headers)
 
     def count_mesh() -> None:
         if kind in MESHES:
             limit = service.settings.rate_limits.meshes
             service.rate_limiter.hit(limit, "meshes", client_address(request))
 
+    etags = requested_etags(request.headers)
     content = service.files.get(work, kind, shape=shape, client_etags=etags, before_making=count_mesh)
-    version = request.query_params.get("v")
-    if version is not None and version in (content.etag, file_version(work)):
-        service.files.set_address((work_id, kind, shape, version), content)
-    return content
+    stem = _file_stem(work_id)
+    name = f"{stem}.{kind}" if kind in MESHES else f"{stem}-{kind}{KINDS[kind].suffix}"
+    immutable = v in (content.etag, file_version(work))
+    return file_response(request, content, filename=name if download else None, immutable=immutable)
 
 
 @router.get("/api/works/{work_id}/export.html", response_class=Response)
@@ -295,7 +281,6 @@ def update_work(service: ServiceDep, user: OwnerUser, work_id: WorkId, changes: 
             )
         values["spacing"] = changes.spacing
     catalog.change_work(service.gallery, work_id, values)
-    service.files.forget_addresses()
     return get_work(service, work_id)
 
 
@@ -304,7 +289,6 @@ def delete_work(service: ServiceDep, user: OwnerUser, work_id: WorkId) -> None:
     """Delete a work with everything that belongs to it, attempts too."""
     find_work(service, work_id)
     catalog.delete_work(service.gallery, work_id)
-    service.files.forget_addresses()
 
 
 @annotations_router.get("/api/works/{work_id}/annotations", response_model=list[AnnotationRead])
