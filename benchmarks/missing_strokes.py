@@ -96,7 +96,7 @@ def answer(copy: Copy, *, save: Path | None) -> Answer:
         told, _ = strokes_of(rumu.relief(picture / np.float32(255)), master).found
     except RumuError as error:
         return Answer(copy, match.missing, extra, stroke, refused=str(error))
-    return Answer(copy, match.missing, extra, stroke, told)
+    return Answer(copy, match.missing, extra, stroke, tuple(told))
 
 
 def choose_stroke(match: StrokeMatch, rng: random.Random) -> int | None:

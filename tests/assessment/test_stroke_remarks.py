@@ -16,11 +16,12 @@ from rumu.assessment.thresholds import RemarkThresholds
 from rumu.assessment.whole_remarks import PoseSeen, find_whole_faults
 from rumu.strokes.correspondence import BluntTips, CopyStrokes, match_strokes
 from rumu.strokes.ink_differences import UNSEEN
+from rumu.strokes.openings import Opening
 from rumu.strokes.pose import CharacterPose
 
 LIMITS = RemarkThresholds()
 SQUARE = np.array([[0.1, 0.1], [0.2, 0.1], [0.2, 0.2], [0.1, 0.2], [0.1, 0.1]])
-NO_FAULT = InkMeasures((), 0.0, 0.0, 0.0, 1.0, 0.0, None, (), (), True, 0.0, 1.0)
+NO_FAULT = InkMeasures((), 0.0, 0.0, 0.0, 1.0, 0.0, None, (), (), (), True, 0.0, 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +71,9 @@ def words(findings, kind):
         ({"filled": (FilledWhite(0.9, SQUARE), FilledWhite(0.8, SQUARE + 0.5))}, "filled",
          "有 2 處留白糊住了，左上部最甚。",
          "The white has run shut in 2 places, most of all at the top left."),
+        ({"opened": (Opening(1.3, 0.5, SQUARE[0], SQUARE[0], SQUARE[2], SQUARE),)}, "open",
+         "左上部的框，右下角沒有封口，缺口約 10% 格。",
+         "The box at the top left is not closed: its lower right has a gap of 10% of the cell."),
         ({"patches": (InkPatch(0.05, 1.2, 2.0, True, False, SQUARE),)}, "blot", "左上部有一團墨漬。",
          "There is a blot at the top left."),
         ({"patches": (InkPatch(0.05, 1.2, 2.0, False, False, SQUARE),)}, "blot", "左上部濺了一滴墨。",

@@ -129,6 +129,12 @@ WHOLE: Mapping[str, Advice] = {
             "Take less ink, lift the brush, and look at the white before the black.",
         ),
     ),
+    "open": (
+        Bilingual(
+            "寫框先看四角：豎與橫折的起筆相接，末橫寫到右邊封住。",
+            "Look at the corners first: let the sides begin together and end the last stroke on one.",
+        ),
+    ),
     "pale": (Bilingual("墨磨濃些，水少些。", "Grind the ink thicker and use less water."),),
     "spacing": (
         Bilingual(

@@ -19,7 +19,7 @@ PARTS_OF_KINDS: Mapping[str, tuple[str, ...]] = {
     ),
     "structure": (
         "aspect", "squeeze", "part_place", "inner", "spacing", "displaced", "stroke_angle", "stroke_long",
-        "stroke_short", "sticks_out", "missing", "extra",
+        "stroke_short", "sticks_out", "open", "missing", "extra",
     ),
 }  # fmt: skip
 """Part of the mark -> the kinds of remark that explain why it is low."""

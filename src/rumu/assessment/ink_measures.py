@@ -11,6 +11,7 @@ from rumu.strokes.centre_lines import SCALE, FramedInk, from_pixels, pixels_at
 from rumu.strokes.correspondence import MasterStrokes, StrokeMatch
 from rumu.strokes.edges import InnerWhite, look_at_edge, white_left
 from rumu.strokes.measures import edge_tremor
+from rumu.strokes.openings import Opening, find_openings
 from rumu.strokes.placement import draw_discs, stroke_numbers
 from rumu.values import BoolArray, FloatArray, Registration, Surface
 
@@ -105,6 +106,7 @@ class InkMeasures:
     torn: how much more than the master's its edges are frayed and turn about; 1 is plainly torn.
         torn_at: (2,) where most, fractions of the copy's picture; None where it is so everywhere.
     filled: white that the master's ink encloses and the copy's has run into, the worst first.
+    opened: boxes that the master closes and the copy leaves open, the widest gap first.
     sticking_out: ink far from all of the master's, the farthest first.
     has_shades: whether the picture shows ink lighter and darker at all; a binarised one does not.
     paleness: how much paler than the darkest ink of its own page the ink is, beyond the master's.
@@ -119,6 +121,7 @@ class InkMeasures:
     torn: float
     torn_at: FloatArray | None
     filled: tuple[FilledWhite, ...]
+    opened: tuple[Opening, ...]
     sticking_out: tuple[StickingOut, ...]
     has_shades: bool
     paleness: float
@@ -149,6 +152,7 @@ def measure_ink(
         torn=torn,
         torn_at=_on_picture(edge.worst, registration) if edge.worst_share > INK.in_one_place else None,
         filled=_find_filled(framed, master.whites),
+        opened=find_openings(strokes, master.whites),
         sticking_out=_find_sticking_out(framed, master.framed.ink),
         has_shades=float(copy.quality.get("between", 0.0)) >= INK.half_dark or darkest < INK.black,
         paleness=1.0 - own / max(own_master, 1e-6),

@@ -1,4 +1,4 @@
-"""What is said of the ink: torn edges, white run shut, blots, what sticks out, dry and pale ink."""
+"""What is said of the ink: torn edges, white run shut, open boxes, blots, what sticks out, dry, pale ink."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rumu.assessment.ink_measures import InkMeasures, InkPatch, StickingOut
 from rumu.assessment.named_strokes import NamedStroke
 from rumu.assessment.thresholds import Box, RemarkThresholds, as_lines, box, ink_severity, severity
 from rumu.strokes.correspondence import StrokeMatch, to_master_cell
-from rumu.strokes.naming import place_of
+from rumu.strokes.naming import direction_of, place_of
 from rumu.values import Bilingual, FloatArray, Remark
 
 _AHEAD = 1.0
@@ -47,6 +47,7 @@ def find_ink_faults(
         )  # fmt: skip
         yield Finding(remark, ink.bare / limits.bare, WHOLE["dry"], "edge")
     yield from _find_filled_white(ink, limits)
+    yield from _find_open_box(ink, strokes, limits)
     blots = [
         box(patch.outline)
         for patch in ink.patches
@@ -196,6 +197,24 @@ def _find_filled_white(ink: InkMeasures, limits: RemarkThresholds) -> Iterator[F
         as_lines(*(white.outline for white in shut)),
     )  # fmt: skip
     yield Finding(remark, shut[0].lost / limits.filled, WHOLE["filled"], "weight")
+
+
+def _find_open_box(
+    ink: InkMeasures, strokes: Sequence[NamedStroke], limits: RemarkThresholds
+) -> Iterator[Finding]:
+    """A box such as 口 that is not closed at a corner."""
+    if not ink.opened or ink.opened[0].gap < limits.weak * limits.open:
+        return
+    opening = ink.opened[0]
+    size = opening.across * strokes[0].cell
+    box_at, corner = place_of(opening.box), direction_of(opening.at - opening.box)
+    remark = Remark(
+        "open", size, "of the cell", severity("open", opening.gap, limits.open), box(opening.outline),
+        f"{box_at.zh}的框，{corner.zh}{'角' if len(corner.zh) > 1 else '邊'}沒有封口，缺口約 {size:.0%} 格。",
+        f"The box at the {box_at.en} is not closed: its {corner.en} has a gap of {size:.0%} of the cell.",
+        as_lines(opening.outline),
+    )  # fmt: skip
+    yield Finding(remark, opening.gap / limits.open, WHOLE["open"])
 
 
 def _find_sticking_out(

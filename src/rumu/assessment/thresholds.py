@@ -60,7 +60,8 @@ class RemarkThresholds:
     bare: share of the strokes' inside. tremor: rms radii, of `smooth` times more where the edges are not
         `frayed` a little, too, a least of `InkMeasures.torn`; rougher: least of it relative to the master's.
         torn: least of `InkMeasures.torn` from which they are torn.
-    filled: share of its half-width that a white must have lost. pale: relative; paler: the same where all ink
+    filled: share of its half-width that a white must have lost. open: widths of the copy's strokes that the
+        gap in a box must measure. pale: relative; paler: the same where all ink
         is equally pale, which a photograph's exposure may do.
     margin: stroke widths around a stroke, of the box of a remark.
     weak: share of these sizes from which a fault may explain a part of the mark below `part_explained`, when
@@ -131,6 +132,7 @@ class RemarkThresholds:
     smooth: float = 1.2
     torn: float = 1.2
     filled: float = 0.6
+    open: float = 0.65
     pale: float = 0.15
     paler: float = 0.3
     margin: float = 0.4
@@ -147,7 +149,7 @@ SEVERITIES: Mapping[str, float] = {
     "lean": 6.0, "size": 6.0, "offset": 5.0, "aspect": 6.0, "weight": 7.0, "squeeze": 7.0,
     "part_place": 6.0, "inner": 7.0,
     "missing": 8.0, "hook": 2.4, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 2.2, "torn": 7.0,
-    "pale": 4.5, "filled": 6.0, "displaced": 3.4, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
+    "pale": 4.5, "filled": 6.0, "open": 3.4, "displaced": 3.4, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
     "width": 3.2, "entry": 1.9, "end": 2.2, "tips": 3.2, "spacing": 4.5,
 }  # fmt: skip
 """Points of the mark, about, that the smallest fault worth a remark stands for."""

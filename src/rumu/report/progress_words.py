@@ -37,6 +37,7 @@ FAULTS: Mapping[str, Bilingual] = {
     "inner": Bilingual("裡面大小不合", "wrong in the size of what is enclosed"),
     "sticks_out": Bilingual("出頭", "sticking out"),
     "filled": Bilingual("留白糊住", "with white run shut"),
+    "open": Bilingual("框沒有封口", "not closed"),
     "spacing": Bilingual("間距不勻", "unevenly spaced"),
     "rough": Bilingual("筆畫抖動", "trembling"),
     "pale": Bilingual("墨色太淡", "pale"),

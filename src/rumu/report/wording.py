@@ -76,6 +76,7 @@ KINDS: dict[str, Bilingual] = {
     "rough": Bilingual("筆畫抖動", "Trembling edges"),
     "blot": Bilingual("墨漬", "Blot"),
     "filled": Bilingual("留白糊住", "White run shut"),
+    "open": Bilingual("沒有封口", "Box not closed"),
     "pale": Bilingual("墨色太淡", "Pale ink"),
     "dry": Bilingual("枯筆", "Dry brush"),
 }

@@ -17,7 +17,6 @@ from rumu.registration.points import ink_mask
 from rumu.strokes.canonical import LaidCharacter, lay_character
 from rumu.strokes.centre_lines import (
     SCALE,
-    SIDE,
     CentreLine,
     CentreLines,
     FramedInk,
@@ -30,9 +29,9 @@ from rumu.strokes.centre_lines import (
 from rumu.strokes.edges import EdgeLook, InnerWhite, find_whites, look_at_edge
 from rumu.strokes.ink_differences import InkComparison, InkDifference, MasterStrips, cut_strips
 from rumu.strokes.measures import MatchedStroke, StrokeMeasurer, edge_tremor
-from rumu.strokes.placement import Placement, place_lines
+from rumu.strokes.placement import Compared, Placement, lay_rest, perturb_ink, place_lines
 from rumu.strokes.pose import NO_POSE, CharacterPose
-from rumu.strokes.presence import Compared, find_missing, lay_rest
+from rumu.strokes.presence import find_missing
 from rumu.strokes.stance import Squeeze, find_stance
 from rumu.strokes.uncertainty import ENDS, StrokeUncertainty, relative_to, surely, uncertainty_of
 from rumu.values import BoolArray, FloatArray, IntArray, PointSet, Registration, Surface
@@ -51,7 +50,6 @@ class StrokeMatchSettings:
     """
 
     perturbations: tuple[tuple[float, float], ...] = ((0.96, 1.0), (1.03, 0.6), (1.0, 0.8))
-    nudge: tuple[float, float] = (0.5, 0.37)
     taper: float = 0.05
     blunt: float = 0.35
     pixel_share: float = 0.3
@@ -230,8 +228,8 @@ class CopyStrokes:
         return Compared(self.master.lines, find_segments(framed), framed, self.master.itself.moved)
 
     @cached_property
-    def found(self) -> tuple[tuple[int, ...], Placement]:
-        """Numbers of the strokes that it lacks, and all lines on it, see `find_missing`."""
+    def found(self) -> tuple[dict[int, float], Placement]:
+        """The strokes that it lacks, how surely, and all lines on it, see `find_missing`."""
         return find_missing(self.compared)
 
 
@@ -242,7 +240,8 @@ def match_strokes(copy: CopyStrokes) -> StrokeMatch:
     differences: a fork that thinning displaces is displaced in both.
     """
     itself, framed, lines = copy.master.itself, copy.compared.framed, copy.compared.copy
-    missing, laid = copy.found
+    lacking, laid = copy.found
+    missing = tuple(lacking)
     if missing:
         framed, lines, laid = lay_rest(copy.compared, missing)
     found = _measure_laid(framed, lines, laid, copy.master, places=itself.moved, missing=missing)
@@ -298,16 +297,7 @@ def _match_perturbed(master: MasterStrokes, scale: float, resolution: float) -> 
 
     The differences are measurement error: thinning takes another way through rough ink.
     """
-    import cv2
-
-    half, (right, down) = (SIDE - 1) / 2, CORRESPONDENCE.nudge
-    M = np.array([[scale, 0.0, (1 - scale) * half + right], [0.0, scale, (1 - scale) * half + down]])
-    ink = 255 * master.framed.ink.view(np.uint8)
-    if resolution < 1.0:
-        coarse = cv2.resize(ink, None, fx=resolution, fy=resolution, interpolation=cv2.INTER_AREA)
-        ink = cv2.resize(coarse, (SIDE, SIDE), interpolation=cv2.INTER_LINEAR)
-    moved = cv2.warpAffine(ink, M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
-    changed = replace(master.framed, ink=np.asarray(moved > 127))
+    changed = perturb_ink(master.framed, 0.0, scale, resolution)
     return _match_framed(changed, master, places=master.itself.moved)
 
 

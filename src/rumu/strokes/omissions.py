@@ -165,10 +165,14 @@ def find_regions(
 
 
 def _missing_strokes(strokes: CopyStrokes) -> tuple[float, FloatArray]:
-    """The share of the master's ink in the canonical strokes that a copy lacks, and where, (n, 2), y down."""
+    """The share of the master's ink in the canonical strokes that a copy lacks, and where, (n, 2), y down.
+
+    Each stroke counts as far as it is surely missing.
+    """
     lines, (missing, _) = strokes.master.lines, strokes.found
-    gone = np.isin(stroke_numbers(lines), missing)
-    return float(_ink_shares(lines.points)[gone].sum()), lines.points.xy[gone]
+    numbers, shares = stroke_numbers(lines), _ink_shares(lines.points)
+    lost = sum(certainty * float(shares[numbers == number].sum()) for number, certainty in missing.items())
+    return lost, lines.points.xy[np.isin(numbers, list(missing))]
 
 
 def _confirm_missing(

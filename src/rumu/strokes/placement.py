@@ -10,7 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rumu.strokes.centre_lines import SCALE, SIDE, CentreLines, FramedInk, LinePoints, to_pixels
+from rumu.strokes.centre_lines import (
+    SCALE,
+    SIDE,
+    CentreLines,
+    FramedInk,
+    LinePoints,
+    find_segments,
+    to_pixels,
+)
 from rumu.strokes.matching import LineMatch, MatchSettings, find_covered, match_lines, squared_distances
 from rumu.strokes.measures import MEASURES
 from rumu.values import BoolArray, FloatArray, IntArray
@@ -19,6 +27,8 @@ UNEVEN_WEIGHT = 2.0
 """Weight, beside shares of ink, of the mean square (rms radii) by which lines leave one affine move."""
 NEAR = 0.35
 """Reach of a line's neighbours, rms radii, when its place is predicted from theirs."""
+NUDGE = (0.5, 0.37)
+"""Pixels (x, y) by which ink is moved when it is changed a little."""
 BESIDE, BESIDE_BEFORE, ALIKE = 0.6, 0.8, 0.5
 """Stroke widths within which two points lie on the same ink; the same before they were moved, where that is
 no fault; and cosine of twice the angle from which they run alike."""
@@ -37,6 +47,20 @@ class Placement:
     covered: BoolArray
     owner: IntArray
     left_over: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """A copy beside its master, in the common frame.
+
+    master, copy: their lines. framed: the copy's ink. places: (n, 2) where the master's points lie when it is
+    measured in the same way.
+    """
+
+    master: CentreLines
+    copy: CentreLines
+    framed: FramedInk
+    places: FloatArray
 
 
 def place_lines(
@@ -91,6 +115,27 @@ def lay_without(
     return min(tried, key=lambda pair: pair[0].left_over)
 
 
+def lay_rest(compared: Compared, missing: tuple[int, ...]) -> tuple[FramedInk, CentreLines, Placement]:
+    """The copy's ink framed as the master's is without what is missing, and the lines on it.
+
+    The points of what is missing stand where their neighbours predict them.
+    """
+    master, copy, framed, places = compared.master, compared.copy, compared.framed, compared.places
+    numbers = stroke_numbers(master)
+    kept = ~np.isin(numbers, missing)
+    rest, move = lay_without(master, copy, numbers, missing)
+    if (move != np.eye(2, 3)).any():
+        framed = move_ink(framed, move)
+        copy = find_segments(framed)
+        rest = place_lines(master, copy, kept=kept)
+    moved, covered = fill_in(rest, kept, places)
+    responsibility = np.zeros((len(places), len(copy.points.xy)), np.float32)
+    responsibility[kept] = rest.found.responsibility
+    lines = np.unique(master.points.owner[kept])  # the rest's lines were numbered anew
+    owner = np.where(rest.owner >= 0, lines[rest.owner], -1)
+    return framed, copy, replace(rest, found=LineMatch(moved, responsibility), covered=covered, owner=owner)
+
+
 def move_ink(framed: FramedInk, move: FloatArray) -> FramedInk:
     """Framed ink after a (2, 3) move of the frame's points."""
     import cv2
@@ -103,6 +148,25 @@ def move_ink(framed: FramedInk, move: FloatArray) -> FramedInk:
     linear = framed.to_picture[:, :2] @ back
     to_picture = np.column_stack([linear, framed.to_picture[:, 2] - linear @ t])
     return FramedInk(np.asarray(ink > 127), to_picture, framed.enlargement * float(np.sqrt(np.linalg.det(A))))
+
+
+def perturb_ink(framed: FramedInk, turn: float, scale: float, resolution: float) -> FramedInk:
+    """Framed ink as another picture of it would show it: the middle moved by half a pixel, and coarser.
+
+    turn: degrees. scale: about the middle. resolution: pixels of that picture for each of the frame, at
+    most 1.
+    """
+    import cv2
+
+    half, (right, down) = (SIDE - 1) / 2, NUDGE
+    M = cv2.getRotationMatrix2D((half, half), turn, scale)
+    M[:, 2] += right, down
+    ink = 255 * framed.ink.view(np.uint8)
+    if resolution < 1.0:
+        coarse = cv2.resize(ink, None, fx=resolution, fy=resolution, interpolation=cv2.INTER_AREA)
+        ink = cv2.resize(coarse, (SIDE, SIDE), interpolation=cv2.INTER_LINEAR)
+    moved = cv2.warpAffine(ink, M, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
+    return replace(framed, ink=np.asarray(moved > 127))
 
 
 def predict_places(places: FloatArray, moved: FloatArray, known: BoolArray, wanted: BoolArray) -> FloatArray:

@@ -3,7 +3,8 @@
 A stroke is missing when the copy is explained as well without it, and when its place is bare paper. First
 the strokes that found little ink of their own are picked out; then the copy is matched anew with a master
 that lacks the stroke. A stroke that is there, but elsewhere, leaves its ink unexplained then; one that took
-its neighbour's ink gives it back. When unsure, nothing is said.
+its neighbour's ink gives it back. What seems to be missing is asked again of the copy a little changed, as
+another photograph would show it: a pixel must not decide. When unsure, nothing is said.
 """
 
 from __future__ import annotations
@@ -13,15 +14,17 @@ from functools import cached_property
 
 import numpy as np
 
-from rumu.strokes.centre_lines import SCALE, CentreLines, FramedInk, find_segments, pixels_at
-from rumu.strokes.matching import LineMatch, MatchSettings
+from rumu.strokes.centre_lines import SCALE, find_segments, pixels_at
+from rumu.strokes.matching import MatchSettings
 from rumu.strokes.placement import (
+    Compared,
     Placement,
     claimed_twice,
     draw_discs,
     fill_in,
     lay_without,
     move_ink,
+    perturb_ink,
     place_lines,
     predict_places,
     stroke_numbers,
@@ -69,7 +72,10 @@ class PresenceSettings:
         view, else all of it is taken to be.
     min_share: share of the master's ink in a stroke below which nothing is said of it; min_unnamed_share:
         the same of a line that is no canonical stroke.
-    weights, least_odds: of the evidence, and their sum, log odds, from which a stroke is missing.
+    weights, least_odds: of the evidence, and their sum, log odds, from which a stroke seems to be missing.
+    perturbations: (turn in degrees, scale, resolution) of the copy's ink for which the odds are then found
+        again; odds_range: within which each counts. agreed_odds: the mean of all from which the stroke is
+        missing, and from which it surely is.
     plain: when a stroke is gone whatever else is missing.
     suspicious: part of that sum, of its bare paper alone, from which a stroke is tested, and most_tested: how
         many are. most_gain: what the gain counts at most.
@@ -87,6 +93,11 @@ class PresenceSettings:
     min_unnamed_share: float = 0.06
     weights: MissingWeights = MissingWeights()
     least_odds: float = 1.2
+    agreed_odds: tuple[float, float] = (1.5, 3.5)
+    perturbations: tuple[tuple[float, float, float], ...] = (
+        (0.7, 0.96, 0.8), (-0.7, 1.03, 0.6), (1.2, 1.0, 0.7), (-1.2, 0.98, 0.9),
+    )  # fmt: skip
+    odds_range: tuple[float, float] = (-3.0, 6.0)
     plain: PlainRule = PlainRule()
     suspicious: float = 0.73
     most_tested: int = 3
@@ -175,52 +186,16 @@ class StrokeEvidence:
         return odds + w.lost * lost + w.elsewhere * elsewhere + w.otherwise * found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Compared:
-    """A copy beside its master, in the common frame.
+def find_missing(compared: Compared) -> tuple[dict[int, float], Placement]:
+    """The strokes that the copy lacks, and all lines on the copy.
 
-    master, copy: their lines. framed: the copy's ink. places: (n, 2) where the master's points lie when it is
-    measured in the same way.
-    """
-
-    master: CentreLines
-    copy: CentreLines
-    framed: FramedInk
-    places: FloatArray
-
-
-def find_missing(compared: Compared) -> tuple[tuple[int, ...], Placement]:
-    """Numbers of the strokes that the copy lacks, see `StrokePresence`, and all lines on the copy.
-
-    When a stroke seems to be missing, other ways of laying the lines are tried, and what finds its ink in one
-    of them is hardly missing. Where nothing is missing after all, the best of these ways is given back.
+    For the number of each, see `StrokePresence`, how surely it is missing, from 0 to 1.
     """
     search = MissingSearch(compared)
     missing, doubted = search.find()
     if missing or not doubted:
         return missing, search.whole
-    return (), min((*search.others, search.whole), key=lambda placement: placement.left_over)
-
-
-def lay_rest(compared: Compared, missing: tuple[int, ...]) -> tuple[FramedInk, CentreLines, Placement]:
-    """The copy's ink framed as the master's is without what is missing, and the lines on it.
-
-    The points of what is missing stand where their neighbours predict them.
-    """
-    master, copy, framed, places = compared.master, compared.copy, compared.framed, compared.places
-    numbers = stroke_numbers(master)
-    kept = ~np.isin(numbers, missing)
-    rest, move = lay_without(master, copy, numbers, missing)
-    if (move != np.eye(2, 3)).any():
-        framed = move_ink(framed, move)
-        copy = find_segments(framed)
-        rest = place_lines(master, copy, kept=kept)
-    moved, covered = fill_in(rest, kept, places)
-    responsibility = np.zeros((len(places), len(copy.points.xy)), np.float32)
-    responsibility[kept] = rest.found.responsibility
-    lines = np.unique(master.points.owner[kept])  # the rest's lines were numbered anew
-    owner = np.where(rest.owner >= 0, lines[rest.owner], -1)
-    return framed, copy, replace(rest, found=LineMatch(moved, responsibility), covered=covered, owner=owner)
+    return {}, min((*search.others, search.whole), key=lambda placement: placement.left_over)
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,16 +216,30 @@ class MissingSearch:
         return tuple(place_lines(master, copy, settings=settings) for settings in PRESENCE.other_ways)
 
     @cached_property
+    def presences(self) -> tuple[StrokePresence, ...]:
+        """What the copy has of each stroke."""
+        return measure_presence(self.compared, self.whole)
+
+    @cached_property
+    def perturbed(self) -> tuple[MissingSearch, ...]:
+        """The same search in the copy a little changed."""
+        found = []
+        for change in PRESENCE.perturbations:
+            framed = perturb_ink(self.compared.framed, *change)
+            found.append(MissingSearch(replace(self.compared, framed=framed, copy=find_segments(framed))))
+        return tuple(found)
+
+    @cached_property
     def found_otherwise(self) -> dict[int, float]:
         """For each stroke how surely one of the other ways finds it, from 0 to 1."""
         ways = [measure_presence(self.compared, placement) for placement in self.others]
         return {same[0].number: max(presence.found for presence in same) for same in zip(*ways, strict=True)}
 
-    def find(self) -> tuple[tuple[int, ...], bool]:
-        """Numbers of what is missing, and whether more would be if other ways were not asked."""
+    def find(self) -> tuple[dict[int, float], bool]:
+        """What is missing, how surely, and whether more would be if other ways were not asked."""
         numbers = stroke_numbers(self.compared.master)
         suspects, doubted = self.suspects(), False
-        missing: tuple[int, ...] = ()
+        missing: dict[int, float] = {}
         left_over, strokes = self.whole.left_over, len(np.unique(numbers))
         without: dict[int, tuple[Placement, FloatArray]] = {}  # each suspect, besides what is missing
         while suspects and len(missing) < strokes - 1:
@@ -260,19 +249,36 @@ class MissingSearch:
             suspects.remove(best)
             rest, move = without[best.number]
             gain = (left_over - rest.left_over) / best.share
-            evidence = self.weigh(best, rest, move, missing=missing, gain=gain)
+            evidence = self.weigh(best, rest, move, missing=tuple(missing), gain=gain)
             if evidence.odds() < PRESENCE.least_odds:
                 continue
             doubted = True
-            if evidence.odds(found=self.found_otherwise[best.number]) < PRESENCE.least_odds:
+            odds = self.agreed_odds(evidence, tuple(missing))
+            if odds < PRESENCE.agreed_odds[0]:
                 continue
-            missing, left_over, without = (*missing, best.number), rest.left_over, {}
+            certainty = float(np.interp(odds, PRESENCE.agreed_odds, (0.0, 1.0)))
+            missing, left_over, without = missing | {best.number: certainty}, rest.left_over, {}
         return missing, doubted
+
+    def agreed_odds(self, evidence: StrokeEvidence, missing: tuple[int, ...]) -> float:
+        """The mean of a stroke's log odds in the copy and in the copy a little changed."""
+        number = evidence.presence.number
+        own = evidence.odds(found=self.found_otherwise[number])
+        every = [own, *(search.odds_of(number, missing) for search in self.perturbed)]
+        return float(np.clip(every, *PRESENCE.odds_range).mean())
+
+    def odds_of(self, number: int, missing: tuple[int, ...]) -> float:
+        """A stroke's log odds, besides what is missing already."""
+        stroke = next(presence for presence in self.presences if presence.number == number)
+        before = self.lay_without(missing)[0] if missing else self.whole
+        rest, move = self.lay_without((*missing, number))
+        gain = (before.left_over - rest.left_over) / stroke.share
+        evidence = self.weigh(stroke, rest, move, missing=missing, gain=gain)
+        return evidence.odds(found=self.found_otherwise[number])
 
     def suspects(self) -> list[StrokePresence]:
         """The strokes that a test could show to be missing, the most suspicious first."""
-        every = measure_presence(self.compared, self.whole)
-        suspects = [presence for presence in every if presence.suspicion > PRESENCE.suspicious]
+        suspects = [presence for presence in self.presences if presence.suspicion > PRESENCE.suspicious]
         return sorted(suspects, key=lambda presence: -presence.suspicion)[: PRESENCE.most_tested]
 
     def lay_without(self, gone: tuple[int, ...]) -> tuple[Placement, FloatArray]:
