@@ -71,7 +71,7 @@ def words(findings, kind):
         ({"filled": (FilledWhite(0.9, SQUARE), FilledWhite(0.8, SQUARE + 0.5))}, "filled",
          "有 2 處留白糊住了，左上部最甚。",
          "The white has run shut in 2 places, most of all at the top left."),
-        ({"opened": (Opening(1.3, 0.5, SQUARE[0], SQUARE[0], SQUARE[2], SQUARE),)}, "open",
+        ({"opened": (Opening(1.3, 0.5, np.array([0.4, 0.6]), SQUARE[0], SQUARE[2], SQUARE),)}, "open",
          "左上部的框，右下角沒有封口，缺口約 10% 格。",
          "The box at the top left is not closed: its lower right has a gap of 10% of the cell."),
         ({"patches": (InkPatch(0.05, 1.2, 2.0, True, False, SQUARE),)}, "blot", "左上部有一團墨漬。",

@@ -40,7 +40,7 @@ def test_a_box_with_a_gap_is_open_by_the_width_of_the_gap(openings, mask):
     assert 0.5 < wide[0].gap < 1.5
     columns = np.flatnonzero(mask("regular-ri").any(axis=0))
     assert wide[0].at[0] * 512 == pytest.approx(columns.min() + 0.6 * np.ptp(columns), abs=12)
-    assert direction_of(wide[0].at - wide[0].box).zh in ("下", "右下")
+    assert direction_of(wide[0].towards).zh in ("下", "右下")
     assert np.ptp(wide[0].outline * 512, axis=0) == pytest.approx(48, abs=14)
 
 

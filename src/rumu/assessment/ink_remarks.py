@@ -207,7 +207,7 @@ def _find_open_box(
         return
     opening = ink.opened[0]
     size = opening.across * strokes[0].cell
-    box_at, corner = place_of(opening.box), direction_of(opening.at - opening.box)
+    box_at, corner = place_of(opening.box), direction_of(opening.towards)
     remark = Remark(
         "open", size, "of the cell", severity("open", opening.gap, limits.open), box(opening.outline),
         f"{box_at.zh}的框，{corner.zh}{'角' if len(corner.zh) > 1 else '邊'}沒有封口，缺口約 {size:.0%} 格。",

@@ -149,7 +149,7 @@ SEVERITIES: Mapping[str, float] = {
     "lean": 6.0, "size": 6.0, "offset": 5.0, "aspect": 6.0, "weight": 7.0, "squeeze": 7.0,
     "part_place": 6.0, "inner": 7.0,
     "missing": 8.0, "hook": 2.4, "extra": 5.0, "blot": 4.0, "dry": 5.0, "rough": 2.2, "torn": 7.0,
-    "pale": 4.5, "filled": 6.0, "open": 3.4, "displaced": 3.4, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
+    "pale": 4.5, "filled": 6.0, "open": 4.5, "displaced": 3.4, "angle": 3.0, "length": 2.6, "sticks_out": 5.0,
     "width": 3.2, "entry": 1.9, "end": 2.2, "tips": 3.2, "spacing": 4.5,
 }  # fmt: skip
 """Points of the mark, about, that the smallest fault worth a remark stands for."""

@@ -32,6 +32,8 @@ _AMONG = 0.25
 """Stroke widths beyond the outermost of a box's lines where a gap may lie."""
 _WIDE = 0.35
 """Stroke widths that half of a box's white must measure, for an opening of it to be seen."""
+_MARGIN = 0.03
+"""Rms radii by which a gap is drawn larger."""
 _STEP = 0.5
 """Pixels by which ink is grown until it closes a box."""
 
@@ -40,14 +42,14 @@ _STEP = 0.5
 class Opening:
     """A box that is open.
 
-    gap: in widths of the copy's strokes; across: the same in rms radii. middle: (2,) of the gap, in the
-    common frame. box, at: (2,) the middle of the white and of the gap, in fractions of the copy's picture;
-    outline: (n, 2) a circle about the gap, closed.
+    gap: in widths of the copy's strokes; across: the same in rms radii. towards: (2,) where it is from the
+    middle of the white, in widths and heights of it, y down. box, at: (2,) the middle of the white and of the
+    gap, in fractions of the copy's picture; outline: (n, 2) a circle about the gap, closed.
     """
 
     gap: float
     across: float
-    middle: FloatArray
+    towards: FloatArray
     box: FloatArray
     at: FloatArray
     outline: FloatArray
@@ -75,9 +77,9 @@ def find_openings(match: StrokeMatch, whites: tuple[InnerWhite, ...]) -> tuple[O
             continue
         own = from_pixels(white.pixels[:, ::-1].astype(float)) @ move[:2] + move[2]
         deepest = own[int(np.argmax(depth[pixels_at(own)]))]
-        opening = _opening_of(match, depth, deepest)
-        if opening is not None and _is_within(match, strokes, deepest, opening.middle):
-            found.append(opening)
+        way_out = _way_out(depth, deepest)
+        if way_out is not None and _is_within(match, strokes, deepest, way_out[0]):
+            found.append(_opening(match, own, *way_out))
     return tuple(sorted(found, key=lambda opening: -opening.gap))
 
 
@@ -137,10 +139,10 @@ def boxes_of(character: str) -> tuple[frozenset[int], ...]:
     return tuple(boxes)
 
 
-def _opening_of(match: StrokeMatch, depth: FloatArray, inside: FloatArray) -> Opening | None:
-    """How a point of the copy's white is open to the outside; None where it is closed.
+def _way_out(depth: FloatArray, inside: FloatArray) -> tuple[FloatArray, float] | None:
+    """The narrowest place on the widest way out of the white about a point: (2,) where, and half its width.
 
-    depth: (SIDE, SIDE) distance of the white to the ink, pixels.
+    depth: (SIDE, SIDE) distance of the white to the ink, pixels. None where the ink lets nothing out.
     """
     import cv2
 
@@ -161,10 +163,14 @@ def _opening_of(match: StrokeMatch, depth: FloatArray, inside: FloatArray) -> Op
     )
     between = np.where(depth > 0, within + beyond, np.inf)
     at = np.array(np.unravel_index(int(between.argmin()), between.shape), float)[::-1]
+    return from_pixels(at), radius / SCALE
+
+
+def _opening(match: StrokeMatch, white: FloatArray, at: FloatArray, radius: float) -> Opening:
+    """The opening of a white, (n, 2), at a place; radius: half of its width, rms radii."""
+    middle = (white.min(axis=0) + white.max(axis=0)) / 2
     turn = np.linspace(0.0, 2 * np.pi, 25)
-    circle = at + (radius + 2.0) * np.column_stack([np.cos(turn), np.sin(turn)])
-    across = 2 * radius / SCALE
-    middle = from_pixels(at)
-    box, gap, *outline = match.framed.on_picture(np.vstack([inside, middle, from_pixels(circle)]))
-    widths = across / (match.master.width * match.width)
-    return Opening(widths, across, middle, box, gap, np.array(outline))
+    circle = at + (radius + _MARGIN) * np.column_stack([np.cos(turn), np.sin(turn)])
+    box, gap, *outline = match.framed.on_picture(np.vstack([middle, at, circle]))
+    widths = 2 * radius / (match.master.width * match.width)
+    return Opening(widths, 2 * radius, (at - middle) / np.ptp(white, axis=0), box, gap, np.array(outline))
