@@ -325,7 +325,8 @@ def _found_elsewhere(compared: Compared, rest: Placement, *, gone: BoolArray, ow
     depth = cv2.distanceTransform(framed.ink.view(np.uint8), cv2.DIST_L2, 5) / SCALE
     strokes = np.flatnonzero(~gone & (stroke_numbers(master) != 0))  # spare ink may be its own
     radius, owner = depth[pixels_at(moved[strokes])], points.owner[strokes]
-    usual = np.array([np.median(radius[owner == k]) for k in owner])
+    lines, line = np.unique(owner, return_inverse=True)
+    usual = np.array([np.median(radius[owner == k]) for k in lines])[line]
     tubes = draw_discs(moved[strokes], s.tube * np.minimum(radius, s.widest * usual))
     spare = cv2.dilate((framed.ink & ~tubes).view(np.uint8), np.ones((3, 3), np.uint8)) > 0
     at, steps = moved[own], s.push_step * np.arange(-s.pushes, s.pushes + 1)
