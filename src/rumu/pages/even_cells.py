@@ -16,6 +16,9 @@ class EvenLineSettings:
 
     reach: a line lies so near its place, and beside: the paper so far from that, in pixels of the reduced
         picture. along: the middle part of a side that is looked at. stretches: of it, `samples` places each.
+    ruled: usual darkness from which the sides that run one way are ruled lines. seen: of the others, this share
+        must then be darker than `trace` of their mean, for cells. clear: share of the sides that run one way or
+        the other, of cells that are clearly drawn.
     """
 
     reach: int = 2
@@ -23,6 +26,10 @@ class EvenLineSettings:
     along: float = 0.84
     stretches: int = 10
     samples: int = 3
+    ruled: float = 0.05
+    seen: float = 0.35
+    trace: float = 0.25
+    clear: float = 0.5
 
 
 def uneven_sizes(quads: FloatArray, places: FloatArray, *, drifting: bool) -> tuple[float, float]:
@@ -58,6 +65,33 @@ def evenness_of_lines(
         stretches = np.where(seen, darkness, 0).sum(axis=(0, 2)) / np.maximum(1, seen.sum(axis=(0, 2)))
         found.append(float(stretches.min() / stretches.mean()) if stretches.mean() > 0 else 0.0)
     return max(found)
+
+
+def has_sides_both_ways(
+    evidence: LineEvidence, quads: FloatArray, *, clear: bool, settings: EvenLineSettings | None = None
+) -> bool:
+    """Whether lines run both ways around cells, where no writing lies on them.
+
+    Of a page whose columns are ruled, rows of characters that stand level look like the other two sides.
+    clear: whether the cells are clearly drawn. quads: (N, 4, 2) in pixels of the reduced picture.
+    """
+    settings = settings or EvenLineSettings()
+    usual, mean, share = [], [], []
+    for k in (0, 1):
+        sides = np.vstack(
+            [_darkness_along(evidence, quads[:, i], quads[:, (i + 1) % 4], settings) for i in (k, k + 2)]
+        )
+        sides = sides[np.isfinite(sides).any(axis=1)]
+        if not len(sides):
+            return True
+        usual.append(float(np.nanmedian(sides)))
+        mean.append(float(np.nanmean(sides)))
+        share.append(float((np.nanmedian(sides, axis=1) > settings.trace * mean[-1]).mean()))
+    ruled = int(np.argmax(usual))
+    other = 1 - ruled
+    if usual[ruled] > settings.ruled and (mean[other] <= 0 or share[other] < settings.seen):
+        return False
+    return not clear or max(share) >= settings.clear
 
 
 def _darkness_along(

@@ -19,7 +19,7 @@ from rumu.pages.cell_lattice import (
     smallest_fitting,
 )
 from rumu.pages.cell_scores import EdgeMaps, edges_at, map_edges
-from rumu.pages.even_cells import evenness_of_lines, uneven_sizes
+from rumu.pages.even_cells import evenness_of_lines, has_sides_both_ways, uneven_sizes
 from rumu.pages.framed_cells import corners_on_frames, join_frames
 from rumu.pages.lattice_fill import fill_lattice
 from rumu.pages.lattice_model import LatticeModel
@@ -293,6 +293,8 @@ def _is_even(evidence: LineEvidence, cells: Placed, settings: PageGridSettings, 
     few = len(cells) < settings.few
     less, more = uneven_sizes(quads, places, drifting=not few)
     if more > (settings.few_even if few else settings.uneven):
+        return False
+    if not has_sides_both_ways(evidence, quads, clear=clear):
         return False
     if clear:
         return less <= settings.even
