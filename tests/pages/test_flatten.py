@@ -133,6 +133,14 @@ def test_the_ground_around_a_sheet_is_cut_off():
     assert on_page.min() > -0.05 and on_page.max() < 1.05
 
 
+def test_a_sheet_that_lies_half_in_a_shadow_is_kept_whole():
+    photo = np.full((800, 900, 3), DESK, np.uint8)
+    photo[100:700, 150:750] = PAPER
+    shade = 1 - 0.5 / (1 + np.exp((np.arange(900) - 420) / 60))
+    flat = flatten_photo((photo * shade[None, :, None]).astype(np.uint8))
+    assert flat.picture.shape[:2] == pytest.approx((612, 612), abs=12)
+
+
 def test_a_page_that_lies_flat_stays_as_it_is():
     page, _ = page_with_grid()
     flat = flatten_photo(page)

@@ -11,7 +11,9 @@ import pytest
 from PIL import Image
 
 from rumu.errors import ImageError
+from rumu.pages.even_cells import has_sides_both_ways
 from rumu.pages.grids import find_grid
+from rumu.pages.line_evidence import PrintedLineSettings, find_line_evidence
 
 PAPER, RED, GREEN, GRAY, BLACK = (
     (238, 236, 230),
@@ -238,6 +240,23 @@ def no_grids() -> list[np.ndarray]:
                 page[ink > 0] = BLACK
         found.append(page)
     return found
+
+
+@pytest.mark.parametrize("rows", [False, True])
+def test_level_rows_of_print_in_ruled_columns_are_no_sides_of_cells(rows):
+    page = np.full((760, 900, 3), PAPER, np.uint8)
+    for x in range(50, 851, 50):
+        cv2.line(page, (x, 50), (x, 650), GRAY, 2)
+        for y in range(50, 651, 50):
+            top = y + (12 if rows else 0)
+            cv2.line(page, (x + 10, top), (x + 36, top), BLACK, 3)
+            cv2.line(page, (x + 23, top), (x + 23, y + 38), BLACK, 4)
+            if rows:
+                cv2.line(page, (50, y), (850, y), GRAY, 2)
+    cell = np.array([[0, 0], [50, 0], [50, 50], [0, 50]])
+    cells = np.array([cell + np.array([x, y]) for x in range(50, 850, 50) for y in range(50, 650, 50)], float)
+    evidence = find_line_evidence(page, settings=PrintedLineSettings())
+    assert has_sides_both_ways(evidence, cells, clear=True) == rows
 
 
 def test_pictures_without_a_grid_give_none():

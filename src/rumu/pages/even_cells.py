@@ -16,9 +16,9 @@ class EvenLineSettings:
 
     reach: a line lies so near its place, and beside: the paper so far from that, in pixels of the reduced
         picture. along: the middle part of a side that is looked at. stretches: of it, `samples` places each.
-    ruled: usual darkness from which the sides that run one way are ruled lines. seen: of the others, this share
-        must then be darker than `trace` of their mean, for cells. clear: share of the sides that run one way or
-        the other, of cells that are clearly drawn.
+    ruled: usual darkness from which the sides that run one way are ruled lines. seen: of the others, this
+        share must then be darker than `trace` of their mean, for cells. clear: share of the sides that run
+        one way or the other, of cells that are clearly drawn.
     """
 
     reach: int = 2
