@@ -175,10 +175,8 @@ def test_an_image_that_is_not_there(tmp_path: Path) -> None:
         CaptureError, match=r"line 3: expected the image gone\.png.* here are p0\.png, p1"
     ) as no:
         read(write(tmp_path), lines(names=("p0.png", "gone.png", "p2.png")))
-    assert (
-        no.value.zh
-        == "lights.lp 第 3 行：這裡應是照片檔 gone.png，卻沒有這個檔案；這裡有 p0.png, p1.png, p2.png...（--leave-out gone.png 可略過它）。"
-    )
+    zh = "lights.lp 第 3 行：這裡應是照片檔 gone.png，卻沒有這個檔案；這裡有 p0.png, p1.png, p2.png..."
+    assert no.value.zh == f"{zh}（--leave-out gone.png 可略過它）。"
 
 
 # --- strengths and lengths --------------------------------------------------------------------------

@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from rumu.image_stack import ImageStack
 from rumu.surface.compiled import doubt_finder, material_fitter, tile_solver
+from rumu.surface.lobe import learn_lobe, lobe_of, part_ground_and_gloss
 from rumu.surface.reflectance import (
     LAMBERT,
     MATERIALS,
@@ -66,7 +67,46 @@ def find_materials(
     options: dict[str, Any] = {"mask": mask, "black_level": black_level, "settings": settings}
     while chosen and _bends(stack, lights, chosen, **options):
         chosen = chosen[:-1]
-    return chosen
+    return _with_lobes(stack, lights, chosen, **options)
+
+
+def _with_lobes(
+    stack: ImageStack,
+    lights: FloatArray,
+    materials: tuple[Material, ...],
+    *,
+    mask: BoolArray,
+    black_level: float,
+    settings: MaterialSettings,
+) -> tuple[Material, ...]:
+    """The materials, those of gloss with the lobe that the pixels show which they explain best."""
+    roughnesses = {one.roughness for one in materials if one.kind == "gloss"}
+    if not roughnesses:
+        return materials
+    count, most = int(np.count_nonzero(mask)), settings.lobe_values // len(lights)
+    some = _numbers(mask, np.unique(np.random.default_rng(1).integers(0, count, most)))
+    rows, lamps, fit = (
+        brightness_rows(stack.at(some), black_level=black_level),
+        Lamps(lights),
+        material_fitter(),
+    )
+    rows = rows[rows.max(axis=1) > settings.seen * settings.step]
+    seen = lamps.relative(rows, settings)
+    starts = lamps.starts(seen, _unit(rows @ np.linalg.pinv(lights).T))
+    tried = (LAMBERT, *materials)
+    fits = [fit(seen, lamps, one, starts=starts, settings=settings) for one in tried]
+    which = np.stack([one.contradicted for one in fits]).argmin(axis=0)
+    lobes = {}
+    for roughness in roughnesses:
+        parts = [
+            (np.flatnonzero(which == k), fits[k].normals)
+            for k, one in enumerate(tried)
+            if one.kind == "gloss" and one.roughness == roughness
+        ]
+        pixels = np.concatenate([won for won, _ in parts])
+        normals = np.concatenate([found[won] for won, found in parts])
+        lobes[roughness] = learn_lobe(seen.chosen(pixels), lamps, normals, roughness, material=settings)
+    return tuple(replace(one, lobe=lobes[one.roughness]) if one.kind == "gloss" else one for one in materials)
 
 
 def _numbers(mask: BoolArray, which: IntArray) -> IntArray:
@@ -181,13 +221,12 @@ def solve_materials(
         if material.kind != "metal":
             albedo[pixels] = _albedo(
                 values[:, pixels] - black_level,
-                seen.scale[wins],
                 lamps,
                 material,
                 won,
-                shape=shape,
                 weights=weights,
-                settings=settings,
+                usual=won.brightness * seen.scale[wins],
+                prior=settings.strength_prior,
             )
         confidence[pixels] = (1.0 - won.contradicted) * span_of_lamps(weights, lights)
     return replace(done, normals=normals, albedo=albedo, confidence=confidence)
@@ -195,37 +234,27 @@ def solve_materials(
 
 def _albedo(
     values: FloatArray,
-    scale: FloatArray,
     lamps: Lamps,
     material: Material,
     found: MaterialFit,
     *,
-    shape: FloatArray,
     weights: FloatArray,
-    settings: MaterialSettings,
+    usual: FloatArray,
+    prior: float,
 ) -> FloatArray:
     """(P,), or (P, 3) of values (N, P, 3): brightness of the material; under gloss without the gloss.
 
-    shape: (P, N), what the material shows at brightness 1. weights: (P, N), the trust in each value.
+    How strong the gloss is each pixel tells by itself, now that its normal is known: the material's share is
+    that of some albedo, and gloss as strong over darker ground has a larger one. weights: (P, N), the trust
+    in each value. usual: (P,) brightness under the material's own share, which counts for `prior`
+    beside that.
     """
-    seen = np.moveaxis(values if values.ndim == 3 else values[..., None], 0, 1) / lamps.strengths[:, None]
-    matte = shape if material.kind == "rough" else reflected(found.normals, lamps, LAMBERT)
-    trusted = weights * matte
-    power = np.maximum((trusted * matte).sum(axis=1), 1e-9)
-    albedo = np.einsum("pn,pnc->pc", trusted, seen) / power[:, None]
-    if material.kind == "gloss":
-        # How strong the lobe is each pixel tells by itself, now that its normal is known: the material's
-        # share is that of some albedo, and a lobe as strong over darker ground has a larger one. It has the
-        # colour of the lamp, so that all channels show as much of it.
-        lobe, gray = shape - matte, seen.mean(axis=2)
-        both = (trusted * lobe).sum(axis=1)
-        own = (weights * lobe * lobe).sum(axis=1)
-        prior = settings.strength_prior * own
-        told = (weights * lobe * gray).sum(axis=1) - both * albedo.mean(axis=1)
-        sure = np.maximum(own - both * both / power + prior, 1e-12)
-        strength = np.maximum((told + prior * found.brightness * scale) / sure, 0.0)
-        albedo -= (strength * both / power)[:, None]
-    albedo = np.maximum(albedo, 0.0).astype(np.float32)
+    colours = np.moveaxis(values if values.ndim == 3 else values[..., None], 0, 1)
+    colours = colours / lamps.strengths[:, None]
+    matte = reflected(found.normals, lamps, material if material.kind == "rough" else LAMBERT)
+    lobe = lobe_of(material, found.normals, lamps)
+    albedo, _ = part_ground_and_gloss(colours, matte, lobe, weights, usual=usual, prior=prior)
+    albedo = albedo.astype(np.float32)
     return np.asarray(albedo if values.ndim == 3 else albedo[:, 0])
 
 

@@ -34,12 +34,14 @@ class Material:
     kind: 'gloss', Lambert's law and a lobe; 'metal', the lobe alone; 'rough', Lambert's law and the
         Lommel-Seeliger law. roughness: of the facets, their alpha, in (0, 1]. share: light in the lobe for
         one part in Lambert's law, or, in [0, 1], what the Lommel-Seeliger law has of the whole; 0 is
-        Lambert's law.
+        Lambert's law. lobe: its heights as a capture shows them, see `rumu.surface.lobe`, by which ground is
+        parted from gloss; empty for those of the formula, by which normals are searched for.
     """
 
     kind: Kind = "rough"
     roughness: float = 1.0
     share: float = 0.0
+    lobe: tuple[float, ...] = ()
 
 
 LAMBERT = Material()
@@ -74,6 +76,7 @@ class MaterialSettings:
         forgotten as gloss or shadow.
     strength_prior: how much the material's own share counts for the strength of gloss at a pixel, beside what
         its lamps say.
+    lobe_values: of brightness that a lobe is learnt from, at most.
     contradicted: share of a pixel's lamps beyond which no material is believed there, as between mirrors.
     least_lamps: below which no material is looked for.
     patches, patch_side: how many squares of how many pixels are solved on trial. rougher: times the curl of
@@ -98,6 +101,7 @@ class MaterialSettings:
     drop: float = 0.01
     exact: float = 1.0
     strength_prior: float = 0.02
+    lobe_values: int = 24_000
     contradicted: float = 0.4
     least_lamps: int = 8
     patches: int = 24
