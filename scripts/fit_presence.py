@@ -43,9 +43,7 @@ def weighed(strokes: CopyStrokes) -> list[tuple[int, tuple[float, ...]]]:
     search = MissingSearch(strokes.compared)
     found = []
     for stroke in search.suspects():
-        rest, move = search.lay_without((stroke.number,))
-        gain = (search.whole.left_over - rest.left_over) / stroke.share
-        evidence = search.weigh(stroke, rest, move, missing=(), gain=gain)
+        evidence = search.weigh(stroke)
         found.append((stroke.number, evidence.counted(found=search.found_otherwise[stroke.number])))
     return found
 

@@ -153,7 +153,7 @@ def measure_ink(
         torn_at=_on_picture(edge.worst, registration) if edge.worst_share > INK.in_one_place else None,
         filled=_find_filled(framed, master.whites),
         opened=find_openings(strokes, master.whites),
-        sticking_out=_find_sticking_out(framed, master.framed.ink),
+        sticking_out=_find_sticking_out(framed, master.framed),
         has_shades=float(copy.quality.get("between", 0.0)) >= INK.half_dark or darkest < INK.black,
         paleness=1.0 - own / max(own_master, 1e-6),
         darkness=darkness / max(darkness_master, 1e-6),
@@ -169,12 +169,9 @@ def _on_picture(at: FloatArray, registration: Registration) -> FloatArray:
 
 def _find_filled(framed: FramedInk, whites: tuple[InnerWhite, ...]) -> tuple[FilledWhite, ...]:
     """Those of the master's inner whites of which little is left."""
-    import cv2
-
-    depth = cv2.distanceTransform((~framed.ink).view(np.uint8), cv2.DIST_L2, 5)
     found = []
     for white in whites:
-        lost = 1.0 - white_left(white, depth)
+        lost = 1.0 - white_left(white, framed.off_ink)
         if lost > INK.lost:
             own = np.zeros(framed.ink.shape, bool)
             own[tuple(white.pixels.T)] = True
@@ -182,11 +179,11 @@ def _find_filled(framed: FramedInk, whites: tuple[InnerWhite, ...]) -> tuple[Fil
     return tuple(sorted(found, key=lambda white: -white.lost))
 
 
-def _find_sticking_out(framed: FramedInk, master: BoolArray) -> tuple[StickingOut, ...]:
+def _find_sticking_out(framed: FramedInk, master: FramedInk) -> tuple[StickingOut, ...]:
     """Ink of the copy far from the master's, where it joins ink that is not."""
     import cv2
 
-    away = cv2.distanceTransform((~master).view(np.uint8), cv2.DIST_L2, 5)
+    away = master.off_ink
     far = framed.ink & (away > INK.far * SCALE)
     count, labels = cv2.connectedComponents(far.view(np.uint8), connectivity=8)
     found = []

@@ -112,8 +112,8 @@ def _coordinates(shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
     return (columns - (width - 1) / 2) / half, ((height - 1) / 2 - rows) / half
 
 
-def _terms(x: FloatArray, y: FloatArray) -> FloatArray:
-    """(n, 6): what the six coefficients of a quadratic are multiplied by."""
+def quadratic_terms(x: FloatArray, y: FloatArray) -> FloatArray:
+    """(..., 6): what the six coefficients of a quadratic are multiplied by; x and y are of one shape."""
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
 
 
@@ -155,7 +155,7 @@ def _first_guess(
         blocks, bx, by = quartile[seen], grids[0][seen], grids[1][seen]
     if blocks.size < 6:
         raise CaptureError(f"expected a sheet of at least 6 blocks of paper, found {blocks.size}")
-    terms = _terms(bx, by)
+    terms = quadratic_terms(bx, by)
     weight: FloatArray = np.ones(blocks.size)
     coefficients: FloatArray = np.zeros(6)
     for _ in range(30):
@@ -168,7 +168,7 @@ def _fit_laws(
     values: FloatArray, x: FloatArray, y: FloatArray, settings: FlatfieldSettings
 ) -> list[_LightFit]:
     """Both laws fitted to the logarithms of paper, (n,); the point lamp only where it is possible."""
-    terms = _terms(x, y)
+    terms = quadratic_terms(x, y)
     smooth = _least_squares(terms, values, np.ones_like(values))
     solutions: list[tuple[Law, FloatArray, FloatArray]] = [("smooth", smooth, values - terms @ smooth)]
     target = np.exp(values * (-2 / 3))

@@ -17,7 +17,7 @@ from __future__ import annotations
 import os
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 import numpy as np
 
@@ -29,7 +29,13 @@ from rumu.capture.lamp_files import lamp_file, split_path
 from rumu.capture.light_files import LampLine, read_directions, read_lp
 from rumu.capture.lights import direction
 from rumu.capture.masks import mask_file, read_folder_mask
-from rumu.capture.photographs import FolderImages, capture_error, photographs_without, place
+from rumu.capture.photographs import (
+    FolderImages,
+    capture_error,
+    named_path,
+    photographs_without,
+    place,
+)
 from rumu.errors import CaptureError
 from rumu.image_stack import Progress
 from rumu.inputs import path_of
@@ -119,8 +125,7 @@ def read_capture(
     _check_choice("encoding", encoding, ENCODINGS)
     _check_choice("orientation", orientation, ORIENTATIONS)
     images, description, lamps = _find_files(path, within, leave_out)
-    lamps = _without(lamps, [name for name in leave_out if name not in lamps.gone])
-    folder = images.folder
+    lamps, folder = _without(lamps, [name for name in leave_out if name not in lamps.gone]), images.folder
     turned = (
         entry_among(folder, "orientation", description.orientation, ORIENTATIONS)
         if orientation == "auto"
@@ -249,12 +254,9 @@ def _from_lp(path: Path, images: FolderImages, leave_out: Collection[str]) -> _L
     gone: set[str] = set()
     for lamp in listed.lamps:
         image = images.find(lamp.name)
-        plain = PurePosixPath(lamp.name.replace("\\", "/"))
-        if image is None and (asked := {one for one in leave_out if one in (plain.name, plain.stem)}):
-            gone |= asked
-            continue
         if image is None:
-            raise images.not_there(lamp.where, lamp.name)
+            gone |= images.left_out(lamp.where, lamp.name, leave_out)
+            continue
         if image in found:
             before = found[image].where
             raise capture_error(
@@ -279,7 +281,7 @@ def _other_names(folder: Path, found: dict[Path, LampLine]) -> list[Bilingual]:
     other = [
         (lamp, image)
         for image, lamp in found.items()
-        if image.resolve() != Path(folder, lamp.name.replace("\\", "/")).resolve()
+        if image.resolve() != Path(folder, named_path(lamp.name)).resolve()
     ]
     if not other:
         return []

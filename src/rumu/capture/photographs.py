@@ -10,7 +10,7 @@ import re
 import unicodedata
 from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePath, PurePosixPath
 
 from rumu.containment import FolderFiles
 from rumu.errors import CaptureError
@@ -106,7 +106,7 @@ class FolderImages:
         folders within, and where no image lies here in the folder above and those beside this one.
         Raises CaptureError when several images fit.
         """
-        parts = PurePosixPath(name.replace("\\", "/")).parts
+        parts = named_path(name).parts
         ends = ["/".join(parts[i:]) for i in range(len(parts))]
         tried = [[self.folder], self._folders(self.folder)]
         if not self.images():
@@ -153,16 +153,23 @@ class FolderImages:
         except (CaptureError, OSError, ValueError):
             return []
 
-    def not_there(self, where: Bilingual, name: str) -> CaptureError:
-        """The error for a photograph that is named, and is not there; where: it is named."""
+    def left_out(self, where: Bilingual, name: str, leave_out: Collection[str]) -> set[str]:
+        """Those names to leave out that mean a photograph which is named, and is not there.
+
+        Raises CaptureError, which begins with where it is named, when none does.
+        """
+        path = named_path(name)
+        meant = {one for one in leave_out if is_called(path, one)}
+        if meant:
+            return meant
         names = ", ".join(p.name for p in self.photographs[:_LISTED]) or "-"
         more = "..." if len(self.photographs) > _LISTED else ""
-        plain = PurePosixPath(name.replace("\\", "/")).name
-        return capture_error(
+        raise capture_error(
             where,
             en=f"expected the image {name}, there is no such file; here are {names}{more} "
-            f"(--leave-out {plain} does without it)",
-            zh=f"這裡應是照片檔 {name}，卻沒有這個檔案；這裡有 {names}{more}（--leave-out {plain} 可略過它）",
+            f"(--leave-out {path.name} does without it)",
+            zh=f"這裡應是照片檔 {name}，卻沒有這個檔案；這裡有 {names}{more}"
+            f"（--leave-out {path.name} 可略過它）",
         )
 
 
@@ -186,6 +193,16 @@ def _shown(folder: Path, kind: Callable[[Path], bool]) -> list[Path]:
         ) from error
 
 
+def named_path(name: str) -> PurePosixPath:
+    """The path that a lamp file names, which may have been written on Windows."""
+    return PurePosixPath(name.replace("\\", "/"))
+
+
+def is_called(photograph: PurePath, name: str) -> bool:
+    """Whether this is the name of a photograph, with or without its suffix."""
+    return Path(name).name in (photograph.name, photograph.stem)
+
+
 def photographs_without(where: Path, paths: Sequence[Path], names: Collection[str]) -> list[Path]:
     """The photographs but those of these names, with or without suffix.
 
@@ -193,8 +210,7 @@ def photographs_without(where: Path, paths: Sequence[Path], names: Collection[st
     """
     left_out = set()
     for name in names:
-        plain = Path(name).name
-        found = {path for path in paths if plain in (path.name, path.stem)}
+        found = {path for path in paths if is_called(path, name)}
         if not found:
             raise capture_error(
                 where,

@@ -77,6 +77,13 @@ class FramedInk:
 
         return np.asarray(cv2.connectedComponents(self.ink.view(np.uint8), connectivity=8)[1])
 
+    @cached_property
+    def off_ink(self) -> FloatArray:
+        """(SIDE, SIDE): how far off the ink each pixel lies, in pixels."""
+        import cv2
+
+        return np.asarray(cv2.distanceTransform((~self.ink).view(np.uint8), cv2.DIST_L2, 5))
+
     def outline_of(self, part: BoolArray) -> FloatArray:
         """(n, 2) the longest edge of some pixels of the frame, on the picture, closed."""
         import cv2

@@ -10,7 +10,7 @@ import numpy as np
 from rumu.characters.stroke_data import find_character
 from rumu.strokes.centre_lines import SCALE, SIDE, from_pixels, pixels_at
 from rumu.strokes.correspondence import StrokeMatch
-from rumu.strokes.edges import InnerWhite
+from rumu.strokes.edges import InnerWhite, find_whites
 from rumu.strokes.placement import stroke_numbers
 from rumu.values import BoolArray, FloatArray
 
@@ -24,8 +24,8 @@ _RASTER = 256
 """Pixels along the side of the picture in which the copybook's strokes are drawn."""
 _BESIDE = 7
 """Pixels there from the white of a box to its sides, which stroke and fill leave a little apart."""
-_LARGE = 60
-"""Pixels there that the white of a box holds at least."""
+_BORDER = 60
+"""Pixels there of a stroke that must lie at a white for the stroke to be a side of it."""
 _THERE = 0.4
 """Share of a side that must have found ink for it to be there."""
 _AMONG = 0.25
@@ -61,10 +61,7 @@ def find_openings(match: StrokeMatch, whites: tuple[InnerWhite, ...]) -> tuple[O
     whites: that the master's ink encloses. Its sides must be those of a box of three strokes or more in the
     character as copybooks print it, and the copy must have them: strokes that only happen to meet make none.
     """
-    import cv2
-
-    depth = cv2.distanceTransform((~match.framed.ink).view(np.uint8), cv2.DIST_L2, 5)
-    found = []
+    depth, found = match.framed.off_ink, []
     for white in whites:
         sides = _points_at(match, white)
         strokes = _sides_of_box(match, sides)
@@ -126,14 +123,13 @@ def boxes_of(character: str) -> tuple[frozenset[int], ...]:
     ink = np.zeros((len(known.strokes), _RASTER, _RASTER), np.uint8)
     for page, stroke in zip(ink, known.strokes, strict=True):
         cv2.fillPoly(page, [np.round(stroke.polygon() * _RASTER).astype(np.int32)], 1)
-    labels = cv2.connectedComponents(1 - ink.max(axis=0), connectivity=4)[1]
     near = np.ones((2 * _BESIDE + 1, 2 * _BESIDE + 1), np.uint8)
     boxes = []
-    for k in set(np.unique(labels).tolist()) - {0, int(labels[0, 0])}:
-        if np.count_nonzero(labels == k) < _LARGE:
-            continue
-        around = cv2.dilate((labels == k).view(np.uint8), near)
-        sides = [n for n, page in enumerate(ink, start=1) if np.count_nonzero(page & around) > _LARGE]
+    for white in find_whites(ink.max(axis=0) > 0):
+        around = np.zeros((_RASTER, _RASTER), np.uint8)
+        around[tuple(white.pixels.T)] = 1
+        around = cv2.dilate(around, near)
+        sides = [n for n, page in enumerate(ink, start=1) if np.count_nonzero(page & around) > _BORDER]
         if len(sides) >= _SIDES:
             boxes.append(frozenset(sides))
     return tuple(boxes)

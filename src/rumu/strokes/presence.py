@@ -189,7 +189,9 @@ class StrokeEvidence:
 def find_missing(compared: Compared) -> tuple[dict[int, float], Placement]:
     """The strokes that the copy lacks, and all lines on the copy.
 
-    For the number of each, see `StrokePresence`, how surely it is missing, from 0 to 1.
+    For the number of each, see `StrokePresence`, how surely it is missing, from 0 to 1. When a stroke seems
+    to be missing, other ways of laying the lines are tried, and what finds its ink in one of them is hardly
+    missing. Where nothing is missing after all, the best of these ways is given back.
     """
     search = MissingSearch(compared)
     missing, doubted = search.find()
@@ -237,27 +239,20 @@ class MissingSearch:
 
     def find(self) -> tuple[dict[int, float], bool]:
         """What is missing, how surely, and whether more would be if other ways were not asked."""
-        numbers = stroke_numbers(self.compared.master)
+        strokes = len(np.unique(stroke_numbers(self.compared.master)))
         suspects, doubted = self.suspects(), False
         missing: dict[int, float] = {}
-        left_over, strokes = self.whole.left_over, len(np.unique(numbers))
-        without: dict[int, tuple[Placement, FloatArray]] = {}  # each suspect, besides what is missing
         while suspects and len(missing) < strokes - 1:
-            if not without:
-                without = {s.number: self.lay_without((*missing, s.number)) for s in suspects}
-            best = max(suspects, key=lambda s: left_over - without[s.number][0].left_over)
-            suspects.remove(best)
-            rest, move = without[best.number]
-            gain = (left_over - rest.left_over) / best.share
-            evidence = self.weigh(best, rest, move, missing=tuple(missing), gain=gain)
+            gone = tuple(missing)
+            left_over = [self.lay_without((*gone, s.number))[0].left_over for s in suspects]
+            best = suspects.pop(int(np.argmin(left_over)))
+            evidence = self.weigh(best, missing=gone)
             if evidence.odds() < PRESENCE.least_odds:
                 continue
             doubted = True
-            odds = self.agreed_odds(evidence, tuple(missing))
-            if odds < PRESENCE.agreed_odds[0]:
-                continue
-            certainty = float(np.interp(odds, PRESENCE.agreed_odds, (0.0, 1.0)))
-            missing, left_over, without = missing | {best.number: certainty}, rest.left_over, {}
+            odds = self.agreed_odds(evidence, gone)
+            if odds >= PRESENCE.agreed_odds[0]:
+                missing[best.number] = float(np.interp(odds, PRESENCE.agreed_odds, (0.0, 1.0)))
         return missing, doubted
 
     def agreed_odds(self, evidence: StrokeEvidence, missing: tuple[int, ...]) -> float:
@@ -270,11 +265,7 @@ class MissingSearch:
     def odds_of(self, number: int, missing: tuple[int, ...]) -> float:
         """A stroke's log odds, besides what is missing already."""
         stroke = next(presence for presence in self.presences if presence.number == number)
-        before = self.lay_without(missing)[0] if missing else self.whole
-        rest, move = self.lay_without((*missing, number))
-        gain = (before.left_over - rest.left_over) / stroke.share
-        evidence = self.weigh(stroke, rest, move, missing=missing, gain=gain)
-        return evidence.odds(found=self.found_otherwise[number])
+        return self.weigh(stroke, missing=missing).odds(found=self.found_otherwise[number])
 
     def suspects(self) -> list[StrokePresence]:
         """The strokes that a test could show to be missing, the most suspicious first."""
@@ -283,22 +274,20 @@ class MissingSearch:
 
     def lay_without(self, gone: tuple[int, ...]) -> tuple[Placement, FloatArray]:
         """The rest of the lines on the copy, and the move of its points, see `placement.lay_without`."""
-        master = self.compared.master
-        return lay_without(master, self.compared.copy, stroke_numbers(master), gone)
+        if gone not in self._laid:
+            master = self.compared.master
+            self._laid[gone] = lay_without(master, self.compared.copy, stroke_numbers(master), gone)
+        return self._laid[gone]
 
-    def weigh(
-        self,
-        stroke: StrokePresence,
-        rest: Placement,
-        move: FloatArray,
-        *,
-        missing: tuple[int, ...],
-        gain: float,
-    ) -> StrokeEvidence:
-        """What is to be said of a stroke, besides what is missing already.
+    @cached_property
+    def _laid(self) -> dict[tuple[int, ...], tuple[Placement, FloatArray]]:
+        """What was laid without some strokes already."""
+        return {}
 
-        rest, move: of `lay_without`. gain: see `StrokeEvidence`.
-        """
+    def weigh(self, stroke: StrokePresence, *, missing: tuple[int, ...] = ()) -> StrokeEvidence:
+        """What is to be said of a stroke, besides what is missing already."""
+        before = self.lay_without(missing)[0] if missing else self.whole
+        rest, move = self.lay_without((*missing, stroke.number))
         compared = self.compared
         numbers, radius = stroke_numbers(compared.master), compared.master.points.radius
         gone, own = np.isin(numbers, (*missing, stroke.number)), numbers == stroke.number
@@ -306,7 +295,7 @@ class MissingSearch:
         moved = replace(compared, framed=move_ink(compared.framed, move))
         return StrokeEvidence(
             stroke,
-            gain=gain,
+            gain=(before.left_over - rest.left_over) / stroke.share,
             lost=lost / stroke.share,
             elsewhere=_found_elsewhere(moved, rest, gone=gone, own=own),
         )
@@ -339,11 +328,9 @@ def _found_elsewhere(compared: Compared, rest: Placement, *, gone: BoolArray, ow
 
 def measure_presence(compared: Compared, whole: Placement) -> tuple[StrokePresence, ...]:
     """What a copy has of each stroke that holds enough of the ink to be spoken of."""
-    import cv2
-
     s, master, places = PRESENCE, compared.master, compared.places
     points, width = master.points, master.width
-    off = cv2.distanceTransform((~compared.framed.ink).view(np.uint8), cv2.DIST_L2, 5) / SCALE
+    off = compared.framed.off_ink / SCALE
     moved, numbers = whole.found.moved, stroke_numbers(master)
     bare = off[pixels_at(moved)] > s.off_ink * width
     found = []

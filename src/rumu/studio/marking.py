@@ -52,9 +52,9 @@ def mark_copy(
         framed=framed,
     )
     registration = assessment.registration
-    residual = None if registration is None else residual_facts(registration)
+    residual = None if registration is None else encode_residual(residual_facts(registration))
     facts = mark_facts(assessment, seconds=time.perf_counter() - started) | {"framed": framed}
-    return MarkedCopy(picture, facts, None if residual is None else encode_residual(residual))
+    return MarkedCopy(picture, facts, residual)
 
 
 @lru_cache(maxsize=2)

@@ -10,8 +10,9 @@ Lambert's law did.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from rumu.surface.reflectance import (
     Material,
     MaterialFit,
     MaterialSettings,
+    PixelValues,
     choose_materials,
     reflected,
     trusts,
@@ -53,18 +55,14 @@ def find_materials(
     stack = images if isinstance(images, ImageStack) else ImageStack.of_arrays(images)
     if len(lights) < settings.least_lamps:
         return ()
-    # by chance: equal steps would fall on a few columns only
-    count = int(np.count_nonzero(mask))
-    voters = _numbers(mask, np.unique(np.random.default_rng(0).integers(0, count, settings.pixels)))
-    rows = brightness_rows(stack.at(voters), black_level=black_level)
-    rows = rows[rows.max(axis=1) > settings.seen * settings.step]
+    options: dict[str, Any] = {"mask": mask, "black_level": black_level, "settings": settings}
+    rows = _some_rows(stack, settings.pixels, seed=0, **options)
     if not len(rows):
         return ()
     usual = np.median(rows, axis=1)  # over the lamps, so that no highlight counts
     is_ink = usual < settings.ink * np.median(usual)  # too few to be heard among paper
     groups = [rows[which] for which in (~is_ink, is_ink) if np.count_nonzero(which) >= settings.fewest]
     chosen = tuple(dict.fromkeys(one for group in groups for one in _vote(group, lights, settings)))
-    options: dict[str, Any] = {"mask": mask, "black_level": black_level, "settings": settings}
     while chosen and _bends(stack, lights, chosen, **options):
         chosen = chosen[:-1]
     return _with_lobes(stack, lights, chosen, **options)
@@ -83,18 +81,11 @@ def _with_lobes(
     roughnesses = {one.roughness for one in materials if one.kind == "gloss"}
     if not roughnesses:
         return materials
-    count, most = int(np.count_nonzero(mask)), settings.lobe_values // len(lights)
-    some = _numbers(mask, np.unique(np.random.default_rng(1).integers(0, count, most)))
-    rows, lamps, fit = (
-        brightness_rows(stack.at(some), black_level=black_level),
-        Lamps(lights),
-        material_fitter(),
-    )
-    rows = rows[rows.max(axis=1) > settings.seen * settings.step]
-    seen = lamps.relative(rows, settings)
-    starts = lamps.starts(seen, _unit(rows @ np.linalg.pinv(lights).T))
+    most = settings.lobe_values // len(lights)
+    rows = _some_rows(stack, most, seed=1, mask=mask, black_level=black_level, settings=settings)
+    seen, lamps, fit = _fitter_of(rows, lights, settings)
     tried = (LAMBERT, *materials)
-    fits = [fit(seen, lamps, one, starts=starts, settings=settings) for one in tried]
+    fits = [fit(one) for one in tried]
     which = np.stack([one.contradicted for one in fits]).argmin(axis=0)
     lobes = {}
     for roughness in roughnesses:
@@ -109,6 +100,33 @@ def _with_lobes(
     return tuple(replace(one, lobe=lobes[one.roughness]) if one.kind == "gloss" else one for one in materials)
 
 
+def _some_rows(
+    stack: ImageStack,
+    most: int,
+    *,
+    seed: int,
+    mask: BoolArray,
+    black_level: float,
+    settings: MaterialSettings,
+) -> FloatArray:
+    """(P, N) the brightness of some pixels of a mask that are not all dark, at most so many."""
+    # by chance: equal steps would fall on a few columns only
+    count = int(np.count_nonzero(mask))
+    some = _numbers(mask, np.unique(np.random.default_rng(seed).integers(0, count, most)))
+    rows = brightness_rows(stack.at(some), black_level=black_level)
+    return np.asarray(rows[rows.max(axis=1) > settings.seen * settings.step])
+
+
+def _fitter_of(
+    rows: FloatArray, lights: FloatArray, settings: MaterialSettings
+) -> tuple[PixelValues, Lamps, Callable[[Material], MaterialFit]]:
+    """Pixels (P, N) and lamps as materials are fitted to them, and what fits one."""
+    lamps = Lamps(lights)
+    seen = lamps.relative(rows, settings)
+    starts = lamps.starts(seen, _unit(rows @ np.linalg.pinv(lights).T))
+    return seen, lamps, partial(material_fitter(), seen, lamps, starts=starts, settings=settings)
+
+
 def _numbers(mask: BoolArray, which: IntArray) -> IntArray:
     """The numbers of some pixels, told by their places among those of a mask."""
     return which if mask.all() else np.flatnonzero(mask)[which]
@@ -116,16 +134,14 @@ def _numbers(mask: BoolArray, which: IntArray) -> IntArray:
 
 def _vote(rows: FloatArray, lights: FloatArray, settings: MaterialSettings) -> tuple[Material, ...]:
     """The materials that explain some pixels, rows (P, N), which Lambert's law does not."""
-    lamps, fit = Lamps(lights), material_fitter()
-    seen = lamps.relative(rows, settings)
-    starts = lamps.starts(seen, _unit(rows @ np.linalg.pinv(lights).T))
-    plain = fit(seen, lamps, LAMBERT, starts=starts, settings=settings)
+    seen, lamps, fit = _fitter_of(rows, lights, settings)
+    plain = fit(LAMBERT)
     lambert = plain.contradicted
     # Where half of the lamps agree exactly, Lambert's law stands, and no material is looked at.
     doubtful = usual_error(seen, lamps, plain, settings) > settings.exact
     if lambert[doubtful].sum() <= settings.drop * len(lambert):
         return ()
-    found = [fit(seen, lamps, one, starts=starts, settings=settings).contradicted for one in MATERIALS[1:]]
+    found = [fit(one).contradicted for one in MATERIALS[1:]]
     chosen = choose_materials(np.stack([lambert, *found], axis=1), settings=settings)
     return tuple(MATERIALS[one] for one in chosen)
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rumu.capture.flatfield import quadratic_terms
 from rumu.image_stack import pixels_of
 from rumu.surface.reflectance import MaterialSettings
 from rumu.surface.residual_map import is_lit, seen_and_law
@@ -65,15 +66,11 @@ def _share_that_shines(capture: Capture, surface: Surface, settings: GlossSettin
     pixels = pixels_of(surface.mask, about=settings.pixels)
     values, law = seen_and_law(capture, surface, pixels)
     rows, columns = np.divmod(pixels, surface.height.shape[1])
-    terms = _smooth_terms(rows / surface.height.shape[0], columns / surface.height.shape[1])
+    height, width = surface.height.shape
+    terms = quadratic_terms(columns / width, rows / height)
     wanted = np.array([_evened(seen, shown, terms) for seen, shown in zip(values, law, strict=True)])
     bright = np.maximum(wanted.max(axis=0), 1e-6)
     return float(np.mean(((values - wanted) / bright).max(axis=0) > settings.brighter))
-
-
-def _smooth_terms(y: FloatArray, x: FloatArray) -> FloatArray:
-    """(P, 6) the terms of a quadric, of places within the photograph."""
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
 
 
 def _evened(values: FloatArray, law: FloatArray, terms: FloatArray) -> FloatArray:

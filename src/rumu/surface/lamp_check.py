@@ -22,6 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rumu.capture.flatfield import quadratic_terms
 from rumu.errors import CaptureError
 from rumu.image_stack import each_range
 from rumu.surface.lamp_order import AS_GIVEN, LampCheckSettings, unexplained
@@ -170,16 +171,11 @@ def _less_smooth(slopes: FloatArray, known: BoolArray) -> FloatArray:
         return slopes
     few = places[:: max(1, len(places) // _FITTED)]
     rows, columns = np.divmod(few, w)
-    terms = _quadric(x[0, columns], y[rows, 0])
-    weights = np.linalg.lstsq(terms.T, slopes.reshape(2, -1)[:, few].T, rcond=None)[0].astype(np.float32)
+    terms = quadratic_terms(x[0, columns], y[rows, 0])
+    weights = np.linalg.lstsq(terms, slopes.reshape(2, -1)[:, few].T, rcond=None)[0].astype(np.float32)
     one, by_x, by_y, by_xx, by_xy, by_yy = weights[:, :, None, None]
     x, y = x.astype(np.float32), y.astype(np.float32)
     return np.asarray(slopes - (one + y * (by_y + y * by_yy) + x * (by_x + x * by_xx) + by_xy * x * y))
-
-
-def _quadric(x: FloatArray, y: FloatArray) -> FloatArray:
-    """(6, P) the terms of a polynomial of second degree."""
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
 
 
 def _differences(values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from rumu.capture.flatfield import quadratic_terms
 from rumu.capture.image import Bytes, shrink
 from rumu.values import BoolArray, FloatArray
 
@@ -286,7 +287,7 @@ def _fit_quadratic(
     shape: tuple[int, ...], z: FloatArray, weight: FloatArray, settings: PaperSettings
 ) -> FloatArray:
     """(N,) weighted least squares of the flattened picture z."""
-    basis = _quadratic_terms(shape)
+    basis = _terms_of(shape)
     scaled = basis * weight[:, None]
     ridge = np.diag([0, 1, 1, 3, 3, 3]).astype(np.float32) * (settings.stiffness * z.size)
     coefficients = np.linalg.solve(scaled.T @ basis + ridge, scaled.T @ z)
@@ -294,7 +295,6 @@ def _fit_quadratic(
 
 
 @lru_cache(maxsize=8)
-def _quadratic_terms(shape: tuple[int, ...]) -> FloatArray:
+def _terms_of(shape: tuple[int, ...]) -> FloatArray:
     y, x = np.meshgrid(*(np.linspace(-1, 1, n, dtype=np.float32) for n in shape), indexing="ij")
-    x, y = x.ravel(), y.ravel()
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    return quadratic_terms(x.ravel(), y.ravel())

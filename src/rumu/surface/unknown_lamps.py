@@ -18,6 +18,7 @@ from typing import Literal
 import numpy as np
 
 from rumu.capture.flat_frames import smooth_gains
+from rumu.capture.flatfield import quadratic_terms
 from rumu.errors import CaptureError
 from rumu.image_stack import SATURATION, ImageStack, Progress
 from rumu.surface.stereo import SHADOW_FLOOR
@@ -162,7 +163,7 @@ def _evened(stack: ImageStack, mask: BoolArray, settings: UnknownLampSettings) -
             "that are neither dark nor overexposed in any photograph",
             zh="應有各燈都照到的紙面；這些照片裡太暗或過曝的地方太多。",
         )
-    terms = _terms(*_places(usable.shape))
+    terms = _terms(usable.shape)
     light = np.log(np.maximum(frames, SHADOW_FLOOR))
     common = light.mean(axis=0)
     slow = np.stack([_fit_most(terms, one - common, usable, settings.paper) for one in light])
@@ -180,9 +181,9 @@ def _places(shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
     return (columns - (shape[1] - 1) / 2) / half, ((shape[0] - 1) / 2 - rows) / half
 
 
-def _terms(x: FloatArray, y: FloatArray) -> FloatArray:
-    """(6, ...): what changes slowly, up to the second degree."""
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
+def _terms(shape: tuple[int, ...]) -> FloatArray:
+    """(6, h, w): what changes slowly over the cells of a picture, up to the second degree."""
+    return np.ascontiguousarray(np.moveaxis(quadratic_terms(*_places(shape)), -1, 0))
 
 
 def _fit_most(terms: FloatArray, values: FloatArray, usable: BoolArray, near: float) -> FloatArray:
@@ -313,7 +314,7 @@ def _capture(
     shape = stack.shape[1], stack.shape[2]
     scale = max(shape) / _CELLS
     cells = tuple(max(2, round(side / scale)) for side in shape)
-    grids = np.exp(-np.einsum("nk,khw->nhw", even.slow, _terms(*_places(cells))))
+    grids = np.exp(-np.einsum("nk,khw->nhw", even.slow, _terms(cells)))
     return Capture(
         images=stack.times(smooth_gains(list(grids), shape)),  # type: ignore[arg-type]
         lights=toward / lengths[:, None],

@@ -138,11 +138,8 @@ def is_loopback(host: str) -> bool:
 def _wait_until_ready(
     server: uvicorn.Server, address: ServerAddress, on_ready: Callable[[ServerAddress], object]
 ) -> None:
-    while not server.started:
-        if server.should_exit:
-            return
-        time.sleep(0.05)
-    on_ready(address)
+    if _has_started(server):
+        on_ready(address)
 
 
 def _spare_readers(server: uvicorn.Server, service: Service) -> None:
@@ -153,9 +150,15 @@ def _spare_readers(server: uvicorn.Server, service: Service) -> None:
     has started stays until its end.
     """
     sys.setswitchinterval(_SWITCH_INTERVAL)
+    if _has_started(server):
+        service.wait_until_started()
+        gc.freeze()
+
+
+def _has_started(server: uvicorn.Server) -> bool:
+    """Wait until a server answers; False when it ends before."""
     while not server.started:
         if server.should_exit:
-            return
+            return False
         time.sleep(0.05)
-    service.wait_until_started()
-    gc.freeze()
+    return True
