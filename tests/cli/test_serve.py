@@ -18,6 +18,8 @@ def not_run(monkeypatch):
     seen = []
 
     class Stands:
+        started, should_exit = False, True
+
         def __init__(self, config, *, end_work):
             seen.append(config)
 

@@ -34,6 +34,27 @@ def jpeg(picture: Image.Image, *, orientation: int = 1) -> bytes:
     return stream.getvalue()
 
 
+TURNED_AGAIN_AT_ONCE = """() => new Promise((done) => {
+  const buttons = [...document.querySelectorAll("button")];
+  const button = (name) => buttons.find((one) => one.textContent.includes(name));
+  const picture = () => document.querySelector(".crop img").src;
+  const drawn = new MutationObserver(() => {
+    drawn.disconnect();
+    const first = picture(), seen = [];
+    button("Turn right").click();
+    const look = () => {
+      if (picture() !== first) return done(seen);
+      seen.push(button("Mark it").disabled ? "" : "may be marked");
+      requestAnimationFrame(look);
+    };
+    look();
+  });
+  drawn.observe(document.querySelector(".crop"), { subtree: true, attributeFilter: ["src"] });
+  button("Turn left").click();
+})"""
+"""Turns a photograph back as soon as it stands turned, and tells for each frame if it may be marked."""
+
+
 def choose(page: Page, data: bytes) -> None:
     page.get_by_role("tab", name=re.compile("Send a photo|上傳照片")).click()
     page.locator("input[type=file]").last.set_input_files(
@@ -125,6 +146,14 @@ def test_ink_that_the_crop_cuts_off_is_red_and_said(visitor: Visitor) -> None:
     for _ in range(20):
         page.keyboard.press("+")
     expect(said).to_have_count(0)
+
+
+def test_nothing_is_marked_while_a_photograph_is_turned_once_more(visitor: Visitor) -> None:
+    page = visitor.go("/studio/regular-shui")
+    choose(page, jpeg(cell()))
+    expect(page.get_by_role("button", name="Mark it")).to_be_enabled()
+    seen = page.evaluate(TURNED_AGAIN_AT_ONCE)
+    assert len(seen) > 2 and not any(seen)  # the cell of the first turn is not to be marked
 
 
 def test_exif_is_honoured_and_a_photograph_can_be_turned(visitor: Visitor) -> None:

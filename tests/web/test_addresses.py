@@ -124,6 +124,8 @@ def test_without_its_slash_the_path_leads_to_the_pages(new_world):
 
 def test_the_owner_s_link_is_below_the_path(rumu, monkeypatch):
     class Stands:
+        started, should_exit = False, True
+
         def __init__(self, config, *, end_work):
             self.config = config
 

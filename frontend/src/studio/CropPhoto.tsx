@@ -43,12 +43,14 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
   const flat = useMemo(() => (square && (corners || turnedBy) ? turnCorners(corners ?? cornersOf(square), turnedBy) : null), [square, corners, turnedBy]);
   const seen = useLook(opened, (found) => setCorners((old) => old ?? found));
   const framed = corners ? opened?.reason === "grid" || seen.cell : opened?.reason === "grid" && square === opened.square && !turnedBy;
+  const order = useRef(0); // of photographs and turns, the last that was begun
+  const done = useRef(0); // and the last that ended
   useEffect(() => {
-    if (!opening) onCell(photo && square ? () => (flat ? flattenCell(photo.blob, flat) : cropToBlob(photo.canvas, square)) : null, framed);
+    // the one opened before may be drawn while the next is on its way already: `opening` does not know of that yet
+    if (!opening && done.current === order.current) onCell(photo && square ? () => (flat ? flattenCell(photo.blob, flat) : cropToBlob(photo.canvas, square)) : null, framed);
   }, [photo, square, flat, opening]);
   useEffect(() => () => void (photo && URL.revokeObjectURL(photo.url)), [photo]);
   const shape = useRef<ReturnType<typeof masterShape> | null>(null);
-  const order = useRef(0);
   const take = async (drawn: HTMLCanvasElement | Promise<HTMLCanvasElement>) => {
     const mine = ++order.current;
     onCell(null, false); // at once: what stands here now is no longer what is to be marked
@@ -66,7 +68,10 @@ export function CropPhoto({ grid, work, onCell, onTurnable }: Props) {
     } catch {
       if (mine === order.current) setTrouble(true);
     } finally {
-      if (mine === order.current) setOpening(false);
+      if (mine === order.current) {
+        done.current = mine;
+        setOpening(false);
+      }
     }
   };
   const file = useRef<File | null>(null);
