@@ -155,3 +155,11 @@ def test_no_frontend_test_replaces_a_module():
     """All their files run in one page: what another file has loaded stays, a replacement has no effect."""
     tests = list((ROOT / "frontend/tests").rglob("*.test.ts*"))
     assert tests and not [test.name for test in tests if "vi.mock(" in test.read_text("utf-8")]
+
+
+def test_the_pages_are_asked_again_by_functions():
+    """An expression is compiled anew at each look, which the pages' content security policy forbids after
+    the first: such a test fails only where the page was slower than the test."""
+    tests = list((ROOT / "tests").rglob("*.py"))
+    asked = re.compile(r"wait_for_function\(\s*[\"'](?!\(\) =>)")
+    assert tests and not [test.name for test in tests if asked.search(test.read_text("utf-8"))]

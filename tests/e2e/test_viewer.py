@@ -129,10 +129,10 @@ def test_what_stands_still_is_drawn_once(visitor: Visitor) -> None:
     """Drawing on and on empties a battery; drawing twice makes everybody wait."""
     visitor.page.add_init_script(DRAWS)
     page = opened(visitor, "/works/regular-shui")
-    page.wait_for_function("window.draws > 0")
+    page.wait_for_function("() => window.draws > 0")
     page.wait_for_timeout(1000)
     assert page.evaluate("window.draws") == 1
     page.keyboard.press("ArrowLeft")
-    page.wait_for_function("window.draws > 1")
+    page.wait_for_function("() => window.draws > 1")
     page.wait_for_timeout(500)
     assert page.evaluate("window.draws") == 2
