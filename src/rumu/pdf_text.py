@@ -1,22 +1,19 @@
-"""Chinese and English text on a PDF page without a font file in this package.
+"""Widths and lines of text on a PDF page, and what the font of the copybooks' strokes lacks.
 
-Latin is set in Helvetica, which every PDF reader has. Chinese is drawn as outlines of a font of this machine,
-so that the page prints anywhere; without one as outlines of the copybooks' strokes. What these lack,
-punctuation above all, is then set in MSung-Light, which readers bring themselves.
+Latin is set in Helvetica, which every PDF reader has. Chinese characters come from `pages/sheet_font.py`;
+what it lacks, punctuation above all, is drawn as outlines of a font of this machine, so that the page prints
+anywhere, and without one set in MSung-Light, which readers bring themselves.
 """
 
 from __future__ import annotations
 
 import functools
-import itertools
 import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from rumu.characters.stroke_data import find_character
 
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
@@ -42,28 +39,27 @@ _FONT_FOLDERS = (
     *("/usr/share/fonts", "/usr/local/share/fonts", "~/.fonts", "~/.local/share/fonts"),
     *("/System/Library/Fonts", "/Library/Fonts", "~/Library/Fonts", "C:/Windows/Fonts"),
 )
-_LATIN, _BOLD, _READER_FONT = "Helvetica", "Helvetica-Bold", "MSung-Light"
+_LATIN, _READER_FONT = "Helvetica", "MSung-Light"
 _EM = 1000.0
-DESCENT = 0.12
-"""How far the square of a character of the stroke data reaches below the line, as a share of its side."""
 
 
-def text_width(text: str, size: float, *, bold: bool = False) -> float:
+def text_width(text: str, size: float) -> float:
     """Return the width of a line of text in points."""
-    return sum(_advance(run, size, chinese=chinese, bold=bold) for chinese, run in split_runs(text))
+    return sum(_advance(run, size, chinese=chinese) for chinese, run in split_runs(text))
 
 
-def draw_text(canvas: Canvas, x: float, y: float, text: str, size: float, *, bold: bool = False) -> float:
+def draw_text(canvas: Canvas, x: float, y: float, text: str, size: float) -> float:
     """Draw one line from (x, y) on its baseline in the fill colour; return the x of its end, in points."""
     for chinese, run in split_runs(text):
         if not chinese:
-            canvas.setFont(_BOLD if bold else _LATIN, size)
+            canvas.setFont(_LATIN, size)
             canvas.drawString(x, y, run)
         elif find_chinese_font() is not None:
             _draw_outlines(canvas, x, y, run, size)
         else:
-            _draw_without_font(canvas, x, y, run, size)
-        x += _advance(run, size, chinese=chinese, bold=bold)
+            canvas.setFont(_register_reader_font(), size)
+            canvas.drawString(x, y, run)
+        x += _advance(run, size, chinese=chinese)
     return x
 
 
@@ -126,11 +122,11 @@ def _is_beyond_latin(letter: str) -> bool:
     return False
 
 
-def _advance(run: str, size: float, *, chinese: bool, bold: bool) -> float:
+def _advance(run: str, size: float, *, chinese: bool) -> float:
     from reportlab.pdfbase.pdfmetrics import stringWidth
 
     if not chinese:
-        return float(stringWidth(run, _BOLD if bold else _LATIN, size))
+        return float(stringWidth(run, _LATIN, size))
     if find_chinese_font() is None:
         return len(run) * size
     return sum(_glyph(letter)[2] for letter in run) * size / _EM
@@ -144,31 +140,6 @@ def _draw_outlines(canvas: Canvas, x: float, y: float, run: str, size: float) ->
         _trace(path, np.asarray(points) * scale + (x, y), codes)
         x += advance * scale
     canvas.drawPath(path, stroke=0, fill=1)
-
-
-def _draw_without_font(canvas: Canvas, x: float, y: float, run: str, size: float) -> None:
-    for known, part in itertools.groupby(run, key=lambda letter: find_character(letter) is not None):
-        letters = "".join(part)
-        if known:
-            for k, letter in enumerate(letters):
-                _draw_strokes(canvas, x + k * size, y, letter, size)
-        else:
-            canvas.setFont(_register_reader_font(), size)
-            canvas.drawString(x, y, letters)
-        x += len(letters) * size
-
-
-def _draw_strokes(canvas: Canvas, x: float, y: float, letter: str, size: float) -> None:
-    """Draw a character of the stroke data, each stroke by itself: where two cross, ink stays ink."""
-    character = find_character(letter)
-    for stroke in character.strokes if character else ():
-        outline = (stroke.polygon() * (1, -1) + (0, 1 - DESCENT)) * size + (x, y)
-        path = canvas.beginPath()
-        path.moveTo(*outline[0])
-        for point in outline[1:]:
-            path.lineTo(*point)
-        path.close()
-        canvas.drawPath(path, stroke=0, fill=1)
 
 
 def _trace(path: Any, points: Any, codes: Any) -> None:

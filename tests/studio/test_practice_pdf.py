@@ -1,5 +1,4 @@
-"""The sheet to print: one page, in either language, with the Chinese on it whatever the reader's fonts
-are."""
+"""The sheet to print, in either language, with the Chinese on it whatever the reader's fonts are."""
 
 from __future__ import annotations
 
@@ -12,7 +11,9 @@ import pypdfium2
 import pytest
 
 from rumu import pdf_text
+from rumu.characters.stroke_data import find_character
 from rumu.database.tables import Attempt, Work, now
+from rumu.pages.sheet_font import SheetFont
 from rumu.studio.practice import Curve
 from rumu.studio.practice_pdf import PracticeSheet, practice_pdf, printed_attempts, progress_sentences
 
@@ -48,10 +49,11 @@ def sheet(packed, cross):
     return make
 
 
-def text_of(pdf: bytes) -> str:
-    pages = pypdf.PdfReader(io.BytesIO(pdf)).pages
-    assert len(pages) == 1 and [round(float(x)) for x in pages[0].mediabox[2:]] == [595, 842]
-    return pages[0].extract_text()
+def text_of(pdf: bytes, pages: int = 1) -> str:
+    found = pypdf.PdfReader(io.BytesIO(pdf)).pages
+    assert len(found) == pages
+    assert all([round(float(x)) for x in page.mediabox[2:]] == [595, 842] for page in found)
+    return "".join(page.extract_text() for page in found)
 
 
 def test_english_is_set_and_can_be_read(sheet):
@@ -77,19 +79,29 @@ def test_what_changed_since_the_attempt_before_is_printed(sheet):
     assert "Against the one before" not in text_of(practice_pdf(sheet(language="en", count=3)))
 
 
-def test_many_attempts_and_remarks_stay_on_one_page(sheet):
+def test_many_attempts_and_remarks_go_on_to_another_page(sheet):
     whole = sheet(count=40, remarks=9)
     assert [a.id for a in printed_attempts(whole.curve)] == ["0", "37", "38", "39"]
-    text_of(practice_pdf(whole))
+    assert text_of(practice_pdf(whole), pages=2).count("先看範本的中軸") == 3 * 9
     text_of(practice_pdf(sheet(count=1, remarks=0)))
 
 
+def fonts_of(pdf: bytes) -> set[str]:
+    fonts = pypdf.PdfReader(io.BytesIO(pdf)).pages[0]["/Resources"]["/Font"].values()
+    return {font.get_object()["/BaseFont"] for font in fonts}
+
+
+def test_chinese_can_be_read_and_searched_without_a_font_of_the_reader(sheet):
+    drawn = practice_pdf(sheet())
+    text = text_of(drawn)
+    for words in ("臨帖練習", "林小明", "整字向右傾斜", "進步曲線"):
+        assert words in text
+    assert any("+rumu-" in font for font in fonts_of(drawn))
+
+
 @pytest.mark.skipif(pdf_text.find_chinese_font() is None, reason="this machine has no Chinese font")
-def test_chinese_is_outlines_that_need_no_font(sheet):
-    page = pypdf.PdfReader(io.BytesIO(practice_pdf(sheet()))).pages[0]
-    fonts = {font.get_object()["/BaseFont"] for font in page["/Resources"]["/Font"].values()}
-    assert fonts <= {"/Helvetica", "/Helvetica-Bold"}
-    assert page.get_contents().get_data().count(b" c\n") + page.get_contents().get_data().count(b" c ") > 500
+def test_punctuation_is_outlines_that_need_no_font(sheet):
+    assert not any("MSung" in font for font in fonts_of(practice_pdf(sheet())))
 
 
 def dark(pdf: bytes, box: tuple[int, int, int, int]) -> int:
@@ -99,26 +111,23 @@ def dark(pdf: bytes, box: tuple[int, int, int, int]) -> int:
     return int((page[top:bottom, left:right] < 128).sum())
 
 
-def test_without_a_font_characters_are_drawn_from_their_strokes(sheet, monkeypatch):
+def test_without_a_font_of_the_machine_readers_bring_the_punctuation(sheet, monkeypatch):
     monkeypatch.setattr(pdf_text, "find_chinese_font", lambda: None)
     drawn = practice_pdf(sheet())
-    page = pypdf.PdfReader(io.BytesIO(drawn)).pages[0]
-    fonts = {font.get_object()["/BaseFont"] for font in page["/Resources"]["/Font"].values()}
-    assert any("MSung" in font for font in fonts)  # punctuation, which readers bring themselves
+    assert any("MSung" in font for font in fonts_of(drawn))
     assert dark(drawn, (48, 52, 300, 82)) > 500  # the title
 
 
 @pytest.mark.parametrize("letter", ["田", "十"])
-def test_ink_stays_ink_where_strokes_cross(letter, monkeypatch):
+def test_ink_stays_ink_where_strokes_cross(letter):
     from reportlab.pdfgen.canvas import Canvas
 
-    monkeypatch.setattr(pdf_text, "find_chinese_font", lambda: None)
     stream = io.BytesIO()
     canvas = Canvas(stream, pagesize=(100, 100))
-    assert pdf_text.draw_text(canvas, 0, 12, letter, 100) == 100
+    assert SheetFont(letter).draw(canvas, 0, 12, letter, 100) == 100
     canvas.save()
     shown = np.asarray(pypdfium2.PdfDocument(stream.getvalue())[0].render(scale=8).to_pil().convert("L"))
-    strokes = [stroke.polygon() * 800 for stroke in pdf_text.find_character(letter).strokes]
+    strokes = [stroke.polygon() * 800 for stroke in find_character(letter).strokes]
     expected = np.zeros((800, 800), np.uint8)
     for outline in strokes:
         cv2.fillPoly(expected, [np.rint(outline).astype(np.int32)], 1)

@@ -11,8 +11,8 @@ from rumu.pages.sheet_layout import Box
 
 MM = 72 / 25.4
 """Points of a millimetre."""
-INK, GREY = (0.13, 0.12, 0.11), (0.46, 0.44, 0.42)
-"""Colours of words."""
+INK, GREY, SEAL = (0.13, 0.12, 0.11), (0.46, 0.44, 0.42), (0.69, 0.13, 0.10)
+"""Colours of words and lines; the last is the red of seals, for what counts."""
 
 
 def new_canvas(stream: BinaryIO, size: tuple[float, float], *, title: str) -> Any:

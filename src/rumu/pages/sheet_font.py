@@ -1,6 +1,7 @@
-"""A font of the characters that a sheet shows, made of the copybooks' strokes and embedded in its PDF.
+"""A font of the characters that a PDF shows, made of the copybooks' strokes and embedded in it.
 
-So a sheet needs no font of the machine, prints the same everywhere, and its text can be searched and copied.
+So sheets and reports need no font of the machine, print the same everywhere, and their text can be searched
+and copied.
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from rumu.characters.stroke_data import CanonicalStroke, find_character
-from rumu.pdf_text import DESCENT, draw_text, text_width
+from rumu.pdf_text import draw_text, text_width
 
 _EM = 1000  # units of the font
-_DESCENT = round(_EM * DESCENT)
+_DESCENT = 120  # units that the square of a character of the stroke data reaches below the line
 
 
 class SheetFont:

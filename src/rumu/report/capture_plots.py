@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rumu.capture.lights import tilt_slant
-from rumu.pages.paper_canvas import GREY, INK, MM
-from rumu.report.capture_words import CaptureWords
+from rumu.pages.paper_canvas import GREY, INK, MM, SEAL
 from rumu.report.pdf_pages import WIDTH, FilledPages
 from rumu.report.pictures import (
     PAPER,
@@ -20,11 +19,9 @@ from rumu.report.pictures import (
     normals_picture,
     share_picture,
 )
+from rumu.report.wording import ReportWords
 from rumu.surface.reduction import reduce_surface
 from rumu.values import Bilingual, BoolArray, FloatArray, Surface
-
-SEAL = (0.69, 0.13, 0.10)
-"""The red of seals, in which lamps are drawn and bad photographs are told."""
 
 _PALE = (0.85, 0.82, 0.77)
 _LEAST_FULL, _MOST_FULL = 0.02, 0.2  # shares of the brightness that the residual map's darkest red may mean
@@ -36,13 +33,13 @@ _SECTION = 26.0  # height of a section's plot
 
 
 def draw_lamps(
-    pages: FilledPages, lights: FloatArray, names: Sequence[str], lamps_from: Bilingual, words: CaptureWords
+    pages: FilledPages, lights: FloatArray, names: Sequence[str], lamps_from: Bilingual, words: ReportWords
 ) -> None:
     """The lamps as seen from above, straight up in the middle, and their angles beside.
 
     lights: (N, 3) toward the lamps, which lit the photographs of these names. lamps_from: what told it.
     """
-    pages.heading(f"{words['lamps']}  ·  {words['from']} {lamps_from[words.index]}")
+    pages.heading(f"{words['lamps']}  ·  {words['from']} {words.chosen(lamps_from)}")
     pages.make_room(_DOME + 6)
     top, radius = pages.y + 2, _DOME / 2
     x, y = pages.left + radius, top + radius
@@ -72,7 +69,7 @@ def _angles(
     pages: FilledPages,
     lights: FloatArray,
     names: Sequence[str],
-    words: CaptureWords,
+    words: ReportWords,
     *,
     left: float,
     top: float,
@@ -98,7 +95,7 @@ def _angles(
         paper.write(x + (aside + beside) * wide, y, f"{slant:.1f}°", size, INK)
 
 
-def _many_angles(pages: FilledPages, lights: FloatArray, words: CaptureWords) -> None:
+def _many_angles(pages: FilledPages, lights: FloatArray, words: ReportWords) -> None:
     """Number, tilt and slant of many lamps, from left to right over the whole width."""
     wide = WIDTH / _ACROSS
     heads = [(k * wide + x, words[name]) for k in range(_ACROSS) for x, name in ((8, "tilt"), (17, "slant"))]
@@ -112,7 +109,7 @@ def _many_angles(pages: FilledPages, lights: FloatArray, words: CaptureWords) ->
         pages.row(cells, 6, head=heads)
 
 
-def draw_maps(pages: FilledPages, whole: Surface, residual: FloatArray, words: CaptureWords) -> None:
+def draw_maps(pages: FilledPages, whole: Surface, residual: FloatArray, words: ReportWords) -> None:
     """Albedo, height, normals, residual and confidence. residual: (h, w), NaN where nothing was measured."""
     surface = reduce_surface(whole)
     heights, (low, high) = height_picture(surface)
@@ -142,7 +139,7 @@ def draw_maps(pages: FilledPages, whole: Surface, residual: FloatArray, words: C
         pages.y += height + 7
 
 
-def draw_sections(pages: FilledPages, surface: Surface, words: CaptureWords) -> None:
+def draw_sections(pages: FilledPages, surface: Surface, words: ReportWords) -> None:
     """The height across and down the middle, each with its own scale."""
     rows, columns = surface.height.shape
     pages.heading(words["sections"], below=_SECTION + 10)

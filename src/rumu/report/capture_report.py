@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from rumu.capture.exif import PhotographFacts
-from rumu.pages.paper_canvas import GREY, INK
-from rumu.report import wording
-from rumu.report.capture_plots import SEAL, draw_lamps, draw_maps, draw_sections, shorten
-from rumu.report.capture_words import CaptureWords, Language, all_letters
+from rumu.pages.paper_canvas import GREY, INK, SEAL
+from rumu.report.capture_plots import draw_lamps, draw_maps, draw_sections, shorten
+from rumu.report.capture_words import CAPTURE_WORDS
 from rumu.report.pdf_pages import FilledPages
+from rumu.report.wording import Language, ReportWords, quality_meaning
 from rumu.surface.folder import Processing
 from rumu.surface.photograph_table import PhotographRow
 from rumu.values import Bilingual, FloatArray, Surface
@@ -40,20 +40,20 @@ class CaptureReport:
 
 def capture_pdf(report: CaptureReport, *, language: Language = "zh") -> bytes:
     """The report as a PDF of A4 pages, the last with a place to sign."""
-    return _Report(report, CaptureWords(language)).pdf()
+    return _Report(report, ReportWords(CAPTURE_WORDS, language)).pdf()
 
 
 class _Report:
     """The pages of one report."""
 
-    def __init__(self, report: CaptureReport, words: CaptureWords) -> None:
+    def __init__(self, report: CaptureReport, words: ReportWords) -> None:
         self._told, self._words = report, words
-        letters = all_letters() + report.lamps_from[words.index]
-        letters += "".join(note[words.index] for note in report.notes)
+        letters = words.letters() + words.chosen(report.lamps_from)
+        letters += "".join(map(words.chosen, report.notes))
         letters += (report.processing.made_by or "") + "".join(
             str(value) for one in report.facts for value in (one.author, one.rights, one.caption)
         )
-        letters += "".join(wording.quality_meaning(name)[words.index] for name in report.surface.quality)
+        letters += "".join(words.chosen(quality_meaning(name)) for name in report.surface.quality)
         self._pages = FilledPages(f"{words['title']}  {report.title}", letters)
 
     def pdf(self) -> bytes:
@@ -68,7 +68,7 @@ class _Report:
         if told.notes:
             pages.heading(words["notes"])
             for note in told.notes:
-                pages.write(note[words.index], 8.5)
+                pages.write(words.chosen(note), 8.5)
                 pages.y += 0.8
         self._record()
         self._sign()
@@ -87,7 +87,7 @@ class _Report:
             ),
             (self._words["range"], f"{low:.3g} … {high:.3g} {surface.unit}"),
             *(
-                (wording.quality_meaning(name)[self._words.index], f"{value:.4g}")
+                (self._words.chosen(quality_meaning(name)), f"{value:.4g}")
                 for name, value in surface.quality.items()
             ),
         ]

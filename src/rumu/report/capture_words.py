@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
-
-Language = Literal["zh", "en"]
-
-_WORDS: dict[str, tuple[str, str]] = {
+CAPTURE_WORDS: dict[str, tuple[str, str]] = {
     "title": ("拍攝報告", "Capture report"),
     "lamps": ("燈", "Lamps"),
     "from": ("方向取自", "directions from"),
@@ -64,23 +59,3 @@ _WORDS: dict[str, tuple[str, str]] = {
         "The files of the photographs tell neither camera nor exposure nor date.",
     ),
 }
-
-
-@dataclass(frozen=True, slots=True)
-class CaptureWords:
-    """The words of a report in one language."""
-
-    language: Language
-
-    @property
-    def index(self) -> int:
-        """The place of the language in a Bilingual."""
-        return 0 if self.language == "zh" else 1
-
-    def __getitem__(self, name: str) -> str:
-        return _WORDS[name][self.index]
-
-
-def all_letters() -> str:
-    """Every letter that the words of both languages need."""
-    return "".join(word for pair in _WORDS.values() for word in pair)

@@ -18,37 +18,57 @@ _COUNT = "pages"
 """The form that says how many pages there are."""
 _DIGIT = 1.37  # millimetres of a digit of the page's number
 _LINE = 0.48  # millimetres of a line's height for each point of its letters
+_FOOT_SIZE = 6.5  # points of what every page says at its foot
 
 WIDTH = _SIZE[0] - 2 * _MARGIN
 """Millimetres between the margins."""
 
 
 class FilledPages:
-    """A4 pages in millimetres. title: of the file, and at the foot of each page. letters: all that is set."""
+    """A4 pages in millimetres.
 
-    def __init__(self, title: str, letters: str) -> None:
+    title: of the file, and at the foot of each page. letters: all that is set. foot: what every page
+    says above that line.
+    """
+
+    def __init__(self, title: str, letters: str, *, foot: str = "") -> None:
         self._stream = io.BytesIO()
         self.canvas = new_canvas(self._stream, _SIZE, title=title)
-        self.paper = PaperCanvas(self.canvas, _SIZE, SheetFont(letters + title))
+        self.paper = PaperCanvas(self.canvas, _SIZE, SheetFont(letters + title + foot))
         self._title, self._page = title, 1
+        self._foot = wrap_text(foot, _FOOT_SIZE, width=WIDTH * MM)
+        self._bottom = _SIZE[1] - _MARGIN - _FOOT / 2 - _LINE * _FOOT_SIZE * len(self._foot)
         self.left, self.y = _MARGIN, _MARGIN
 
     def make_room(self, height: float) -> bool:
         """Begin a new page unless there are so many millimetres left on this one; whether one was begun."""
-        if self.y + height <= _SIZE[1] - _MARGIN - _FOOT / 2:
+        if self.y + height <= self._bottom:
             return False
         self._end_page()
         self.y = _MARGIN
         return True
 
     def write(
-        self, text: str, size: float, colour: Any = INK, *, left: float = 0.0, width: float = WIDTH
+        self,
+        text: str,
+        size: float,
+        colour: Any = INK,
+        *,
+        left: float = 0.0,
+        width: float = WIDTH,
+        bullet: str = "",
     ) -> None:
-        """Write text, wrapped to a width; it goes on below."""
-        for line in wrap_text(text, size, width=width * MM):
+        """Write text, wrapped to a width; it goes on below.
+
+        bullet: stands at the margin before the first line.
+        """
+        for k, line in enumerate(wrap_text(text, size, width=width * MM)):
             self.make_room(_LINE * size)
             self.y += _LINE * size
-            self.paper.write(self.left + left, self.y - 0.12 * size, line, size, colour)
+            y = self.y - 0.12 * size
+            if bullet and k == 0:
+                self.paper.write(self.left, y, bullet, size, colour)
+            self.paper.write(self.left + left, y, line, size, colour)
 
     def heading(self, text: str, *, below: float = 9.0) -> None:
         """A heading of a section, on one page with the millimetres below it that stand together."""
@@ -102,6 +122,8 @@ class FilledPages:
 
     def _end_page(self) -> None:
         y = _SIZE[1] - _FOOT
+        for k, line in enumerate(reversed(self._foot), start=1):
+            self.paper.write(_MARGIN, y - 1.0 - _LINE * _FOOT_SIZE * k, line, _FOOT_SIZE, GREY)
         self.paper.write(_MARGIN, y, self._title, 7, GREY)
         number = str(self._page)
         self.paper.write(_SIZE[0] - _MARGIN - 8 - _DIGIT * len(number), y, number, 7, GREY)

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Literal
+
 from rumu.values import Assessment, Bilingual, Level, Source
+
+Language = Literal["zh", "en"]
 
 LEVELS: dict[Level, Bilingual] = {
     "excellent": Bilingual("優", "excellent"),
@@ -248,3 +253,22 @@ def basis(mark: Assessment) -> list[Bilingual]:
     if mark.interval_note:
         lines.append(Bilingual(mark.interval_note_zh or mark.interval_note, mark.interval_note))
     return lines
+
+
+class ReportWords:
+    """The words of a report in one language. table: each by its name, in Chinese and English."""
+
+    def __init__(self, table: Mapping[str, tuple[str, str]], language: Language) -> None:
+        self._table, self._english = table, language == "en"
+
+    def __getitem__(self, name: str) -> str:
+        return self.chosen(self._table[name])
+
+    def chosen(self, text: tuple[str, str]) -> str:
+        """The Chinese or the English text; the English one, too, where there is no Chinese."""
+        zh, en = text
+        return en if self._english or not zh else zh
+
+    def letters(self) -> str:
+        """All letters of the table."""
+        return "".join(map(self.chosen, self._table.values()))
