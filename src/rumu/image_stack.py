@@ -99,11 +99,14 @@ class Photograph:
     samples: Samples | ScratchFile
     curve: Floats | None = None
 
-    def range(self, start: int, stop: int) -> Floats:
-        """(stop - start[, 3]) float32, linear light of a range of pixels, counted row by row."""
+    def range(self, start: int, stop: int, *, out: Floats | None = None) -> Floats:
+        """(stop - start[, 3]) float32, linear light of a range of pixels, counted row by row.
+
+        out: where it is written, if it is given; float32, contiguous.
+        """
         if isinstance(self.samples, ScratchFile):
-            return self._linear(self.samples.range(start, stop))
-        return self._linear(self.samples.reshape(-1, *self.samples.shape[2:])[start:stop])
+            return self._linear(self.samples.range(start, stop), out)
+        return self._linear(self.samples.reshape(-1, *self.samples.shape[2:])[start:stop], out)
 
     def at(self, pixels: Pixels) -> Floats:
         """(P[, 3]) float32, linear light of some pixels, by their numbers."""
@@ -132,18 +135,21 @@ class Photograph:
         finer = (_FINER * size[0], _FINER * size[1])
         return self._linear(np.asarray(cv2.resize(whole, finer, interpolation=cv2.INTER_AREA)))
 
-    def _linear(self, samples: Samples) -> Floats:
-        if self.curve is not None and samples.dtype == np.uint8:
+    def _linear(self, samples: Samples, out: Floats | None = None) -> Floats:
+        values = np.empty(samples.shape, np.float32) if out is None else out
+        levels = _LEVELS.get(samples.dtype.name)
+        curve = None if self.curve is None else np.asarray(self.curve, dtype=np.float32)
+        if curve is not None and samples.dtype == np.uint8:
             import cv2
 
-            looked_up = cv2.LUT(samples.reshape(1, -1), self.curve) if samples.size else samples
-            return np.asarray(looked_up, dtype=np.float32).reshape(samples.shape)
-        if self.curve is not None:
-            return np.asarray(self.curve[samples])
-        values = samples.astype(np.float32)
-        levels = _LEVELS.get(samples.dtype.name)
-        if levels is not None:
-            values /= np.float32(levels - 1)
+            if samples.size:
+                cv2.LUT(samples.reshape(1, -1), curve, dst=values.reshape(1, -1))
+        elif curve is not None:
+            np.take(curve, samples, out=values, mode="clip")
+        elif levels is not None:
+            np.divide(samples, np.float32(levels - 1), out=values, dtype=np.float32)
+        else:
+            values[...] = samples
         return values
 
 
@@ -223,7 +229,7 @@ class ImageStack:
         pixels = np.arange(start, stop) if any(self._gains) else np.empty(0, int)
         factors = self._factors(pixels)
         for values, photograph, factor in zip(found, self._photographs, factors, strict=True):
-            values[...] = self._calibrated(photograph.range(start, stop), dark, factor)
+            self._calibrated(photograph.range(start, stop, out=values), dark, factor)
         return found
 
     def at(self, pixels: Pixels) -> Floats:
@@ -288,6 +294,7 @@ class ImageStack:
         return factor
 
     def _calibrated(self, values: Floats, dark: Floats | None, factor: Floats | None) -> Floats:
+        """The values, changed in place: less the dark frame, divided by the peak, times a factor."""
         white = None if factor is None else values >= SATURATION * self._peak
         if dark is not None:
             np.subtract(values, dark, out=values)

@@ -64,6 +64,26 @@ def test_the_network_sorts(n):
 
 
 @needs_numba
+@pytest.mark.parametrize(("n", "rank"), [(3, 2), (8, 7), (12, 10), (20, 18), (50, 45), (50, 24), (65, 0)])
+def test_the_network_of_one_rank_brings_it_to_its_place(n, rank):
+    values = np.random.default_rng(n).integers(0, 9, (n, 2000))
+    wanted = np.sort(values, axis=0)[rank]
+    for low, high in compiled.selecting_network(n, rank):
+        values[[low, high]] = np.sort(values[[low, high]], axis=0)
+    assert (values[rank] == wanted).all()
+    assert len(compiled.selecting_network(n, rank)) < len(compiled.sorting_network(n)) or n == 3
+
+
+@needs_numba
+@pytest.mark.parametrize("black_level", [0.0, 0.02])
+def test_the_values_of_others_are_left_as_they_are(black_level):
+    values, lights = glossy_values(colour=False)
+    before = values.copy()
+    both(values, lights, "robust", black_level)
+    assert (values == before).all()
+
+
+@needs_numba
 @pytest.mark.parametrize("colour", [False, True])
 @pytest.mark.parametrize("black_level", [0.0, 0.02])
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -83,11 +83,27 @@ def sorting_network(n: int) -> npt.NDArray[np.int64]:
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
+@lru_cache(maxsize=64)
+def selecting_network(n: int, rank: int) -> npt.NDArray[np.int64]:
+    """(M, 2): pairs (low, high) whose exchange, in this order, brings the value of one rank to its place.
+
+    What the sorting network does for that rank, or, where it is less, what carries the largest values up one
+    after the other.
+    """
+    up = [(low, low + 1) for top in range(n - 1, max(rank, 1) - 1, -1) for low in range(top)]
+    needed, pairs = {rank}, []
+    for low, high in sorting_network(n)[::-1].tolist():
+        if low in needed or high in needed:
+            needed |= {low, high}
+            pairs.append((low, high))
+    return np.array(min(up, pairs[::-1], key=len), dtype=np.int64).reshape(-1, 2)
+
+
 class _Tile:
     """Some pixels under their lamps, as the kernels want them."""
 
     def __init__(self, values: FloatArray, lights: FloatArray, black_level: float, settings: RobustSettings):
-        from rumu.surface import kernels
+        from rumu.surface import kernels, linear_kernels
 
         self.values = np.ascontiguousarray(values, dtype=np.float32).reshape(*values.shape[:2], -1)
         self.lights = np.ascontiguousarray(lights, dtype=np.float32)
@@ -95,13 +111,16 @@ class _Tile:
         self.settings = settings
         n, pixels = self.values.shape[:2]
         self.pairs = sorting_network(n)
-        self.rows = np.empty((n, pixels), np.float32)
+        self.rows = np.empty((n, pixels), np.float32) if self.values.shape[2] == 3 else self.values[..., 0]
         self.reached: BoolArray = np.empty(pixels, np.bool_)
         self.scale = np.empty(pixels, np.float32)
         self.black = np.float32(black_level)
+        if black_level and self.values.shape[2] == 1:
+            self.rows = self.rows.copy()  # it is taken from them, and the values may be another's
         floor, share, white = (np.float32(one) for one in (SHADOW_FLOOR, SHADOW_SHARE, SATURATION))
-        kernels.brightness(self.values, self.black, floor, share, white, self.rows, self.reached)
-        kernels.scales(self.rows, math.ceil(0.9 * (n - 1)), self.pairs, self.scale)
+        linear_kernels.brightness(self.values, self.black, floor, share, white, self.rows, self.reached)
+        rank = math.ceil(0.9 * (n - 1))
+        kernels.scales(self.rows, rank, selecting_network(n, rank), self.scale)
 
     @property
     def limits(self) -> FloatArray:
@@ -112,10 +131,10 @@ class _Tile:
 
     def least_squares(self) -> FloatArray:
         """(3, P) albedo times normal."""
-        from rumu.surface import kernels
+        from rumu.surface import linear_kernels
 
         scaled = np.empty((3, self.rows.shape[1]), np.float32)
-        kernels.least_squares(self.rows, self.inverse, scaled)
+        linear_kernels.least_squares(self.rows, self.inverse, scaled)
         return scaled
 
     def trimmed(self, weights: FloatArray) -> FloatArray:
@@ -162,6 +181,8 @@ def solve_tile(
     values: FloatArray, lights: FloatArray, *, solver: Solver, black_level: float, settings: RobustSettings
 ) -> TileSolution:
     """Normals and albedo of some pixels; see `rumu.surface.robust.solve_tile`."""
+    from rumu.surface import linear_kernels
+
     tile = _Tile(values, lights, black_level, settings)
     n, pixels = tile.rows.shape
     is_colour = values.ndim == 3
@@ -182,9 +203,8 @@ def solve_tile(
             colour_kernels.trust(
                 tile.rows, tile.lights, tile.scale, tile.limits, *ends, spread, trust, weights
             )
-    albedo = np.sqrt((scaled * scaled).sum(axis=0))
-    normals = np.ascontiguousarray((scaled / np.maximum(albedo, np.float32(1e-12))).T)
-    normals[albedo <= 1e-12] = (0, 0, 1)
+    normals, albedo = np.empty((pixels, 3), np.float32), np.empty(pixels, np.float32)
+    linear_kernels.split(scaled, normals, albedo)
     confidence, residuals, lit = tile.agreement(scaled)
     if is_colour:
         from rumu.surface import colour_kernels

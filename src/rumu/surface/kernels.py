@@ -20,7 +20,6 @@ LANES = 64
 
 _MATH = {"contract", "arcp", "nsz", "reassoc"}  # what lets the loops become vector instructions
 _kernel: Any = njit(nogil=True, cache=True, fastmath=_MATH, error_model="numpy")
-_exact: Any = njit(nogil=True, cache=True, error_model="numpy")  # so that equal values stay equal, for ranks
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _TINY = np.float32(1e-12)
@@ -91,81 +90,29 @@ def _load(rows: Any, first: int, lanes: Any) -> int:
     """Fill the lanes with LANES pixels of rows (N, P) from `first` on; the last pixel fills what is left."""
     count: int = min(LANES, rows.shape[1] - first)
     for i in range(rows.shape[0]):
+        row, lane = rows[i, first : first + count], lanes[i]
         for j in range(count):
-            lanes[i, j] = rows[i, first + j]
+            lane[j] = row[j]
         for j in range(count, LANES):
-            lanes[i, j] = rows[i, first + count - 1]
+            lane[j] = row[count - 1]
     return count
-
-
-# --- brightness --------------------------------------------------------------------------------------
-
-
-@_exact
-def brightness(values: Any, black: Any, floor: Any, share: Any, white: Any, rows: Any, reached: Any) -> None:
-    """Gray brightness less the black level, and which pixels three lamps reach.
-
-    values: (N, P, C) linear. rows: (N, P), written. reached: (P,) bool, written: at least three values that
-    are neither dark (below `floor`, or `share` of the brightest) nor `white`.
-    """
-    n, pixels, channels = values.shape
-    top, count = np.empty(LANES, np.float32), np.empty(LANES, np.int32)
-    for first in range(0, pixels, LANES):
-        width = min(LANES, pixels - first)
-        for j in range(LANES):
-            top[j], count[j] = _ZERO, 0
-        for i in range(n):
-            row = rows[i, first : first + width]
-            if channels == 1:
-                one = values[i, first : first + width, 0]
-                for j in range(width):
-                    row[j] = one[j]
-            else:
-                for j in range(width):
-                    p = first + j
-                    row[j] = (values[i, p, 0] + values[i, p, 1] + values[i, p, 2]) / np.float32(3)
-            for j in range(width):
-                top[j] = row[j] if row[j] > top[j] else top[j]
-        for j in range(LANES):
-            top[j] = max(floor, share * top[j])
-        for i in range(n):
-            row = rows[i, first : first + width]
-            for j in range(width):
-                count[j] += 1 if top[j] < row[j] < white else 0
-            if black != _ZERO:
-                for j in range(width):
-                    row[j] = max(row[j] - black, _ZERO) if row[j] > floor else _ZERO
-        for j in range(width):
-            reached[first + j] = count[j] >= 3
-
-
-@_kernel
-def scales(rows: Any, rank: int, pairs: Any, scale: Any) -> None:
-    """Write how bright each pixel gets, the value of this rank over the lamps. rows: (N, P); scale: (P,)."""
-    ordered = np.empty((rows.shape[0], LANES), np.float32)
-    for first in range(0, rows.shape[1], LANES):
-        count = _load(rows, first, ordered)
-        _sort(ordered, pairs)
-        for j in range(count):
-            scale[first + j] = ordered[rank, j] + _TINY
 
 
 # --- solvers -----------------------------------------------------------------------------------------
 
 
 @_kernel
-def least_squares(rows: Any, inverse: Any, scaled: Any) -> None:
-    """Write the least-squares solution. inverse: (3, N), of the lamps; scaled: (3, P)."""
+def scales(rows: Any, rank: int, pairs: Any, scale: Any) -> None:
+    """Write how bright each pixel gets, the value of this rank over the lamps. rows: (N, P); scale: (P,).
+
+    pairs: of a network that brings this rank to its place.
+    """
+    ordered = np.empty((rows.shape[0], LANES), np.float32)
     for first in range(0, rows.shape[1], LANES):
-        width = min(LANES, rows.shape[1] - first)
-        for k in range(3):
-            out = scaled[k, first : first + width]
-            for j in range(width):
-                out[j] = _ZERO
-            for i in range(rows.shape[0]):
-                row, weight = rows[i, first : first + width], inverse[k, i]
-                for j in range(width):
-                    out[j] += weight * row[j]
+        count = _load(rows, first, ordered)
+        _sort(ordered, pairs)
+        for j in range(count):
+            scale[first + j] = ordered[rank, j] + _TINY
 
 
 @_kernel
@@ -353,42 +300,49 @@ def agreement(
     """
     n, pixels = rows.shape
     values, order = np.empty((n, LANES), np.float32), np.empty((n, LANES), np.float32)
-    now, lit = np.empty(3 * LANES, np.float32), np.empty(LANES, np.float32)
-    bright, trust = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
-    sums, counted = np.empty(9 * LANES, np.float32), np.empty(LANES, np.int32)
+    now, sums = np.empty(3 * LANES, np.float32), np.empty(9 * LANES, np.float32)
+    inverse, least = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
+    trust, counted, share = (
+        np.empty(LANES, np.float32),
+        np.empty(LANES, np.float32),
+        np.empty(LANES, np.float32),
+    )
     total = 0
     for first in range(0, pixels, LANES):
         count = _load(rows, first, values)
         for j in range(LANES):
             p = first + min(j, count - 1)
-            bright[j], counted[j] = scale[p], 0
+            inverse[j], least[j], counted[j] = _ONE / scale[p], max(dark * scale[p], floor), _ZERO
             for k in range(3):
                 now[k * LANES + j] = scaled[k, p]
         for a in range(9 * LANES):
             sums[a] = _ZERO
         for i in range(n):
             row, out = values[i], order[i]
-            _law(now, lights[i, 0], lights[i, 1], lights[i, 2], lit)
+            x, y, z = lights[i, 0], lights[i, 1], lights[i, 2]
             for j in range(LANES):
-                off = abs(row[j] - max(lit[j], _ZERO)) / bright[j]
-                shines = row[j] > max(dark * bright[j], floor)
+                lit = now[j] * x + now[LANES + j] * y + now[2 * LANES + j] * z
+                off = abs(row[j] - (lit if lit > _ZERO else _ZERO)) * inverse[j]
                 near = off * np.float32(20)
+                close, shines = _ONE / (_ONE + near * near), row[j] > least[j]
                 out[j] = off if shines else _HUGE
-                trust[j] = _ONE / (_ONE + near * near) if shines else _ZERO
-                counted[j] += 1 if shines else 0
-            _accumulate(row, trust, lights[i, 0], lights[i, 1], lights[i, 2], sums)
+                trust[j] = close if shines else _ZERO
+                counted[j] += _ONE if shines else _ZERO
+            _accumulate(row, trust, x, y, z, sums)
         for p in range(first + (-first) % stride, first + count, stride):
             for i in range(n):
                 off = order[i, p - first]
                 sampled[i, p // stride] = off if off < _HUGE else -_ONE
         _sort(order, pairs)
-        for j in range(count):
-            total += counted[j]
-            typical = np.float32(20) * (order[max(counted[j] - 1, 0) // 2, j] if counted[j] > 0 else _ZERO)
+        for j in range(LANES):
             xx, xy, xz = np.float64(sums[j]), np.float64(sums[LANES + j]), np.float64(sums[2 * LANES + j])
             yy, yz = np.float64(sums[3 * LANES + j]), np.float64(sums[4 * LANES + j])
             zz = np.float64(sums[5 * LANES + j])
             span = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-            share = min(max(span / full, 0.0), 1.0) ** (1.0 / 3.0)
-            confidence[first + j] = np.float32(share) / (_ONE + typical * typical)
+            share[j] = np.float32(min(max(span / full, 0.0), 1.0))
+        for j in range(count):
+            seen = int(counted[j])
+            total += seen
+            typical = np.float32(20) * (order[max(seen - 1, 0) // 2, j] if seen > 0 else _ZERO)
+            confidence[first + j] = share[j] ** np.float32(1.0 / 3.0) / (_ONE + typical * typical)
     return total
