@@ -42,21 +42,32 @@ def _sort(lanes: Any, pairs: Any) -> None:
 
 
 @_kernel
-def _accumulate(row: Any, trust: Any, x: Any, y: Any, z: Any, sums: Any) -> None:
-    """Add one lamp (x, y, z) to the nine sums of every lane. row, trust: (LANES,); sums: (9 * LANES,)."""
+def _accumulate(values: Any, i: int, trust: Any, lights: Any, sums: Any) -> None:
+    """Add the lamps i and i + 1 to the nine sums of every lane, which halves how often the sums are moved.
+
+    values: (N, LANES). trust: (2, LANES), in each lamp; of an odd number the last stands alone, and what
+    is in the second row becomes 0. sums: (9 * LANES,).
+    """
+    k = min(i + 1, values.shape[0] - 1)
+    one, other, first, second = values[i], values[k], trust[0], trust[1]
+    if k == i:
+        second[:] = _ZERO
+    x, y, z = lights[i, 0], lights[i, 1], lights[i, 2]
+    u, v, w = lights[k, 0], lights[k, 1], lights[k, 2]
     xx, xy, xz, yy, yz, zz = x * x, x * y, x * z, y * y, y * z, z * z
+    uu, uv, uw, vv, vw, ww = u * u, u * v, u * w, v * v, v * w, w * w
     for j in range(LANES):
-        w = trust[j]
-        lit = w * row[j]
-        sums[j] += w * xx
-        sums[LANES + j] += w * xy
-        sums[2 * LANES + j] += w * xz
-        sums[3 * LANES + j] += w * yy
-        sums[4 * LANES + j] += w * yz
-        sums[5 * LANES + j] += w * zz
-        sums[6 * LANES + j] += lit * x
-        sums[7 * LANES + j] += lit * y
-        sums[8 * LANES + j] += lit * z
+        a, b = first[j], second[j]
+        lit, also = a * one[j], b * other[j]
+        sums[j] += a * xx + b * uu
+        sums[LANES + j] += a * xy + b * uv
+        sums[2 * LANES + j] += a * xz + b * uw
+        sums[3 * LANES + j] += a * yy + b * vv
+        sums[4 * LANES + j] += a * yz + b * vw
+        sums[5 * LANES + j] += a * zz + b * ww
+        sums[6 * LANES + j] += lit * x + also * u
+        sums[7 * LANES + j] += lit * y + also * v
+        sums[8 * LANES + j] += lit * z + also * w
 
 
 @_kernel
@@ -123,11 +134,8 @@ def trimmed(rows: Any, lights: Any, low: int, high: int, pairs: Any, weights: An
     """
     n, pixels = rows.shape
     values, ordered = np.empty((n, LANES), np.float32), np.empty((n, LANES), np.float32)
-    trust, sums, out = (
-        np.empty(LANES, np.float32),
-        np.empty(9 * LANES, np.float32),
-        np.empty(3 * LANES, np.float32),
-    )
+    both, sums = np.empty((2, LANES), np.float32), np.empty(9 * LANES, np.float32)
+    out = np.empty(3 * LANES, np.float32)
     seen_low, seen_high = np.empty(LANES, np.int32), np.empty(LANES, np.int32)
     for first in range(0, pixels, LANES):
         count = _load(rows, first, values)
@@ -141,6 +149,7 @@ def trimmed(rows: Any, lights: Any, low: int, high: int, pairs: Any, weights: An
                 seen_high[j] += 1 if values[i, j] < ordered[high - 1, j] else 0
         sums[:] = _ZERO
         for i in range(n):
+            trust = both[i % 2]
             for j in range(LANES):
                 at_low, at_high = values[i, j] == ordered[low, j], values[i, j] == ordered[high - 1, j]
                 kept = ordered[low, j] <= values[i, j] <= ordered[high - 1, j]
@@ -151,7 +160,8 @@ def trimmed(rows: Any, lights: Any, low: int, high: int, pairs: Any, weights: An
                 trust[j] = (_ONE if kept else _ZERO) + _TRACE
             for j in range(count):
                 weights[i, first + j] = trust[j] - _TRACE
-            _accumulate(values[i], trust, lights[i, 0], lights[i, 1], lights[i, 2], sums)
+            if i % 2 or i == n - 1:
+                _accumulate(values, i - i % 2, both, lights, sums)
         _solve_lanes(sums, out)
         for k in range(3):
             for j in range(count):
@@ -159,24 +169,26 @@ def trimmed(rows: Any, lights: Any, low: int, high: int, pairs: Any, weights: An
 
 
 @_kernel
-def _l1_round(values: Any, lights: Any, inverse_width: Any, scaled: Any, trust: Any, sums: Any) -> None:
+def _l1_round(values: Any, lights: Any, inverse_width: Any, scaled: Any, both: Any, sums: Any) -> None:
     """One reweighting of all lanes for least absolute residuals; `sums` takes the system to solve."""
+    n = values.shape[0]
     for a in range(9 * LANES):
         sums[a] = _ZERO
-    for i in range(values.shape[0]):
-        row = values[i]
+    for i in range(n):
+        row, trust = values[i], both[i % 2]
         x, y, z = lights[i, 0], lights[i, 1], lights[i, 2]
         for j in range(LANES):
             off = row[j] - (scaled[j] * x + scaled[LANES + j] * y + scaled[2 * LANES + j] * z)
             off = off * inverse_width[j]
             trust[j] = _ONE / np.sqrt(_ONE + off * off) + _TRACE
-        _accumulate(row, trust, x, y, z, sums)
+        if i % 2 or i == n - 1:
+            _accumulate(values, i - i % 2, both, lights, sums)
 
 
 @_kernel
 def _forgetting_round(
     values: Any, lights: Any, scale: Any, limits: Any, scaled: Any, order: Any, pairs: Any, spread: Any,
-    trust: Any, sums: Any,
+    both: Any, sums: Any,
 ) -> None:  # fmt: skip
     """One reweighting of all lanes with the loss that forgets outliers (Geman-McClure).
 
@@ -205,8 +217,9 @@ def _forgetting_round(
     for i in range(n):
         row = values[i]
         _law(scaled, lights[i, 0], lights[i, 1], lights[i, 2], lit)
-        _forgetting_trust(row, scale, lit, spread, dark, noise2, proportional, width, white, trust)
-        _accumulate(row, trust, lights[i, 0], lights[i, 1], lights[i, 2], sums)
+        _forgetting_trust(row, scale, lit, spread, dark, noise2, proportional, width, white, both[i % 2])
+        if i % 2 or i == n - 1:
+            _accumulate(values, i - i % 2, both, lights, sums)
 
 
 @_kernel
@@ -240,7 +253,7 @@ def reweighted(
     n, pixels = rows.shape
     values, order = np.zeros((n, LANES), np.float32), np.empty((n, LANES), np.float32)
     now, new = np.zeros(3 * LANES, np.float32), np.empty(3 * LANES, np.float32)
-    sums, trust = np.empty(9 * LANES, np.float32), np.empty(LANES, np.float32)
+    sums, trust = np.empty(9 * LANES, np.float32), np.empty((2, LANES), np.float32)
     bright, inverse_width = np.ones(LANES, np.float32), np.ones(LANES, np.float32)
     lane_spread = np.zeros(LANES, np.float32)
     pixel, age = np.full(LANES, -1, np.int64), np.zeros(LANES, np.int32)
@@ -302,11 +315,8 @@ def agreement(
     values, order = np.empty((n, LANES), np.float32), np.empty((n, LANES), np.float32)
     now, sums = np.empty(3 * LANES, np.float32), np.empty(9 * LANES, np.float32)
     inverse, least = np.empty(LANES, np.float32), np.empty(LANES, np.float32)
-    trust, counted, share = (
-        np.empty(LANES, np.float32),
-        np.empty(LANES, np.float32),
-        np.empty(LANES, np.float32),
-    )
+    both, counted = np.empty((2, LANES), np.float32), np.empty(LANES, np.float32)
+    share = np.empty(LANES, np.float32)
     total = 0
     for first in range(0, pixels, LANES):
         count = _load(rows, first, values)
@@ -318,7 +328,7 @@ def agreement(
         for a in range(9 * LANES):
             sums[a] = _ZERO
         for i in range(n):
-            row, out = values[i], order[i]
+            row, out, trust = values[i], order[i], both[i % 2]
             x, y, z = lights[i, 0], lights[i, 1], lights[i, 2]
             for j in range(LANES):
                 lit = now[j] * x + now[LANES + j] * y + now[2 * LANES + j] * z
@@ -328,7 +338,8 @@ def agreement(
                 out[j] = off if shines else _HUGE
                 trust[j] = close if shines else _ZERO
                 counted[j] += _ONE if shines else _ZERO
-            _accumulate(row, trust, x, y, z, sums)
+            if i % 2 or i == n - 1:
+                _accumulate(values, i - i % 2, both, lights, sums)
         for p in range(first + (-first) % stride, first + count, stride):
             for i in range(n):
                 off = order[i, p - first]
