@@ -167,3 +167,11 @@ def test_a_dot_that_reaches_over_the_border_stays_with_its_part(data, character,
     parts = measure_parts(itself, "left-right")
     numbers = stroke_numbers(itself.master)
     assert set(numbers[parts.first & (numbers > 0)]) == set(range(1, last + 1))
+
+
+def test_a_stroke_of_a_narrow_part_is_as_heavy_as_it_is_written(measured):
+    """Who writes a part narrow writes its strokes as wide as the others."""
+    m = measured(halves(left=60, gap=50, right=190), halves(left=110, gap=50, right=140))
+    strokes = CopyStrokes(m.copy, m.registration, m.master.stroke_model)
+    found = write_remarks(strokes, character=CanonicalCharacter("?", (), "left-right"))
+    assert not [r for r in (*found.remarks, *found.untold) if "heavy" in r.kind]

@@ -208,8 +208,10 @@ def _find_width_fault(named: NamedStroke) -> Iterator[Finding]:
     least = limits.stroke + named.match.width_error(named.stroke.line)
     if not np.isfinite(width) or width <= 0:
         return
-    # beside the master's, and beside the other strokes: where all are heavy this one is not spoken of
-    size = agreed(np.log([width, width / named.match.width]).tolist(), doubt=0.0)
+    # beside the master's, and beside the other strokes: where all are heavy this one is not spoken of; and no
+    # more than is seen, since who writes a part narrow need not write its strokes thin
+    beside_master = agreed(np.log([width, named.stroke.written_width]).tolist(), doubt=0.0)
+    size = agreed([beside_master, float(np.log(width / named.match.width))], doubt=0.0)
     if abs(size) < limits.weak * least:
         return
     change = float(np.exp(size)) - 1.0

@@ -60,7 +60,8 @@ class MatchedStroke:
         the copy has. present: False when the copy has next to nothing of it. inked: share of it that lies on
         ink of the copy, be it another stroke's.
     shift: (x right, y DOWN), rms radii. turn: degrees, positive clockwise. length, width: over the master's;
-        NaN where it cannot be seen: under a crossing.
+        NaN where it cannot be seen: under a crossing. written_width: the same, the squeeze of its part not
+        taken out.
     entry, exit: how much wider the first and the last 15 % are than the middle half, less the same of the
         master, as a share of the master's middle: a stroke that is heavy all along has no heavy ends. NaN at
         an end that joins another stroke. entry_alone, exit_alone: the same of the ends, whatever the middle.
@@ -77,6 +78,7 @@ class MatchedStroke:
     turn: float
     length: float
     width: float
+    written_width: float
     entry: float
     exit: float
     entry_alone: float
@@ -192,6 +194,7 @@ class StrokeMeasurer:
             turn=_turn(want, have),
             length=self._length(k, own) / max(_length(want), 1e-9) if len(own) > 1 else 1.0,
             width=_median(self.width_ratios[own]),
+            written_width=_median(self.line_widths[own] * self.scale / points.radius[own]),
             entry=ends[0],
             exit=ends[1],
             entry_alone=ends[2],
