@@ -352,7 +352,10 @@ def test_bad_light_directions(tmp_path: Path, text: str, message: str) -> None:
         ),
         ('{"slant": 45, "tilts": [0, 90]}', r"expected \"tilts\" like"),
         ('{"slant": 45, "tilts": {"a": 0, "b": 0, "c": 180}}', r"got 3 that lie in one plane"),
-        ('{"spacing_mm": 1}', r"expected an \.lp file, light_directions\.txt, or capture\.json with a slant"),
+        (
+            '{"spacing_mm": 1}',
+            r"expected an \.lp file, light_directions\.txt, a \.csv of lamps, or capture\.json with a slant",
+        ),
     ],
 )
 def test_bad_descriptions(tmp_path: Path, text: str, message: str) -> None:
@@ -455,7 +458,10 @@ def test_an_image_is_no_capture(tmp_path: Path) -> None:
 
 
 def test_empty_folder_and_wrong_encoding(tmp_path: Path) -> None:
-    with pytest.raises(CaptureError, match=r"expected an \.lp file, light_directions\.txt, or capture\.json"):
+    with pytest.raises(
+        CaptureError,
+        match=r"expected an \.lp file, light_directions\.txt, a \.csv of lamps, or capture\.json",
+    ):
         read_capture(tmp_path)
     with pytest.raises(CaptureError, match="encoding: expected one of auto, linear, srgb, got 'raw'"):
         read_capture(tmp_path, encoding="raw")  # type: ignore[arg-type]

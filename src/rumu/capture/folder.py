@@ -6,6 +6,7 @@ A folder holds the photographs of one sheet, one lamp each, and one file that sa
     NAME.lp                  names each image beside its lamp; it and the images may lie in folders side by
                              side, as RTIBuilder lays them out
     light_directions*.txt    3 x N or N x 3 numbers; the images are taken in natural order
+    NAME.csv, NAME.tsv       a table of names and lamps, x, y, z or angles, see `rumu.capture.lamp_tables`
     capture.json             {"slant": 45} for images a, b, c (tilt 0, 90, 180) and d (270), the paper's kind
 
 and may hold a mask, an ambient frame and, in capture.json beside any of them, spacing_mm, encoding and
@@ -25,14 +26,15 @@ from rumu.capture.description import DESCRIPTION, Description, description_of, e
 from rumu.capture.dome import read_dome, without_fall_off
 from rumu.capture.formats import ENCODINGS, Encoding
 from rumu.capture.frames import ORIENTATIONS, Orientation, read_frames
-from rumu.capture.lamp_files import lamp_file, split_path
-from rumu.capture.light_files import LampLine, read_directions, read_lp
+from rumu.capture.lamp_files import TABLE_SUFFIXES, lamp_file, split_path
+from rumu.capture.lamp_tables import read_lamp_table
+from rumu.capture.light_files import LampList, read_directions, read_lp
 from rumu.capture.lights import direction
+from rumu.capture.listed_lamps import check_count, name_notes, photographs_named, told_strengths
 from rumu.capture.masks import mask_file, read_folder_mask
 from rumu.capture.photographs import (
     FolderImages,
     capture_error,
-    named_path,
     photographs_without,
     place,
 )
@@ -81,8 +83,9 @@ def read_capture(
     Parameters
     ----------
     path : path
-        A folder, or the .lp, light_directions*.txt or capture.json in it that says where the lamps stood. Of
-        several kinds in one folder the .lp wins, since it names its images; then light_directions*.txt.
+        A folder, or the .lp, light_directions*.txt, .csv or capture.json in it that says where the lamps
+        stood. Of several kinds in one folder the .lp wins, since it names its images; then
+        light_directions*.txt; a .csv comes last.
     encoding : {'auto', 'linear', 'srgb'}
         'auto' takes JPEG, WebP and files with a colour profile for a screen as such, and everything else as
         linear; 'linear' or 'srgb' says it outright, and so does "encoding" in capture.json, which is used
@@ -242,122 +245,45 @@ def _read_lamps(
             zh=f'{file.name} 與 {DESCRIPTION} 的 "slant" 都說了燈的位置；請只留一個',
         )
     if kind == ".lp":
-        return _from_lp(file, images, leave_out)
+        return _from_list(file, read_lp(file, images), images, leave_out)
+    if kind in TABLE_SUFFIXES:
+        return _from_list(file, read_lamp_table(file, images), images, leave_out)
     if kind == ".dome":
         return _from_dome(file, images)
     return _from_json(file, images, description) if kind == ".json" else _from_table(file, images)
 
 
-def _from_lp(path: Path, images: FolderImages, leave_out: Collection[str]) -> _Lamps:
-    listed = read_lp(path, images)
-    found: dict[Path, LampLine] = {}
-    gone: set[str] = set()
-    for lamp in listed.lamps:
-        image = images.find(lamp.name)
-        if image is None:
-            gone |= images.left_out(lamp.where, lamp.name, leave_out)
-            continue
-        if image in found:
-            before = found[image].where
-            raise capture_error(
-                lamp.where,
-                en=f"{image.name} was named before, in {before.en}",
-                zh=f"{image.name} 在 {before.zh} 已經出現過",
-            )
-        found[image] = lamp
-    strengths, told = _strengths(path, tuple(found.values()))
+def _from_list(path: Path, listed: LampList, images: FolderImages, leave_out: Collection[str]) -> _Lamps:
+    """The photographs of the lamps that a file lists: by their names, or in natural order without any."""
+    if not listed.named:
+        check_count(path, len(listed.lamps), images)
+        found, gone = dict(zip(images.photographs, listed.lamps, strict=True)), frozenset[str]()
+    else:
+        found, gone = photographs_named(listed.lamps, images, leave_out)
+    strengths, told = told_strengths(path, tuple(found.values()))
     return _Lamps(
         tuple(found),
         np.array([lamp.light for lamp in found.values()]).reshape(-1, 3),
         path,
         strengths=strengths,
-        notes=(*listed.notes, *told, *_other_names(path.parent, found), *_not_named(path, images, found)),
-        gone=frozenset(gone),
+        notes=(*listed.notes, *told, *(name_notes(path, images, found) if listed.named else ())),
+        gone=gone,
     )
-
-
-def _other_names(folder: Path, found: dict[Path, LampLine]) -> list[Bilingual]:
-    """A note when images were read that the lamp file calls otherwise."""
-    other = [
-        (lamp, image)
-        for image, lamp in found.items()
-        if image.resolve() != Path(folder, named_path(lamp.name)).resolve()
-    ]
-    if not other:
-        return []
-    (lamp, image), more = other[0], len(other) - 1
-    read = image.name if image.parent.resolve() == folder.resolve() else f"{image.parent.name}/{image.name}"
-    return [
-        Bilingual(
-            f"{lamp.where.zh}：找不到 {lamp.name}，改讀 {read}"
-            + (f"；另有 {more} 行也是這樣。" if more else "。"),
-            f"{lamp.where.en}: {lamp.name} is not there, {read} was read instead"
-            + (f"; likewise for {more} more" if more else ""),
-        )
-    ]
-
-
-def _not_named(path: Path, images: FolderImages, found: dict[Path, LampLine]) -> list[Bilingual]:
-    """A note when photographs lie among those that the lamp file names, of which it names no lamp."""
-    left = [image.name for image in images.besides(found)]
-    if not left:
-        return []
-    names, more = left[:3], "..." if len(left) > 3 else ""
-    return [
-        Bilingual(
-            f"{path.name} 沒有提到 {len(left)} 張照片，因此不用：{'、'.join(names)}{more}",
-            f"{path.name} does not name {len(left)} of the photographs, which are not used: "
-            f"{', '.join(names)}{more}",
-        )
-    ]
-
-
-def _strengths(path: Path, lamps: tuple[LampLine, ...]) -> tuple[FloatArray | None, list[Bilingual]]:
-    """(N,) strengths of mean 1, None where the file tells none or the same for all, and what to say."""
-    told = [lamp.strength for lamp in lamps if lamp.strength is not None]
-    if told and len(told) < len(lamps):
-        bare = next(lamp for lamp in lamps if lamp.strength is None)
-        raise capture_error(
-            bare.where,
-            en="expected the strength of the lamp after x y z, as on other lines, got none",
-            zh="x y z 之後應像別的行一樣有燈的強度，這裡卻沒有",
-        )
-    values = np.array(told)
-    if not told or np.allclose(values, values[0], rtol=1e-6):
-        return None, []
-    where = place(path)
-    note = Bilingual(
-        f"{where.zh}：x y z 之後的數當作燈的強度（{values.min():.3g} 到 {values.max():.3g}）。",
-        f"{where.en}: what follows x y z is taken for the strength of the lamp "
-        f"({values.min():.3g} to {values.max():.3g})",
-    )
-    return values / values.mean(), [note]
 
 
 def _from_table(path: Path, images: FolderImages) -> _Lamps:
     lights = read_directions(path)
-    _check_count(path, len(lights), images)
+    check_count(path, len(lights), images)
     return _Lamps(tuple(images.photographs), lights, path)
 
 
 def _from_dome(path: Path, images: FolderImages) -> _Lamps:
     dome = read_dome(path)
-    _check_count(path, len(dome.lights), images)
+    check_count(path, len(dome.lights), images)
     found = tuple(images.photographs)
     return _Lamps(
         found, dome.lights, path, strengths=dome.strengths, positions=dome.positions, width=dome.width
     )
-
-
-def _check_count(path: Path, lamps: int, images: FolderImages) -> None:
-    """Raise CaptureError unless there are as many images as lamps, which are taken in natural order."""
-    count = len(images.photographs)
-    if count != lamps:
-        raise capture_error(
-            path,
-            en=f"holds {lamps} lamps, but {count} images lie beside it",
-            zh=f"裡面有 {lamps} 盞燈，旁邊卻有 {count} 張照片",
-        )
 
 
 def _from_json(path: Path, images: FolderImages, description: Description) -> _Lamps:

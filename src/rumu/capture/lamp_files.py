@@ -8,9 +8,12 @@ from pathlib import Path
 from rumu.capture.description import DESCRIPTION, Description
 from rumu.capture.photographs import FolderImages, capture_error, files, folders
 
-LAMP_SUFFIXES = (".lp", ".dome", ".txt", ".json")
+TABLE_SUFFIXES = (".csv", ".tsv")
+"""Of tables of lamps."""
+LAMP_SUFFIXES = (".lp", ".dome", ".txt", ".json", *TABLE_SUFFIXES)
 """Of files that say where lamps stood."""
 _KINDS = (r".+\.lp", r".+\.dome", r"light_directions.*\.txt")
+_TABLES = (r"(lamp|light|led)s?([ _-]?(direction|position)s?)?\.(csv|tsv)", r".+\.(csv|tsv)")
 _MARKER = "surface.json"
 
 
@@ -37,7 +40,7 @@ def split_path(path: Path) -> tuple[Path, Path | None]:
 
 
 def lamp_file(images: FolderImages, description: Description) -> Path:
-    """The file that tells the lamps: an .lp, a .dome, a table, or capture.json with a slant.
+    """The file that tells the lamps: .lp, .dome, light_directions.txt, capture.json with a slant, a table.
 
     Where the folder has none, the .lp of one of its folders, as RTIBuilder and other programs keep lamps
     (assembly-files) and photographs (jpeg-exports) side by side.
@@ -50,14 +53,19 @@ def lamp_file(images: FolderImages, description: Description) -> Path:
             return _one(folder, found)
     if description.slant is not None:
         return folder / DESCRIPTION
+    for kind in _TABLES:
+        found = _named(kind, [folder], images)
+        if found:
+            return _one(folder, found)
     within = lamp_files_within(images)
     if within:
         return _one(folder, within)
     raise capture_error(
         folder,
-        en=f"expected an .lp file, light_directions.txt, or {DESCRIPTION} with a slant, found none; without "
+        en=f"expected an .lp file, light_directions.txt, a .csv of lamps, or {DESCRIPTION} with a slant, "
+        "found none; without "
         "them, reconstruct takes --card, --sphere auto, or --lamps-unknown",
-        zh=f"這裡應有 .lp 檔、light_directions.txt，或寫有 slant 的 {DESCRIPTION}，卻都沒有；"
+        zh=f"這裡應有 .lp 檔、light_directions.txt、燈位表 .csv，或寫有 slant 的 {DESCRIPTION}，卻都沒有；"
         "沒有這些檔案時，reconstruct 可用 --card、--sphere auto 或 --lamps-unknown",
     )
 

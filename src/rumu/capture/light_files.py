@@ -20,7 +20,8 @@ from rumu.capture.photographs import SUFFIX, FolderImages, capture_error, place
 from rumu.errors import CaptureError
 from rumu.values import Bilingual, FloatArray
 
-_UNIT_TOLERANCE = 0.02  # how far from length 1 a direction in a text file may be and still be taken for one
+UNIT_TOLERANCE = 0.02
+"""How far from length 1 a direction in a text file may be and still be taken for one."""
 _QUOTES = {'"': '"', "'": "'", "\u201c": "\u201d", "「": "」"}
 _COUNT_OF_VALUES = (3, 4, 6)  # x y z; and a strength; and strengths in red, green and blue
 
@@ -42,10 +43,14 @@ class LampLine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LampList:
-    """The lines of an .lp, and what a person should know about how it was read."""
+    """The lamps of a file, and what a person should know about how it was read.
+
+    named: whether each tells its image; else they stand in the order of the photographs.
+    """
 
     lamps: tuple[LampLine, ...]
     notes: tuple[Bilingual, ...]
+    named: bool = True
 
 
 # --- .lp -------------------------------------------------------------------------------------------
@@ -71,14 +76,7 @@ def read_lp(path: Path, images: FolderImages | None = None) -> LampList:
         raise faults[0]
     if len(readings) == 1:
         return readings[0]
-    return max(readings, key=lambda one: sum(_is_there(images, lamp.name) for lamp in one.lamps))
-
-
-def _is_there(images: FolderImages, name: str) -> bool:
-    try:
-        return images.find(name) is not None
-    except (CaptureError, ValueError, OSError):  # a wrong encoding makes names that no disk bears
-        return False
+    return max(readings, key=lambda one: sum(images.is_there(lamp.name) for lamp in one.lamps))
 
 
 def _read_lp_text(path: Path, text: str) -> LampList:
@@ -114,6 +112,13 @@ def _read_lp_text(path: Path, text: str) -> LampList:
         )
     separator = _separator_of([line for _, line in lines], _split_lamp_line)
     lamps = tuple(_lamp_line(place(path, number), line, separator) for number, line in lines)
+    return checked_lamps(path, lamps, notes)
+
+
+def checked_lamps(
+    path: Path, lamps: tuple[LampLine, ...], notes: Sequence[Bilingual], *, named: bool = True
+) -> LampList:
+    """The lamps of a file with its notes. Raises CaptureError for one behind the sheet or named twice."""
     if lamps and all(lamp.light[2] < 0 for lamp in lamps):
         raise capture_error(
             path,
@@ -125,7 +130,7 @@ def _read_lp_text(path: Path, text: str) -> LampList:
     seen: dict[str, Bilingual] = {}
     for lamp in lamps:
         _check_side(lamp.light, lamp.where)
-        if lamp.name in seen:
+        if named and lamp.name in seen:
             before = seen[lamp.name]
             raise capture_error(
                 lamp.where,
@@ -133,7 +138,7 @@ def _read_lp_text(path: Path, text: str) -> LampList:
                 zh=f"{lamp.name} 在 {before.zh} 已經出現過",
             )
         seen[lamp.name] = lamp.where
-    return LampList(lamps, (*notes, *_notes_of(path, lamps)))
+    return LampList(lamps, (*notes, *_notes_of(path, lamps)), named)
 
 
 def _notes_of(path: Path, lamps: Sequence[LampLine]) -> list[Bilingual]:
@@ -152,10 +157,11 @@ def _notes_of(path: Path, lamps: Sequence[LampLine]) -> list[Bilingual]:
     for i, lamp in enumerate(lamps):
         twin = next((one for one in lamps[:i] if np.allclose(one.light, lamp.light, atol=1e-6)), None)
         if twin is not None:
+            one, other = lamp.name or str(i + 1), twin.name or twin.where.en
             notes.append(
                 Bilingual(
-                    f"{lamp.where.zh}：{lamp.name} 的燈與 {twin.name} 的相同。",
-                    f"{lamp.where.en}: {lamp.name} has the same lamp as {twin.name}",
+                    f"{lamp.where.zh}：{one} 的燈與 {other} 的相同。",
+                    f"{lamp.where.en}: {one} has the same lamp as {other}",
                 )
             )
             break
@@ -175,7 +181,7 @@ def _lamp_line(where: Bilingual, line: str, separator: str) -> LampLine:
     vector = np.array(numbers[:3], dtype=np.float64)
     strengths = np.array(numbers[3:], dtype=np.float64)
     length = float(np.linalg.norm(vector))
-    unit = _unit(vector, where)
+    unit = unit_vector(vector, where)
     return LampLine(name, unit, length, float(strengths.mean()) if strengths.size else None, where)
 
 
@@ -235,7 +241,8 @@ def _separator_of(lines: Sequence[str], split: Any) -> str:
     return max(SEPARATORS, key=readable)
 
 
-def _unit(vector: FloatArray, where: Bilingual) -> FloatArray:
+def unit_vector(vector: FloatArray, where: Bilingual) -> FloatArray:
+    """(3,) of length 1. Raises CaptureError, which begins with where it stands, for a zero vector."""
     length = float(np.linalg.norm(vector))
     if length < 1e-9:
         raise capture_error(
@@ -272,7 +279,7 @@ def read_directions(path: Path) -> FloatArray:
         raise next(one for one in tables if isinstance(one, CaptureError))
     if table.shape == (3, 3):
         by_row, by_column = (
-            bool(np.allclose(np.linalg.norm(table, axis=axis), 1, atol=_UNIT_TOLERANCE)) for axis in (1, 0)
+            bool(np.allclose(np.linalg.norm(table, axis=axis), 1, atol=UNIT_TOLERANCE)) for axis in (1, 0)
         )
         if by_row == by_column:
             raise capture_error(
@@ -287,7 +294,7 @@ def read_directions(path: Path) -> FloatArray:
     lights = []
     for i, row in enumerate(table, start=1):
         where = Bilingual(f"{path.name} 第 {i} 盞燈", f"{path.name} lamp {i}")
-        lights.append(_unit(row, where))
+        lights.append(unit_vector(row, where))
         _check_side(lights[-1], where)
     return np.array(lights)
 

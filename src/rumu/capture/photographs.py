@@ -120,6 +120,13 @@ class FolderImages:
                     return image
         return None
 
+    def is_there(self, name: str) -> bool:
+        """Whether a lamp file means an image by this name."""
+        try:
+            return self.find(name) is not None
+        except (CaptureError, ValueError, OSError):  # a wrong encoding makes names that no disk bears
+            return False
+
     def _find_in(self, folder: Path, name: str, ends: list[str], *, any_suffix: bool) -> Path | None:
         """The image of a name in one folder; ends: of its path, longest first."""
         for end in (name, *ends):

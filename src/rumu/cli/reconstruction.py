@@ -299,7 +299,7 @@ def _files_read(folder: Path, capture: Capture, flat_field: Path | None, *, lamp
     images = FolderImages(place)
     description = description_of(place)
     told = [one for one in files(place) if one.suffix.lower() in LAMP_SUFFIXES]
-    if not lamps_found and not any(one.suffix.lower() in (".lp", ".dome", ".txt") for one in told):
+    if not lamps_found and not any(one.suffix.lower() in LAMP_SUFFIXES[:3] for one in told):
         told += lamp_files_within(images)
     mask = mask_file(images, description)
     ambient = images.by_stem("ambient")

@@ -36,7 +36,10 @@ Content = Literal["works", "capture", "card"]
 
 TEXTS = ("title", "hand", "period", "material")
 WORDS = ("character", "script", "dynasty", "source", "licence", "attribution")
-_LAMPS = re.compile(r".+\.(lp|dome)|light_directions.*\.txt|capture\.json")
+_LAMPS = re.compile(
+    r".+\.(lp|dome)|light_directions.*\.txt|capture\.json"
+    r"|(lamp|light|led)s?([ _-]?(direction|position)s?)?\.(csv|tsv)"
+)
 """The files that make a folder a capture, in lower case; see rumu.capture.folder."""
 _MAX_LISTED = 20  # skipped pictures that are listed one by one
 
@@ -260,16 +263,16 @@ def _nothing_to_import(names: list[str]) -> Unusable:
         return Unusable(
             "no_labels",
             zh="zip 檔裡有圖片，卻沒有 labels.csv，"
-            "也沒有燈位檔（.lp、light_directions.txt 或 capture.json）或同名的釋文（.txt）。"
+            "也沒有燈位檔（.lp、light_directions.txt、lamps.csv 或 capture.json）或同名的釋文（.txt）。"
             "要收入多件作品，請附上 labels.csv，第一行寫 file,character,script，以下每張圖片一行；"
             "同一張紙在多盞燈下的照片，請附上燈位檔，或在照片裡放印好的拍攝卡（這裡第一張裡沒有）；"
             "整頁的字，請附上與圖片同名的釋文。",
-            en="The zip holds pictures, but no labels.csv, no file of lamps (.lp, light_directions.txt or "
-            "capture.json) and no text of the same name (.txt). For many works, add a labels.csv: "
-            "file,character,script in its first line, then a line for each picture. For photographs of one "
-            "sheet under several lamps, add the file of lamps, or lay the printed card beside the sheet (the "
-            "first picture here does not show it). For whole pages, add the text of each, named as its "
-            "picture.",
+            en="The zip holds pictures, but no labels.csv, no file of lamps (.lp, light_directions.txt, "
+            "lamps.csv or capture.json) and no text of the same name (.txt). For many works, add a "
+            "labels.csv: file,character,script in its first line, then a line for each picture. For "
+            "photographs of one sheet under several lamps, add the file of lamps, or lay the printed card "
+            "beside the sheet (the first picture here does not show it). For whole pages, add the text of "
+            "each, named as its picture.",
         )
     return Unusable(
         "no_works",
