@@ -20,6 +20,7 @@ from rumu.strokes.openings import Opening
 from rumu.strokes.pose import CharacterPose
 
 LIMITS = RemarkThresholds()
+HEAVY, THIN = ({"width": width, "written_width": width} for width in (1.5, 0.6))
 SQUARE = np.array([[0.1, 0.1], [0.2, 0.1], [0.2, 0.2], [0.1, 0.2], [0.1, 0.1]])
 NO_FAULT = InkMeasures((), 0.0, 0.0, 0.0, 1.0, 0.0, None, (), (), (), True, 0.0, 1.0)
 
@@ -159,8 +160,8 @@ def test_an_end_does_not_stick_out_that_stops_short_in_the_cell(itself):
         ({"turn": 9.0}, "stroke_angle", "斜了 #°，下端偏左。", "is off by #°: its foot is too far left."),
         ({"length": 1.3}, "stroke_long", "長了 #%。", "is #% too long."),
         ({"length": 0.7}, "stroke_short", "短了 #%。", "is #% too short."),
-        ({"width": 1.5}, "stroke_heavy", "比範本粗 #%。", "is #% heavier than the master's."),
-        ({"width": 0.6}, "stroke_thin", "比範本細 #%。", "is #% thinner than the master's."),
+        (HEAVY, "stroke_heavy", "比範本粗 #%。", "is #% heavier than the master's."),
+        (THIN, "stroke_thin", "比範本細 #%。", "is #% thinner than the master's."),
         ({"entry": 0.5, "entry_alone": 0.5}, "entry_heavy", "起筆太重。", "begins too heavily."),
         ({"entry": -0.5, "entry_alone": -0.4}, "entry_light", "起筆太輕。", "begins too lightly."),
         ({"exit": 0.5, "exit_alone": 0.4}, "exit_blunt", "收筆禿鈍，鋒沒有收住。", "ends bluntly."),
@@ -198,7 +199,7 @@ def test_a_stroke_that_the_picture_cuts_off_is_neither_short_nor_blunt(itself, e
         {"shift": np.array([0.25, 0.0])},
         {"turn": 9.0},
         {"length": 0.7},
-        {"width": 1.5},
+        HEAVY,
         {"entry": 0.5, "entry_alone": 0.5},
     ],
 )
@@ -243,7 +244,7 @@ def test_a_stroke_is_out_of_place_where_no_reading_says_the_contrary(*, itself, 
 @pytest.mark.parametrize(
     ("change", "kind"),
     [
-        ({"width": 1.5}, "stroke_heavy"),  # all are as heavy
+        (HEAVY, "stroke_heavy"),  # all are as heavy
         ({"entry": -0.5, "entry_alone": 0.1}, "entry_light"),  # the stroke is heavy, not its beginning light
         ({"exit": 0.5, "exit_alone": -0.1}, "exit_blunt"),
         ({"exit": 1.2, "exit_alone": 1.2}, "exit_blunt"),  # the end of another stroke
@@ -287,7 +288,7 @@ def test_a_vertical_that_stands_more_upright_than_a_slanting_master_is_not_told_
 def test_a_change_of_width_is_believed_where_the_ink_shows_it(itself, width, unlike, fuller, told):
     match, registration = itself
     ink = replace(UNSEEN, unlike=unlike, fuller=fuller)
-    thin = replace(match.strokes[0], width=width, ink=ink)
+    thin = replace(match.strokes[0], width=width, written_width=width, ink=ink)
     changed = replace(match, strokes=(thin, *match.strokes[1:]), tips=None)
     strokes = named(changed, registration)
     kinds = [f.remark.kind for f in find_stroke_faults(strokes, changed, LIMITS)]
