@@ -93,11 +93,13 @@ class Photograph:
     """One photograph as its file stored it.
 
     samples: (H, W) or (H, W, 3) uint8, uint16 or float32, in memory or on disk. curve: (256,) or (65536,)
-    float32, the linear light of each level; None where the samples are linear, of which white is 1.
+    float32, the linear light of each level; None where the samples are linear, of which white is 1. opaque:
+    (H, W) bool, where the file shows the sheet and not what lies behind it; None where it does all over.
     """
 
     samples: Samples | ScratchFile
     curve: Floats | None = None
+    opaque: npt.NDArray[np.bool_] | None = None
 
     def range(self, start: int, stop: int, *, out: Floats | None = None) -> Floats:
         """(stop - start[, 3]) float32, linear light of a range of pixels, counted row by row.

@@ -16,7 +16,7 @@ import numpy as np
 
 from rumu.capture.formats import Encoding
 from rumu.capture.frames import read_named, size_of
-from rumu.capture.photographs import FolderImages, capture_error
+from rumu.capture.photographs import FLAT, FolderImages, as_argument, capture_error
 from rumu.image_stack import SATURATION, Floats, ImageStack, Photograph, Pixels
 from rumu.values import Bilingual, Capture, FloatArray
 
@@ -70,6 +70,19 @@ def smooth_gains(grids: Sequence[FloatArray], shape: tuple[int, int]) -> list[Sm
     """Factors of photographs (H, W) from grids (h, w), all by one number so that none is above 1."""
     least = 1 / max(float(one.max()) for one in grids)
     return [SmoothGain((least * one).astype(np.float32), shape) for one in grids]
+
+
+def unused_flat_notes(folder: Path) -> tuple[Bilingual, ...]:
+    """A note where a flat-field frame lies among the photographs and is not used."""
+    found = [one for one in FolderImages(folder).images() if FLAT.fullmatch(one.stem)]
+    return tuple(
+        Bilingual(
+            f"{one.name} 是平場照片，沒有用到；--flat-field {as_argument(str(one))} 可用它除去不均勻的光。",
+            f"{one.name} is taken for a flat-field frame and not used; --flat-field {as_argument(str(one))} "
+            "divides the photographs by it",
+        )
+        for one in found
+    )
 
 
 def divide_by_flat_frames(

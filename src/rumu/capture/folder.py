@@ -26,7 +26,7 @@ from rumu.capture.description import DESCRIPTION, Description, description_of, e
 from rumu.capture.dome import read_dome, without_fall_off
 from rumu.capture.formats import ENCODINGS, Encoding
 from rumu.capture.frames import ORIENTATIONS, Orientation, read_frames
-from rumu.capture.lamp_files import TABLE_SUFFIXES, lamp_file, split_path
+from rumu.capture.lamp_files import TABLE_SUFFIXES, kind_of, lamp_file, split_path
 from rumu.capture.lamp_tables import read_lamp_table
 from rumu.capture.light_files import LampList, read_directions, read_lp
 from rumu.capture.lights import direction
@@ -236,7 +236,7 @@ def _read_lamps(
 ) -> _Lamps:
     folder = images.folder
     file = named or lamp_file(images, description)
-    kind = file.suffix.lower()
+    kind = kind_of(file)
     if kind != ".json" and description.slant is not None:
         raise capture_error(
             folder,

@@ -37,7 +37,8 @@ DISPLAY_FORMATS = ("JPEG", "MPO", "WEBP", "AVIF", "HEIF")
 _FORMATS = "PNG, JPEG, WebP, HEIC, AVIF, BMP, GIF, PPM, TIFF or EXR"
 _EXPECTED = f"expected an image ({_FORMATS})"
 _EXPECTED_ZH = f"需要圖片檔（{_FORMATS.replace(' or ', ', ').replace(', ', '、')}）"
-_RAW_SUFFIXES = (".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".orf", ".rw2", ".pef")
+RAW_SUFFIXES = (".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".orf", ".rw2", ".pef")
+"""Of the raw files of cameras, which are not read."""
 _TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _EXR_MAGIC = b"v/1\x01"
 _PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
@@ -167,7 +168,7 @@ def _first_bytes(path: Path) -> bytes:
         ) from error
     if not head:
         raise ImageError(f"{_EXPECTED}, the file is empty", name=path, zh=f"{_EXPECTED_ZH}，這個檔案是空的。")
-    if path.suffix.lower() in _RAW_SUFFIXES:
+    if path.suffix.lower() in RAW_SUFFIXES:
         raise ImageError(
             "camera raw is not read; develop it to a linear 16-bit TIFF first",
             name=path,

@@ -10,15 +10,16 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from rumu.capture.decoded_size import Header
 from rumu.capture.description import DESCRIPTION
 from rumu.capture.formats import DISPLAY_FORMATS, Encoding, read_header
 from rumu.capture.image import read_photograph
 from rumu.capture.memory_plan import MemoryPlan, plan_memory
-from rumu.capture.photographs import capture_error
+from rumu.capture.photographs import capture_error, place
 from rumu.capture.stored import turn
 from rumu.errors import ImageError
 from rumu.image_stack import ImageStack, Photograph, Progress, ScratchFile
-from rumu.values import Bilingual, FloatArray
+from rumu.values import Bilingual, BoolArray, FloatArray
 
 _AMBIENT_MARGIN = 0.01  # of white, by which the picture without lamps may be brighter: noise, JPEG
 _LOOKED_AT = 500_000  # about how many pixels of a photograph its median is taken of
@@ -32,13 +33,15 @@ class Frames:
     """The photographs of a capture.
 
     stack: N photographs in their own bits. upright: whether they were turned as EXIF says. orientation: the
-    same in words, None where EXIF says nothing. notes: what a person should know.
+    same in words, None where EXIF says nothing. notes: what a person should know. opaque: (H, W), where no
+    photograph is transparent; None where none is anywhere.
     """
 
     stack: ImageStack
     upright: bool
     orientation: Literal["stored", "exif"] | None
     notes: tuple[Bilingual, ...]
+    opaque: BoolArray | None = None
 
 
 def read_frames(
@@ -58,7 +61,7 @@ def read_frames(
     """
     upright = orientation == "exif" or (orientation == "auto" and as_shown)
     files = paths if ambient is None else (*paths, ambient)
-    headers = [read_header(path) for path in files]
+    headers = [_header_of(path) for path in files]
     plan = plan_memory(headers, paths[0].parent)
     reader = _Reader(plan, encoding, progress)
     read = reader.read(files, upright=upright, alike=orientation == "auto")
@@ -75,11 +78,47 @@ def read_frames(
     _check_alike(paths, photographs)
     turned = _orientation_notes(paths, told, upright=upright)
     kinds = [one.format for one in headers[: len(paths)]]
-    by_profile = _profile_notes(paths, photographs, kinds) if encoding == "auto" else ()
+    by_profile = _encoding_notes(paths, photographs, kinds) if encoding == "auto" else ()
+    opaque, seen_through = _opaque(paths, photographs)
     stack = ImageStack(photographs, dark=dark, peak=max(1.0, _peak(photographs, dark)))
-    return Frames(
-        stack, upright, ("exif" if upright else "stored") if turned else None, (*turned, *by_profile)
+    shown: Literal["exif", "stored"] = "exif" if upright else "stored"
+    notes = (*turned, *by_profile, *seen_through)
+    return Frames(stack, upright, shown if turned else None, notes, opaque)
+
+
+def _opaque(
+    paths: tuple[Path, ...], photographs: list[Photograph]
+) -> tuple[BoolArray | None, tuple[Bilingual, ...]]:
+    """(H, W) where no photograph is transparent, None where none is anywhere, and a note of it.
+
+    Raises CaptureError where nothing is opaque in all.
+    """
+    cut = [(path, one.opaque) for path, one in zip(paths, photographs, strict=True) if one.opaque is not None]
+    if not cut:
+        return None, ()
+    opaque = np.logical_and.reduce([each for _, each in cut])
+    where = place(cut[0][0])
+    if not opaque.any():
+        raise capture_error(
+            where,
+            en="transparent, as are perhaps others: no place is opaque in all photographs; save them without "
+            "transparency (alpha)",
+            zh="是透明的，別張或許也是：沒有一處在所有照片裡都不透明；請存成不帶透明度（alpha）的照片",
+        )
+    share = f"{100 * (1 - opaque.mean()):.0f}%"
+    note = Bilingual(
+        f"{where.zh} 等 {len(cut)} 張照片有透明的地方（佔 {share}），當作不在遮罩內。",
+        f"{len(cut)} photographs ({where.en}...) are transparent in places ({share}), which are taken to be "
+        "outside the mask",
     )
+    return opaque, (note,)
+
+
+def _header_of(path: Path) -> Header:
+    try:
+        return read_header(path)
+    except ImageError as error:
+        raise with_file_name(error, path) from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,8 +166,11 @@ def read_named(path: Path, *, encoding: Encoding, upright: bool) -> tuple[Photog
     except ImageError as error:
         raise with_file_name(error, path) from error
     assert isinstance(photograph.samples, np.ndarray)
-    samples = turn(photograph.samples, told) if upright else photograph.samples
-    return replace(photograph, samples=np.ascontiguousarray(samples)), told
+    if not upright:
+        return replace(photograph, samples=np.ascontiguousarray(photograph.samples)), told
+    opaque = None if photograph.opaque is None else turn(photograph.opaque, told)
+    samples = np.ascontiguousarray(turn(photograph.samples, told))
+    return replace(photograph, samples=samples, opaque=opaque), told
 
 
 def kept(photograph: Photograph, *, on_disk: bool) -> Photograph:
@@ -199,6 +241,31 @@ def with_file_name(error: ImageError, path: Path) -> ImageError:
     """The error with the name of the file alone: the folders above it are those of a server, perhaps."""
     zh = None if error.zh is None else error.zh.replace(str(path), path.name)
     return ImageError(str(error).replace(str(path), path.name), zh=zh)
+
+
+def _encoding_notes(
+    paths: tuple[Path, ...], photographs: list[Photograph], formats: list[str]
+) -> tuple[Bilingual, ...]:
+    """What is said of how levels became light: by colour profiles, and not alike for all photographs."""
+    whole = [
+        (path, one) for path, one in zip(paths, photographs, strict=True) if one.samples.dtype.kind == "u"
+    ]
+    shown = [path.name for path, one in whole if one.curve is not None]
+    light = [path.name for path, one in whole if one.curve is None]
+    by_profile = _profile_notes(paths, photographs, formats)
+    if not shown or not light:
+        return by_profile
+    return (
+        *by_profile,
+        Bilingual(
+            f"照片不是同一種：{shown[0]} 等 {len(shown)} 張當作螢幕用的值，"
+            f"{light[0]} 等 {len(light)} 張當作光的量；"
+            "若都由同一台相機、同樣存出，請用 --encoding 說明是哪一種（srgb 或 linear）。",
+            f"the photographs are not of one kind: {len(shown)} ({shown[0]}...) were decoded as made for a "
+            f"screen, {len(light)} ({light[0]}...) taken for light as it is; if all were saved alike, say "
+            "which they are by --encoding (srgb or linear)",
+        ),
+    )
 
 
 def _profile_notes(

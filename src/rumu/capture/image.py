@@ -22,6 +22,7 @@ Box = tuple[int, int, int, int]
 """Rows y0:y1 and columns x0:x1 of a picture."""
 
 _REC709 = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
+_OPAQUE = 0.999  # alpha from which nothing behind the sheet shines through
 _ROUNDING = 1e-5  # a float image may overshoot [0, 1] by the rounding of the program that wrote it
 
 
@@ -101,7 +102,8 @@ def read_photograph(path: str | os.PathLike[str], *, encoding: Encoding = "auto"
     if stored.alpha is not None:
         height, width = values.shape[:2]
         linear = Photograph(values, curve).range(0, height * width).reshape(values.shape)
-        return Photograph(over_white(linear, stored.alpha)), stored.orientation
+        opaque = stored.alpha >= _OPAQUE
+        return Photograph(over_white(linear, stored.alpha), opaque=opaque), stored.orientation
     return Photograph(values, curve), stored.orientation
 
 

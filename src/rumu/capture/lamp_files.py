@@ -12,8 +12,9 @@ TABLE_SUFFIXES = (".csv", ".tsv")
 """Of tables of lamps."""
 LAMP_SUFFIXES = (".lp", ".dome", ".txt", ".json", *TABLE_SUFFIXES)
 """Of files that say where lamps stood."""
-_KINDS = (r".+\.lp", r".+\.dome", r"light_directions.*\.txt")
-_TABLES = (r"(lamp|light|led)s?([ _-]?(direction|position)s?)?\.(csv|tsv)", r".+\.(csv|tsv)")
+_KINDS = (r".+\.lp(\.txt)?", r".+\.dome", r"light_directions.*\.txt")
+_TABLES = (r"(lamp|light|led)s?([ _-]?(direction|position)s?)?\.(csv|tsv)(\.txt)?", r".+\.(csv|tsv)(\.txt)?")
+_BOOKS = r".+\.(xlsx?|ods|numbers)"
 _MARKER = "surface.json"
 
 
@@ -39,6 +40,13 @@ def split_path(path: Path) -> tuple[Path, Path | None]:
     )
 
 
+def kind_of(file: Path) -> str:
+    """The suffix that says how a file of lamps is read; Windows hides a .txt that an editor hung on it."""
+    suffixes = [one.lower() for one in file.suffixes[-2:]]
+    hidden = len(suffixes) == 2 and suffixes[1] == ".txt" and suffixes[0] in (".lp", *TABLE_SUFFIXES)
+    return suffixes[0] if hidden else file.suffix.lower()
+
+
 def lamp_file(images: FolderImages, description: Description) -> Path:
     """The file that tells the lamps: .lp, .dome, light_directions.txt, capture.json with a slant, a table.
 
@@ -60,12 +68,14 @@ def lamp_file(images: FolderImages, description: Description) -> Path:
     within = lamp_files_within(images)
     if within:
         return _one(folder, within)
+    books = ", ".join(book.name for book in _named(_BOOKS, [folder], images))
     raise capture_error(
         folder,
         en=f"expected an .lp file, light_directions.txt, a .csv of lamps, or {DESCRIPTION} with a slant, "
-        "found none; without "
+        f"found {books + ', a workbook: save it as CSV UTF-8' if books else 'none'}; without "
         "them, reconstruct takes --card, --sphere auto, or --lamps-unknown",
-        zh=f"這裡應有 .lp 檔、light_directions.txt、燈位表 .csv，或寫有 slant 的 {DESCRIPTION}，卻都沒有；"
+        zh=f"這裡應有 .lp 檔、light_directions.txt、燈位表 .csv，或寫有 slant 的 {DESCRIPTION}，"
+        f"卻{'只有活頁簿 ' + books + '（請另存為 CSV UTF-8）' if books else '都沒有'}；"
         "沒有這些檔案時，reconstruct 可用 --card、--sphere auto 或 --lamps-unknown",
     )
 

@@ -15,6 +15,7 @@ SEPARATORS = (r"[\s;|]+", r"[\s;|,]+")
 
 _MOST_BYTES = 4 * 2**20  # of a lamp file: a dome of a thousand lamps has 100 KB
 _LEGACY_ENCODINGS = ("gb18030", "big5hkscs", "cp932", "cp1252")  # of a Windows, tried where it is not Unicode
+_WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # .xlsx and .ods, .xls
 _COMMENT = ("#", "//", ";", "%")
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)(e[+-]?\d+)?", re.IGNORECASE)
 
@@ -46,6 +47,12 @@ def read_texts(path: Path) -> list[str]:
     """What the file says, once for each encoding that may be meant."""
     with open_file(path, error_type=CaptureError, expected="a text file") as file:
         data = file.read(_MOST_BYTES + 1).rstrip(b"\x1a")
+    if data.startswith(_WORKBOOKS):
+        raise capture_error(
+            path,
+            en="expected a text file, found the workbook of a spreadsheet; save it as CSV UTF-8 there",
+            zh="這裡應是文字檔，卻是試算表活頁簿；請在試算表裡另存為「CSV UTF-8」",
+        )
     texts = [] if len(data) > _MOST_BYTES else [_decode(data, encoding) for encoding in _encodings(data)]
     readable = [text for text in texts if text is not None and not re.search(r"[\0-\x08\x0e-\x1f]", text)]
     if not readable:

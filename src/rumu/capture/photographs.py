@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
 from pathlib import Path, PurePath, PurePosixPath
 
+from rumu.capture.formats import RAW_SUFFIXES
 from rumu.containment import FolderFiles
 from rumu.errors import CaptureError
 from rumu.values import Bilingual
@@ -23,6 +24,9 @@ PICTURE_SUFFIXES = (
 """What ends the names of pictures that are read, in a folder that holds other files, too."""
 SUFFIX = re.compile(r"\.[A-Za-z][A-Za-z0-9]{1,4}$")
 """What ends the name of a file of any kind; not the .1 of `shot.1`."""
+FLAT = re.compile(r"flat([ _-]?(field|frame))?s?", re.IGNORECASE)
+"""What a flat-field frame is called, without its suffix; it is no photograph of the sheet."""
+_ASIDE = re.compile(r"(.*\.)?(mask|ambient)|normals?(_gt)?", re.IGNORECASE)
 _LISTED = 3  # images that a message names
 
 
@@ -66,16 +70,20 @@ class FolderImages:
 
     @cached_property
     def photographs(self) -> list[Path]:
-        """Images in natural order (2 before 10), without masks, the ambient frame and normal maps."""
+        """Images in natural order (2 before 10) but masks, the ambient and flat-field frames, normal maps."""
         return self.photographs_in(self.folder)
 
     def photographs_in(self, folder: Path) -> list[Path]:
         """The same of another folder."""
-        aside = re.compile(r"(.*\.)?(mask|ambient)|normals?(_gt)?", re.IGNORECASE)
         return sorted(
-            (p for p in self.images(folder) if not aside.fullmatch(p.stem)),
+            (p for p in self.images(folder) if not (_ASIDE.fullmatch(p.stem) or FLAT.fullmatch(p.stem))),
             key=lambda p: [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", p.name)],
         )
+
+    @cached_property
+    def _raw_files(self) -> list[Path]:
+        """Raw files of a camera in the folder."""
+        return [p for p in files(self.folder) if p.suffix.lower() in RAW_SUFFIXES]
 
     def besides(self, found: Collection[Path]) -> list[Path]:
         """The photographs that lie in one folder with those found and are as they by their suffix."""
@@ -109,7 +117,7 @@ class FolderImages:
         parts = named_path(name).parts
         ends = ["/".join(parts[i:]) for i in range(len(parts))]
         tried = [[self.folder], self._folders(self.folder)]
-        if not self.images():
+        if not self.images() and not self._raw_files:
             above = self.folder.absolute().parent
             tried += [[above], self._folders(above)]
         for places in tried:
@@ -169,15 +177,27 @@ class FolderImages:
         meant = {one for one in leave_out if is_called(path, one)}
         if meant:
             return meant
+        raw = next((p for p in self._raw_files if _plain(p.stem) == _plain(SUFFIX.sub("", path.name))), None)
+        if raw is not None:
+            raise capture_error(
+                where,
+                en=f"{raw.name} is a raw file of a camera, which is not read; develop it to a linear TIFF",
+                zh=f"{raw.name} 是相機原始檔，不能讀；請先轉成線性的 TIFF",
+            )
         names = ", ".join(p.name for p in self.photographs[:_LISTED]) or "-"
         more = "..." if len(self.photographs) > _LISTED else ""
         raise capture_error(
             where,
             en=f"expected the image {name}, there is no such file; here are {names}{more} "
-            f"(--leave-out {path.name} does without it)",
+            f"(--leave-out {as_argument(path.name)} does without it)",
             zh=f"這裡應是照片檔 {name}，卻沒有這個檔案；這裡有 {names}{more}"
-            f"（--leave-out {path.name} 可略過它）",
+            f"（--leave-out {as_argument(path.name)} 可略過它）",
         )
+
+
+def as_argument(name: str) -> str:
+    """A name as it is written in a command: in quotes where it holds a blank or a sign of the shell."""
+    return f'"{name}"' if re.search(r"[\s()&;'*?\[\]$!#]", name) else name
 
 
 def files(folder: Path) -> list[Path]:
@@ -231,8 +251,10 @@ def photographs_without(where: Path, paths: Sequence[Path], names: Collection[st
 def _only(folder: Path, name: str, found: list[Path]) -> Path | None:
     if len(found) > 1:
         names = ", ".join(
-            p.relative_to(folder).as_posix() if p.is_relative_to(folder) else str(p) for p in found
+            p.relative_to(folder).as_posix() if p.is_relative_to(folder) else f"{p.parent.name}/{p.name}"
+            for p in found[:_LISTED]
         )
+        names += ", ..." if len(found) > _LISTED else ""
         raise capture_error(
             folder,
             en=f"expected one image named {name}, found {names}",

@@ -161,7 +161,7 @@ def read_lit_capture(
     scale, instead of what the folder or the card says. encoding: of --encoding, also of flat-field frames.
     Raises wrong usage for options that exclude each other.
     """
-    from rumu.capture.flat_frames import divide_by_flat_frames
+    from rumu.capture.flat_frames import divide_by_flat_frames, unused_flat_notes
     from rumu.capture.folder import read_capture
     from rumu.capture.sphere_capture import read_sphere_capture
     from rumu.card.capture import read_card_capture
@@ -190,7 +190,10 @@ def read_lit_capture(
     if align:
         done = align_photographs(capture, progress=progress)
         capture, moved = done.capture, done.moved
-    if flat_field is not None:
+    if flat_field is None:
+        place = folder if folder.is_dir() else folder.parent
+        capture = capture.changed(notes=(*capture.notes, *unused_flat_notes(place)))
+    else:
         capture = divide_by_flat_frames(capture, flat_field, encoding=encoding)
     if source.near:
         progress("Placing the lamps", 0, 1)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rumu.capture.photographs import as_argument
 from rumu.image_stack import SATURATION, pixels_of
 from rumu.surface.frame_check import shift_between
 from rumu.surface.near_lamps import shading
@@ -222,9 +223,10 @@ def fault_notes(rows: Sequence[PhotographRow]) -> tuple[Bilingual, ...]:
         )
     return tuple(
         Bilingual(
-            f"{row.name}：{'；'.join(fault.zh for fault in row.faults)}。可用 --leave-out {row.name} 除去。",
+            f"{row.name}：{'；'.join(fault.zh for fault in row.faults)}。"
+            f"可用 --leave-out {as_argument(row.name)} 除去。",
             f"{row.name}: {'; '.join(fault.en for fault in row.faults)}. "
-            f"--leave-out {row.name} does without it",
+            f"--leave-out {as_argument(row.name)} does without it",
         )
         for row in bad
     )
