@@ -150,8 +150,40 @@ def test_a_canvas_whose_picture_has_no_address_is_left_out(bare, museum, web, ad
     assert (done.added, [name for name, _ in done.left_out]) == (1, [museum.canvas_id(4)])
 
 
-def _painted_by(annotation):
-    return {"type": "Canvas", "id": "c", "items": [{"type": "AnnotationPage", "items": [annotation]}]}
+def test_what_is_no_picture_is_told_by_its_address(bare, museum, web):
+    facts = museum.manifest()
+    facts["items"] = [facts["items"][4]]
+    facts["items"][0]["items"][0]["items"][0]["body"]["id"] = f"{museum.base}/manifest.json"
+    file = web[0].folder.parent / "manifest.json"
+    file.write_text(json.dumps(facts), encoding="utf-8")
+    ((_, reason),) = import_manifest(bare, file, web=web[0]).left_out
+    assert reason.en.startswith(f"{museum.base}/manifest.json: expected an image")
+
+
+def test_each_picture_of_a_canvas_is_a_work(bare, museum, web):
+    facts = museum.manifest()
+    leaf, other = facts["items"][4], facts["items"][0]
+    leaf["items"][0]["items"] += other["items"][0]["items"]
+    facts["items"] = [leaf]
+    file = web[0].folder.parent / "manifest.json"
+    file.write_text(json.dumps(facts), encoding="utf-8")
+    for added, existing in ((2, 0), (0, 2)):
+        done = import_manifest(bare, file, web=web[0])
+        assert (done.added, done.existing, done.left_out) == (added, existing, ())
+    titles = sorted(work.title_en for work in works_of(bare))
+    assert len(titles) == 2 and titles[1] == f"{titles[0]} (2)"
+
+
+def _painted_by(*annotations):
+    return {"type": "Canvas", "id": "c", "items": [{"type": "AnnotationPage", "items": [*annotations]}]}
+
+
+@pytest.mark.parametrize("kind", ["Sound", "Video", "dctypes:MovingImage", "TextualBody"])
+def test_sound_film_and_text_are_not_fetched(kind):
+    annotation = {"motivation": "painting", "body": {"id": "https://a.example/b", "type": kind}}
+    facts = {"type": "Manifest", "label": {"en": ["a"]}, "items": [_painted_by(annotation)]}
+    found = read_presentation(json.dumps(facts).encode(), url="https://a.example/m")
+    assert (found.canvases, found.without_picture) == ((), 1)
 
 
 IMAGE = {"id": "https://a.example/i/full/max/0/default.jpg", "type": "Image"}

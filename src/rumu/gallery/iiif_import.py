@@ -203,8 +203,12 @@ def _origins(gallery: Gallery, collection_id: str) -> set[str]:
 
 
 def _origin(manifest: MuseumManifest, canvas: CanvasPicture, number: int) -> str:
-    """What a canvas is known by within its collection: its id, a digest of it where it is long."""
+    """What a picture is known by within its collection: its canvas's id, a digest of it where it is long.
+
+    Further pictures of a canvas have their number behind it.
+    """
     name = canvas.id or f"{manifest.id}#{number}"
+    name = name if canvas.number == 1 else f"{name}#{canvas.number}"
     return name if len(name) <= 500 else f"{name[:400]}#{hashlib.sha256(name.encode()).hexdigest()}"
 
 
@@ -222,6 +226,8 @@ def _metadata(
         title = Bilingual(
             "　".join(filter(None, (title.zh, leaf.zh))), ", ".join(filter(None, (title.en, leaf.en)))
         )
+    if canvas.number > 1:
+        title = Bilingual(f"{title.zh} ({canvas.number})", f"{title.en} ({canvas.number})")
     record = manifest.record
     provider = "; ".join(in_both(one).en for one in record["provider"])
     statement = in_both(record["statement"]["value"]).en if record["statement"] else ""

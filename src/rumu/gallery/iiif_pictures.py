@@ -211,7 +211,7 @@ def _of_tiles(web: MuseumWeb, service: ImageService, factor: int, near: str) -> 
     for row in range(rows):
         for column in range(columns):
             url, (x, y) = _tile_url(service, factor, tile, (column, row)), (column * tile[0], row * tile[1])
-            part = decode_picture(web.picture_bytes(url, near=near)).convert("RGB")
+            part = _decoded(web.picture_bytes(url, near=near), url).convert("RGB")
             expected = min(tile[0], width - x), min(tile[1], height - y)
             if max(abs(part.width - expected[0]), abs(part.height - expected[1])) > 1:
                 raise NotThere(
@@ -253,8 +253,16 @@ def _smaller(
 def _single(web: MuseumWeb, url: str, near: str) -> FetchedPicture:
     """A picture as the server gives it. Raises ImageError when it cannot be read."""
     data = web.picture_bytes(url, near=near)
-    picture: Picture = decode_picture(data)
+    picture = _decoded(data, url)
     return FetchedPicture(data, _suffix(data), picture.width, picture.height, (url,))
+
+
+def _decoded(data: bytes, url: str) -> Picture:
+    """The picture that came from an address; an error names that, not the file in between."""
+    try:
+        return decode_picture(data)
+    except ImageError as error:
+        raise ImageError(error.en, name=url, zh=error.zh) from error
 
 
 def _within(found: FetchedPicture, max_pixels: int) -> FetchedPicture:

@@ -24,6 +24,9 @@ _MOST_FACTS = 200
 _LONGEST = 20_000  # characters of one text
 _LONGEST_ADDRESS = 2000
 _OTHER_SERVICES = ("auth", "search", "geo")  # that may stand beside the one of the picture
+_NO_PICTURES = frozenset(
+    {"sound", "video", "movingimage", "text", "textualbody", "contentastext", "model", "dataset"}
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +34,7 @@ class CanvasPicture:
     """A canvas and the picture on it.
 
     id: of the canvas. picture: address of the image itself. service: base address of its Image API, '' if
-    there is none. width, height: of the canvas, 0 where they are not said.
+    there is none. width, height: of the canvas, 0 where they are not said. number: of the picture on it.
     """
 
     id: str
@@ -40,6 +43,7 @@ class CanvasPicture:
     service: str
     width: int = 0
     height: int = 0
+    number: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,14 +178,14 @@ def _in_language(texts: Texts, wanted: tuple[str, ...]) -> str:
 def _manifest(facts: dict[str, Any], url: str) -> MuseumManifest:
     label = read_texts(facts.get("label"))
     canvases = list(_canvases(facts))
-    pictures = [one for canvas in canvases if (one := _picture_on(canvas)) is not None]
+    pictures = [list(_pictures_on(canvas)) for canvas in canvases]
     name = _address(facts) or url
     return MuseumManifest(
         id=name,
         label=label,
         record=_record(facts, label, name),
-        canvases=tuple(pictures),
-        without_picture=len(canvases) - len(pictures),
+        canvases=tuple(one for found in pictures for one in found),
+        without_picture=pictures.count([]),
     )
 
 
@@ -192,21 +196,24 @@ def _canvases(facts: dict[str, Any]) -> Iterator[dict[str, Any]]:
     yield from _objects(facts.get("items"))
 
 
-def _picture_on(canvas: dict[str, Any]) -> CanvasPicture | None:
-    """The first picture painted on a canvas; the first or the default one of a choice."""
+def _pictures_on(canvas: dict[str, Any]) -> Iterator[CanvasPicture]:
+    """The pictures painted on a canvas, as pieces of a leaf are; of a choice the first or the default."""
+    seen = set()
     for painted in _painted(canvas):
         body = _chosen(painted)
         service = _image_service(body)
-        if _address(body) or service:
-            return CanvasPicture(
+        address = service or _address(body)
+        if address and address not in seen and _plain_kind(body) not in _NO_PICTURES:
+            seen.add(address)
+            yield CanvasPicture(
                 id=_address(canvas),
                 label=read_texts(canvas.get("label")),
                 picture=_address(body),
                 service=service,
                 width=_whole_number(canvas.get("width")),
                 height=_whole_number(canvas.get("height")),
+                number=len(seen),
             )
-    return None
 
 
 def _chosen(body: dict[str, Any]) -> dict[str, Any]:
