@@ -174,6 +174,28 @@ def test_each_picture_of_a_canvas_is_a_work(bare, museum, web):
     assert len(titles) == 2 and titles[1] == f"{titles[0]} (2)"
 
 
+@pytest.mark.parametrize(
+    ("selector", "size"),
+    [
+        ({"type": "ImageApiSelector", "region": "30,20,120,90", "rotation": "90"}, (90, 120)),
+        ({"@type": "iiif:ImageApiSelector", "region": "pct:50,0,50,100"}, (150, 200)),
+        ({"type": "FragmentSelector", "value": "xywh=0,0,60,40"}, (60, 40)),
+        ({"type": "PointSelector", "x": 3, "y": 4}, (300, 200)),
+        ({"type": "ImageApiSelector", "region": "900,0,10,10"}, None),
+    ],
+)
+def test_of_a_picture_the_part_is_brought_that_the_canvas_shows(bare, museum, web, selector, size):
+    facts = museum.manifest()
+    annotation = facts["items"][0]["items"][0]["items"][0]
+    annotation["body"] = {"type": "SpecificResource", "source": annotation["body"], "selector": selector}
+    facts["items"] = facts["items"][:1]
+    file = web[0].folder.parent / "manifest.json"
+    file.write_text(json.dumps(facts), encoding="utf-8")
+    done = import_manifest(bare, file, web=web[0])
+    works = [(work.width, work.height) for work in works_of(bare)]
+    assert works == ([size] if size else []) and len(done.left_out) == (size is None)
+
+
 def _painted_by(*annotations):
     return {"type": "Canvas", "id": "c", "items": [{"type": "AnnotationPage", "items": [*annotations]}]}
 

@@ -88,12 +88,12 @@ def image_response(  # noqa: PLR0917  in the order of the address
         )
     box = region_box(region, width=row.width, height=row.height)
     wanted = size_of(size, box)
-    mirrored, quarters = _parse_rotation(rotation)
+    mirrored, quarters = parse_rotation(rotation)
     picture = read_picture(gallery.store, row.picture)
     part = picture.crop((box.x, box.y, box.x + box.width, box.y + box.height))
     if part.size != wanted:
         part = part.resize(wanted, Image.Resampling.LANCZOS)
-    image = _convert(_rotate(part, mirrored, quarters), quality)
+    image = _convert(rotate(part, mirrored, quarters), quality)
     packed = io.BytesIO()
     if format == "jpg":
         image.save(packed, "JPEG", quality=90)
@@ -170,7 +170,7 @@ def _fit(box: PictureRegion, width: int, height: int, *, upscale: bool) -> tuple
     return max(1, int(box.width * factor + 1e-6)), max(1, int(box.height * factor + 1e-6))
 
 
-def _parse_rotation(rotation: str) -> tuple[bool, int]:
+def parse_rotation(rotation: str) -> tuple[bool, int]:
     """Whether the picture is mirrored, and the number of quarter turns clockwise."""
     degrees = re.fullmatch(rf"(!?)({_NUMBER})", rotation)
     if degrees is None or float(degrees[2]) not in (0, 90, 180, 270, 360):
@@ -178,7 +178,8 @@ def _parse_rotation(rotation: str) -> tuple[bool, int]:
     return bool(degrees[1]), round(float(degrees[2]) / 90) % 4
 
 
-def _rotate(image: Picture, mirrored: bool, quarters: int) -> Picture:
+def rotate(image: Picture, mirrored: bool, quarters: int) -> Picture:
+    """The picture mirrored, then turned by quarters clockwise."""
     from PIL import Image
 
     if mirrored:

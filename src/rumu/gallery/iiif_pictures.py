@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from rumu.errors import GalleryError, ImageError
 from rumu.gallery.assets import decode_picture
+from rumu.gallery.iiif_image import BadImageRequest, parse_rotation, region_box, rotate
 from rumu.gallery.iiif_reading import CanvasPicture
 from rumu.gallery.museum_web import MuseumWeb, NotThere
 
@@ -82,8 +83,9 @@ def fetch_picture(
                 raise
         else:
             found = _of_service(web, service, canvas, near=near, max_pixels=max_pixels)
-            return _within(found, max_pixels)
-    return _within(_single(web, canvas.picture, near), max_pixels)
+            return _shown(_within(found, max_pixels), canvas, (service.width, service.height))
+    found = _single(web, canvas.picture, near)
+    return _shown(_within(found, max_pixels), canvas, (found.width, found.height))
 
 
 def read_info(data: bytes, base: str) -> ImageService:
@@ -272,6 +274,22 @@ def _within(found: FetchedPicture, max_pixels: int) -> FetchedPicture:
         return found
     small = decode_picture(found.data).convert("RGB").reduce(factor)
     return replace(found, data=_packed(small), suffix=".jpg", width=small.width, height=small.height)
+
+
+def _shown(found: FetchedPicture, canvas: CanvasPicture, whole: tuple[int, int]) -> FetchedPicture:
+    """The part of a picture that a canvas shows, turned as there. whole: size of the picture, unreduced."""
+    if (canvas.region, canvas.rotation) == ("full", "0"):
+        return found
+    try:
+        box = region_box(canvas.region, width=whole[0], height=whole[1])
+        mirrored, quarters = parse_rotation(canvas.rotation)
+    except BadImageRequest as error:
+        raise NotThere(f"{canvas.id}: {error}", zh="畫布所示的部分讀不懂。") from error
+    edges = (box.x, box.y, box.x + box.width, box.y + box.height)
+    left, top, right, bottom = (round(edge * found.width / whole[0]) for edge in edges)
+    part = decode_picture(found.data).crop((left, top, max(right, left + 1), max(bottom, top + 1)))
+    part = rotate(part, mirrored, quarters)
+    return replace(found, data=_packed(part), suffix=".jpg", width=part.width, height=part.height)
 
 
 def _packed(picture: Picture) -> bytes:

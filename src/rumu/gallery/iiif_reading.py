@@ -35,6 +35,7 @@ class CanvasPicture:
 
     id: of the canvas. picture: address of the image itself. service: base address of its Image API, '' if
     there is none. width, height: of the canvas, 0 where they are not said. number: of the picture on it.
+    region, rotation: what of the picture is shown, as the Image API writes it.
     """
 
     id: str
@@ -44,6 +45,8 @@ class CanvasPicture:
     width: int = 0
     height: int = 0
     number: int = 1
+    region: str = "full"
+    rotation: str = "0"
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,11 +203,11 @@ def _pictures_on(canvas: dict[str, Any]) -> Iterator[CanvasPicture]:
     """The pictures painted on a canvas, as pieces of a leaf are; of a choice the first or the default."""
     seen = set()
     for painted in _painted(canvas):
-        body = _chosen(painted)
+        body, region, rotation = _chosen(painted)
         service = _image_service(body)
-        address = service or _address(body)
-        if address and address not in seen and _plain_kind(body) not in _NO_PICTURES:
-            seen.add(address)
+        shown = (service or _address(body), region)
+        if shown[0] and shown not in seen and _plain_kind(body) not in _NO_PICTURES:
+            seen.add(shown)
             yield CanvasPicture(
                 id=_address(canvas),
                 label=read_texts(canvas.get("label")),
@@ -213,17 +216,32 @@ def _pictures_on(canvas: dict[str, Any]) -> Iterator[CanvasPicture]:
                 width=_whole_number(canvas.get("width")),
                 height=_whole_number(canvas.get("height")),
                 number=len(seen),
+                region=region,
+                rotation=rotation,
             )
 
 
-def _chosen(body: dict[str, Any]) -> dict[str, Any]:
-    """The picture of a body: of a choice the default or the first, of a part the whole."""
+def _chosen(body: dict[str, Any]) -> tuple[dict[str, Any], str, str]:
+    """The picture of a body, of a choice the default or the first; the region and rotation that are shown."""
     kind = _plain_kind(body)
     if kind == "choice":
-        return next(_objects(body.get("default") or body.get("items") or body.get("item")), {})
-    if kind == "specificresource":
-        return next(_objects(body.get("source") or body.get("full")), {})
-    return body
+        body = next(_objects(body.get("default") or body.get("items") or body.get("item")), {})
+        kind = _plain_kind(body)
+    if kind != "specificresource":
+        return body, "full", "0"
+    return next(_objects(body.get("source") or body.get("full")), {}), *_selected(body)
+
+
+def _selected(body: dict[str, Any]) -> tuple[str, str]:
+    """The region and the rotation that the selector of a part names."""
+    for selector in _objects(body.get("selector")):
+        kind = _plain_kind(selector)
+        if kind == "imageapiselector":
+            return str(selector.get("region") or "full"), str(selector.get("rotation") or "0")
+        box = re.match(r"xywh=(?:pixel:)?(?:(percent):)?(.+)", str(selector.get("value") or ""))
+        if kind == "fragmentselector" and box:
+            return f"{'pct:' if box[1] else ''}{box[2]}", "0"
+    return "full", "0"
 
 
 def _painted(canvas: dict[str, Any]) -> Iterator[dict[str, Any]]:
