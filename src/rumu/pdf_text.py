@@ -1,8 +1,8 @@
 """Widths and lines of text on a PDF page, and what the font of the copybooks' strokes lacks.
 
-Latin is set in Helvetica, which every PDF reader has. Chinese characters come from `pages/sheet_font.py`;
-what it lacks, punctuation above all, is drawn as outlines of a font of this machine, so that the page prints
-anywhere, and without one set in MSung-Light, which readers bring themselves.
+Latin is set in Helvetica, which every PDF reader has. Chinese characters and punctuation come from
+`pages/sheet_font.py`; what it lacks, rare characters, is drawn as outlines of a font of this machine, so that
+the page prints anywhere, and without one set in MSung-Light, which readers bring themselves.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A font of the characters that a PDF shows, made of the copybooks' strokes and embedded in it.
+"""A font of the characters that a PDF shows, made of the copybooks' strokes, and embedded in it.
 
 So sheets and reports need no font of the machine, print the same everywhere, and their text can be searched
 and copied.
@@ -9,11 +9,13 @@ from __future__ import annotations
 import io
 import itertools
 import zlib
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from rumu.characters.stroke_data import CanonicalStroke, find_character
+from rumu.pages.punctuation import PUNCTUATION
 from rumu.pdf_text import draw_text, text_width
 
 _EM = 1000  # units of the font
@@ -27,7 +29,9 @@ class SheetFont:
     """
 
     def __init__(self, letters: str) -> None:
-        known = {letter: found for letter in sorted(set(letters)) if (found := find_character(letter))}
+        written = {letter: found for letter in sorted(set(letters)) if (found := find_character(letter))}
+        marks = sorted(set(letters) & set(PUNCTUATION))
+        known = [*written, *marks]
         self._known = frozenset(known)
         # reportlab takes fonts of one name for one font
         self._name = f"rumu-{zlib.crc32(''.join(known).encode()):08x}"
@@ -35,8 +39,8 @@ class SheetFont:
             from reportlab.pdfbase.pdfmetrics import registerFont
             from reportlab.pdfbase.ttfonts import TTFont
 
-            strokes = {letter: found.strokes for letter, found in known.items()}
-            registerFont(TTFont(self._name, io.BytesIO(_font_file(strokes, name=self._name))))
+            strokes = {letter: found.strokes for letter, found in written.items()}
+            registerFont(TTFont(self._name, io.BytesIO(_font_file(strokes, marks, name=self._name))))
 
     def width(self, text: str, size: float) -> float:
         """Width of a line of text in points."""
@@ -59,17 +63,28 @@ class SheetFont:
         ]
 
 
-def _font_file(characters: dict[str, tuple[CanonicalStroke, ...]], *, name: str) -> bytes:
-    """A TrueType font with these characters."""
+def _font_file(
+    characters: dict[str, tuple[CanonicalStroke, ...]], marks: Sequence[str], *, name: str
+) -> bytes:
+    """A TrueType font with these characters and marks of punctuation."""
     from fontTools.fontBuilder import FontBuilder  # type: ignore[import-untyped]
     from fontTools.pens.ttGlyphPen import TTGlyphPen  # type: ignore[import-untyped]
 
     glyphs = {".notdef": TTGlyphPen(None).glyph()}
-    names = {ord(letter): f"u{ord(letter):05x}" for letter in characters}
+    names = {ord(letter): f"u{ord(letter):05x}" for letter in (*characters, *marks)}
     for letter, strokes in characters.items():
         pen = TTGlyphPen(None)
         for stroke in strokes:
             _draw_stroke(pen, stroke)
+        glyphs[names[ord(letter)]] = pen.glyph()
+    for letter in marks:
+        pen = TTGlyphPen(None)
+        for outline in PUNCTUATION[letter]:
+            first, *others = (_on_em(point) for point in outline)
+            pen.moveTo(first)
+            for point in others:
+                pen.lineTo(point)
+            pen.closePath()
         glyphs[names[ord(letter)]] = pen.glyph()
     builder = FontBuilder(_EM, isTTF=True)
     builder.setupGlyphOrder(list(glyphs))
@@ -99,4 +114,9 @@ def _draw_stroke(pen: Any, stroke: CanonicalStroke) -> None:
         if command == "Z":
             target.closePath()
         else:
-            draw[command](*((round(_EM * px), round(_EM * (1 - py)) - _DESCENT) for px, py in points))
+            draw[command](*map(_on_em, points))
+
+
+def _on_em(point: Any) -> tuple[int, int]:
+    """A point of the character's square, its shares from the upper left, in units of the font."""
+    return round(_EM * float(point[0])), round(_EM * (1 - float(point[1]))) - _DESCENT
