@@ -163,6 +163,8 @@ def colours() -> None:
         ("flat", 0 * waves, None),
         ("wavy", waves, None),
         ("wavy, under gloss", waves, Gloss(strength=0.2, exponent=40.0)),
+        ("flat, under gloss", 0 * waves, Gloss(strength=0.2, exponent=40.0)),
+        ("flat, under broad gloss", 0 * waves, Gloss(strength=0.4, exponent=12.0)),
     ):
         surface = reconstruct(photographed(height, chart, Condition(gloss=gloss)))
         found = surface.albedo.reshape(4, cell, 6, cell, 3)[:, 6:-6, :, 6:-6]
@@ -170,7 +172,7 @@ def colours() -> None:
         patches = patches * (linear * patches).sum() / (patches * patches).sum()
         lab = [rgb2lab(_srgb(one)[None])[0] for one in (patches, linear)]
         off = deltaE_ciede2000(*lab)
-        print(f"  {name:<22}{off.mean():6.2f}{off.max():6.2f}")
+        print(f"  {name:<24}{off.mean():6.2f}{off.max():6.2f}")
 
 
 def _srgb(linear: np.ndarray) -> np.ndarray:

@@ -57,3 +57,22 @@ def test_lamps_that_are_near_are_not_taken_for_gloss(away):
         lamps_as_given=True,
     )
     assert gloss_notes(capture, photometric(capture)) == ()
+
+
+@pytest.mark.parametrize("lamps", [5, 12])
+@pytest.mark.parametrize("shines", [True, False])
+def test_colours_of_a_flat_sheet_that_shines_are_said_to_be_doubtful(lamps, shines):
+    albedo = np.full((SIDE, SIDE), 0.7)
+    albedo[:, ::2], albedo[::2] = 0.05, 0.3
+    rng, lights = np.random.default_rng(0), spread_lamps(lamps)
+    matt = albedo * lights[:, 2][:, None, None]
+    halfway = np.cos(np.arccos(lights[:, 2]) / 2)
+    gloss = np.where(shines, 0.2, 0.0) * halfway**40  # every place mirrors the same of a lamp
+    images = matt + gloss[:, None, None] + rng.normal(0, 0.004, matt.shape)
+    capture = Capture(images.clip(0, 1).astype(np.float32), lights, np.ones((SIDE, SIDE), bool))
+    surface = photometric(capture)
+    notes = gloss_notes(capture, surface)
+    assert ["flat" in note.en and "cannot be trusted" in note.en for note in notes] == [True] * shines
+    if lamps >= 8:  # else gloss is taken for a level below black, and ink for more than three times as bright
+        ink = float(np.median(surface.albedo[albedo == 0.05])) * surface.quality["brightness"]
+        assert 0.03 < ink < 0.1

@@ -44,6 +44,7 @@ _BAND = 2_000_000
 """Pixels of the closed form worked on at a time."""
 _LOOKED_AT = 1_000_000
 """Pixels of a larger picture whose medians and quantiles are taken of every k-th one, to about this many."""
+_BELOW_BLACK = 0.02  # of white, that a camera may have taken too much
 _LEAST_TRUST = 0.05
 """Least weight of a slope in integration: an unsure slope is better than none."""
 CHECKING, MATERIALS = "Checking the photographs", "Looking for other materials"
@@ -143,7 +144,9 @@ def surface_normals(
         photometry = _photometry(capture, lamps, solver)
         if not trusted:
             checks.append(beside.submit(check_order, capture, photometry.strengths))
-        materials = _materials(capture, photometry, progress) if lamps is None and solver == "robust" else ()
+        materials: tuple[Material, ...] = ()
+        if lamps is None and solver == "robust":
+            photometry, materials = _materials(capture, photometry, progress)
         if lamps is not None:
             solution, check = _closed_form(capture, lamps, photometry.strengths)
         else:
@@ -189,13 +192,24 @@ def _unless_refused(checks: Sequence[Future[None]], progress: Progress | None) -
     return tell
 
 
-def _materials(capture: Capture, photometry: Photometry, progress: Progress | None) -> tuple[Material, ...]:
-    """Materials beside Lambert's, of lamps that are far away."""
+def _materials(
+    capture: Capture, photometry: Photometry, progress: Progress | None
+) -> tuple[Photometry, tuple[Material, ...]]:
+    """Materials beside Lambert's, of lamps that are far away, and the photometry under which they are found.
+
+    A level far below black is what gloss on a flat sheet looks like: it adds the same to all places, dark and
+    bright. No camera takes so much away, so where materials explain it they are believed.
+    """
     if capture.positions is not None:
-        return ()
+        return photometry, ()
     begin(MATERIALS, progress)
     lights = capture.lights * photometry.strengths[:, None]
-    return find_materials(capture.photographs, lights, mask=capture.mask, black_level=photometry.black_level)
+    if photometry.black_level < -_BELOW_BLACK:
+        found = find_materials(capture.photographs, lights, mask=capture.mask)
+        if found:
+            return replace(photometry, black_level=0.0), found
+    level = photometry.black_level
+    return photometry, find_materials(capture.photographs, lights, mask=capture.mask, black_level=level)
 
 
 def _solved(
