@@ -212,8 +212,11 @@ def _find_patches(framed: FramedInk, tube: BoolArray, width: float) -> tuple[Ink
     total = int(framed.ink.sum())
     found = []
     for k in range(1, count):
-        own, area = labels == k, int(stats[k, cv2.CC_STAT_AREA])
-        if area < INK.share * total or float(away[own].max()) < INK.deep * width:
+        area = int(stats[k, cv2.CC_STAT_AREA])
+        if area < INK.share * total:  # of most of them, there are many
+            continue
+        own = labels == k
+        if float(away[own].max()) < INK.deep * width:
             continue
         slender = area / (np.pi * float(inside[own].max()) ** 2)
         around = cv2.dilate(own.view(np.uint8), np.ones((5, 5), np.uint8)) > 0

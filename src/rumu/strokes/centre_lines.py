@@ -277,16 +277,29 @@ def _centre_line(line: Polyline, free: tuple[bool, bool], skeleton: Skeleton) ->
     clear = np.ones(len(line.points), bool)
     forks = skeleton.nodes[skeleton.degree > 2]
     if len(forks):
-        squared = ((line.points[:, None] - forks) ** 2).sum(axis=2).min(axis=1)
+        x, y = (line.points[:, k, None] - forks[:, k] for k in (0, 1))
+        squared = (x * x + y * y).min(axis=1)
         clear = np.asarray(squared > (LINES.fork * skeleton.width) ** 2)
-    step = np.diff(line.points, axis=0)
+    step = line.points[1:] - line.points[:-1]
     arc = np.concatenate([[0.0], np.cumsum(np.sqrt((step * step).sum(axis=1)) / SCALE)])
     return CentreLine(from_pixels(line.points), line.radius / SCALE, free, clear, arc)
 
 
 def doubled_directions(points: FloatArray) -> FloatArray:
     """(n, 2) (cos 2t, sin 2t) of the direction of a line at its points, (n, 2); 0 where it has none."""
-    ways = np.gradient(points, axis=0) if len(points) > 1 else np.zeros((1, 2))
+    return _doubled(_ways(points))
+
+
+def _ways(points: FloatArray) -> FloatArray:
+    """(n, 2): at each point of a line, (n, 2), the mean of the steps before and after it."""
+    ways = np.zeros_like(points)
+    ways[1:-1] = (points[2:] - points[:-2]) / 2.0
+    if len(points) > 1:
+        ways[0], ways[-1] = points[1] - points[0], points[-1] - points[-2]
+    return ways
+
+
+def _doubled(ways: FloatArray) -> FloatArray:
     angle, known = 2 * np.arctan2(ways[:, 1], ways[:, 0]), np.hypot(*ways.T) > 1e-9
     return np.asarray(np.column_stack([np.cos(angle), np.sin(angle)]) * known[:, None])
 
@@ -295,20 +308,20 @@ def sample_lines(lines: tuple[CentreLine, ...], *, most: int = LINES.most_points
     """Points on lines at the usual spacing, or about `most` where the lines are long."""
     total = sum(line.length for line in lines)
     spacing = max(LINES.spacing, total / most)
-    xy, double, radius, owner, clear = [], [], [], [], []
+    xy, ways, radius, owner, clear = [], [], [], [], []
     for k, line in enumerate(lines):
         arc = line.arc
         count = max(round(arc[-1] / spacing) + 1, 2) if arc[-1] > 0 else 1
         at = np.linspace(0.0, arc[-1], count)
         points = np.column_stack([np.interp(at, arc, line.points[:, i]) for i in (0, 1)])
         xy.append(points)
-        double.append(doubled_directions(points))
+        ways.append(_ways(points))
         radius.append(np.interp(at, arc, line.radius))
         owner.append(np.full(len(at), k))
         clear.append(np.interp(at, arc, line.clear.astype(float)) > 0.5)
     return LinePoints(
         xy=np.concatenate(xy),
-        double=np.concatenate(double),
+        double=_doubled(np.concatenate(ways)),
         radius=np.concatenate(radius),
         owner=np.concatenate(owner),
         clear=np.concatenate(clear),

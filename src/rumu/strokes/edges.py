@@ -70,15 +70,18 @@ def look_at_edge(mask: BoolArray, points: PointSet) -> EdgeLook:
         column, row = line.astype(np.intp).T
         edge[row, column] = 1.0
     side = (EDGES.window, EDGES.window)
-    near, along = (cv2.boxFilter(x, -1, side, normalize=False) for x in (moved, edge))
+    near = cv2.boxFilter(moved, -1, side, normalize=False)
     row, column = np.unravel_index(int(near.argmax()), near.shape)
+    beyond = EDGES.window // 2
+    mirrored = np.pad(edge, beyond, mode="reflect")  # as the filter has it
+    along = float(mirrored[row : row + EDGES.window, column : column + EDGES.window].sum())
     length = max(float(edge.sum()), 1.0)
     share = float(near[row, column]) / max(float(moved.sum()), 1.0)
     return EdgeLook(
         moved=float(moved.sum()) / length,
         turning=_turning(outlines),
         worst=(np.array([column, row]) - (SIDE - 1) / 2) / SCALE,
-        worst_share=share / max(float(along[row, column]) / length, 1e-6),
+        worst_share=share / max(along / length, 1e-6),
     )
 
 

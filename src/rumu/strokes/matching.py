@@ -8,6 +8,7 @@ copy lacks finds nothing and stays where its neighbours suggest. Positions in rm
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +24,7 @@ class MatchSettings:
     warp_sigmas, stroke_sigmas: standard deviations of the expected distance: while all strokes move by one
         warp, and while each moves by itself.
     grid: knots of the warp along each axis; knot_reach: standard deviation of the bump at a knot.
-    partings: shares of the ink's points, along each axis, at which the warp may bend sharply: a part that is
+    partings: shares of the extent, along each axis, at which the warp may bend sharply: a part that is
         too wide bends it there and nowhere else.
     shift_cost, affine_cost, bend_cost: ridge penalties of the warp on shifts, affine moves and bending, in
         points; shifts and affine moves are small, since the strokes are registered already.
@@ -99,17 +100,19 @@ class LineMatch:
 def match_lines(master: LinePoints, copy: LinePoints, *, settings: MatchSettings | None = None) -> LineMatch:
     """Find the master's points in the copy."""
     s = settings or MatchSettings()
-    y, double = master.xy, master.double
+    y, double, ink = master.xy, master.double, SoughtInk(copy, s)
     basis, cost = _warp_basis(y, s)
+    crossing = ink.crossing(double)
     for sigma in s.warp_sigmas:
-        P = _responsibilities(y, double, copy, sigma, s)
+        P = ink.responsibilities(y, crossing, sigma)
         y = master.xy + _fit_warp(master.xy, P, copy.xy, basis, cost * sigma**2)
     local, owner = _local_coordinates(master, master.xy), master.owner
     turn, shift = s.warp_penalties
     followed = _ridge(local, owner, np.ones(len(y)), y - master.xy, hold=np.diag([turn, turn, shift]))
-    moves = followed
+    base = np.einsum("nj,njd->nd", local, followed[owner])
+    directions = _Directions(master)
     for sigma in s.stroke_sigmas:
-        P = _responsibilities(y, double, copy, sigma, s)
+        P = ink.responsibilities(y, crossing, sigma)
         hold = (
             s.stroke_penalty
             * sigma**2
@@ -117,11 +120,11 @@ def match_lines(master: LinePoints, copy: LinePoints, *, settings: MatchSettings
         )
         weight = P.sum(axis=1)
         target = _weighted_mean(P, copy.xy, weight) - master.xy
-        base = np.einsum("nj,njd->nd", local, followed[owner])
         moves = followed + _ridge(local, owner, weight, target - base, hold=np.diag(hold))
         y = master.xy + np.einsum("nj,njd->nd", local, moves[owner])
-        double = _turn_directions(master, moves[owner, :2])
-    P = _responsibilities(y, double, copy, s.stroke_sigmas[-1], s)
+        double = directions.turned(moves[owner, :2])
+        crossing = ink.crossing(double)
+    P = ink.responsibilities(y, crossing, s.stroke_sigmas[-1])
     return LineMatch(_settle(y, double, master, copy, responsibility=P, settings=s), P)
 
 
@@ -198,23 +201,38 @@ def _settle(
     return np.asarray(y + move[:, :2] + move[:, 2:] * swing)
 
 
-def _responsibilities(
-    y: FloatArray, double: FloatArray, copy: LinePoints, sigma: float, s: MatchSettings
-) -> FloatArray:
-    """(n, m): how much each point of the copy belongs to each of the master's points."""
-    squared = squared_distances(y, copy.xy)
-    along = double.astype(np.float32) @ copy.double.T.astype(np.float32)
-    G = np.exp(squared * np.float32(-0.5 / sigma**2) + np.float32(s.crossing_penalty / 2) * (along - 1))
-    line = max(s.gather_sigmas * sigma / copy.spacing, 1.0)
-    nothing = np.float32(np.exp(-0.5 * s.outlier_sigmas**2) * line)
-    return np.asarray(G / (G.sum(axis=0) + nothing))
+class SoughtInk:
+    """The m points of a copy, to be asked again and again to which of a master's n points they belong."""
+
+    def __init__(self, copy: LinePoints, settings: MatchSettings) -> None:
+        self.settings, self.spacing = settings, copy.spacing
+        self.xy, self.double = copy.xy.astype(np.float32), copy.double.T.astype(np.float32)
+
+    def crossing(self, double: FloatArray) -> FloatArray:
+        """(n, m) float32, 0 or less: what the exponent loses where directions, (n, 2) doubled, cross."""
+        along = double.astype(np.float32) @ self.double
+        along -= np.float32(1.0)
+        along *= np.float32(self.settings.crossing_penalty / 2)
+        return np.asarray(along)
+
+    def responsibilities(self, y: FloatArray, crossing: FloatArray, sigma: float) -> FloatArray:
+        """(n, m) float32: how much each point of the copy belongs to each of the master's points, (n, 2)."""
+        s, G = self.settings, squared_distances(y, self.xy)
+        G *= np.float32(-0.5 / sigma**2)
+        G += crossing
+        np.exp(G, out=G)
+        line = max(s.gather_sigmas * sigma / self.spacing, 1.0)
+        nothing = np.float32(math.exp(-0.5 * s.outlier_sigmas**2) * line)
+        G /= G.sum(axis=0) + nothing
+        return G
 
 
 def squared_distances(a: FloatArray, b: FloatArray) -> FloatArray:
     """(n, m) float32, from each of (n, 2) points to each of (m, 2)."""
-    a, b = a.astype(np.float32), b.astype(np.float32)
-    away = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None] - 2.0 * (a @ b.T)
-    return np.asarray(np.maximum(away, np.float32(0.0)))
+    a, b = a.astype(np.float32, copy=False), b.astype(np.float32, copy=False)
+    away = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None]
+    away -= 2.0 * (a @ b.T)
+    return np.asarray(np.maximum(away, np.float32(0.0), out=away))
 
 
 def _weighted_mean(P: FloatArray, values: FloatArray, weight: FloatArray) -> FloatArray:
@@ -224,11 +242,11 @@ def _weighted_mean(P: FloatArray, values: FloatArray, weight: FloatArray) -> Flo
 
 def _warp_basis(xy: FloatArray, s: MatchSettings) -> tuple[FloatArray, FloatArray]:
     """(n, b) values of the warp's functions, affine ones first, and (b,) what each costs."""
-    axes = [np.linspace(xy[:, k].min(), xy[:, k].max(), s.grid) for k in (0, 1)]
-    knots = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    low, high = xy.min(axis=0), xy.max(axis=0)
+    knots = np.stack(np.meshgrid(*np.linspace(low, high, s.grid).T), axis=-1).reshape(-1, 2)
     bumps = np.exp(-0.5 * ((xy[:, None] - knots) ** 2).sum(axis=2) / s.knot_reach**2)
-    partings = [np.quantile(axis, s.partings) for axis in axes]
-    bent = np.concatenate([np.maximum(xy[:, k, None] - partings[k], 0.0) for k in (0, 1)], axis=1)
+    partings = low + np.array(s.partings)[:, None] * (high - low)
+    bent = np.maximum(xy[:, :, None] - partings.T, 0.0).reshape(len(xy), -1)
     basis = np.column_stack([np.ones(len(xy)), xy, bent, bumps])
     bends = bent.shape[1] + len(knots)
     return basis, np.array([s.shift_cost, *[s.affine_cost] * 2, *[s.bend_cost] * bends])
@@ -255,19 +273,26 @@ def _ridge(
     basis: FloatArray, owner: IntArray, weight: FloatArray, target: FloatArray, *, hold: FloatArray
 ) -> FloatArray:
     """(k, 3, d): ridge regression of (n, d) targets on a basis (n, 3), for each line by itself."""
-    starts = np.concatenate([[0], np.flatnonzero(np.diff(owner)) + 1])  # a line's points stand together
+    starts = np.flatnonzero(
+        np.concatenate([[True], owner[1:] != owner[:-1]])
+    )  # a line's points stand together
     weighted = (basis * weight[:, None])[:, :, None]
     left = np.add.reduceat(weighted * basis[:, None, :], starts)
     aim = np.add.reduceat(weighted * target[:, None, :], starts)
     return np.asarray(np.linalg.solve(left + hold, aim))
 
 
-def _turn_directions(points: LinePoints, linear: FloatArray) -> FloatArray:
-    """(n, 2): doubled directions after (n, 2, 2) linear moves beyond the identity."""
-    c, s = points.double.T
-    half = np.arctan2(s, c) / 2
-    along = np.column_stack([np.cos(half), np.sin(half)])
-    along = along + np.einsum("nj,njd->nd", along, linear)
-    angle = 2 * np.arctan2(along[:, 1], along[:, 0])
-    length = np.hypot(c, s)
-    return np.column_stack([length * np.cos(angle), length * np.sin(angle)])
+class _Directions:
+    """The directions of a master's points, ready to be turned."""
+
+    def __init__(self, points: LinePoints) -> None:
+        c, s = points.double.T
+        half = np.arctan2(s, c) / 2
+        self.along = np.column_stack([np.cos(half), np.sin(half)])
+        self.length = np.hypot(c, s)
+
+    def turned(self, linear: FloatArray) -> FloatArray:
+        """(n, 2): doubled directions after (n, 2, 2) linear moves beyond the identity."""
+        along = self.along + np.einsum("nj,njd->nd", self.along, linear)
+        angle = 2 * np.arctan2(along[:, 1], along[:, 0])
+        return np.column_stack([self.length * np.cos(angle), self.length * np.sin(angle)])

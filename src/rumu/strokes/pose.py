@@ -95,7 +95,7 @@ def find_pose(master: FloatArray, copy: FloatArray, *, owner: IntArray, double: 
         return NO_POSE
     if _is_one_out_of_place(_without_slide(left, double), owner, out_share=POSE.out_share):
         return NO_POSE
-    poses = [NO_POSE] + [_fit_robust(master, copy, turn, size) for turn, size in _PARTS]
+    poses = [NO_POSE, *_fit_robust(master, copy)]
     agreed = []
     for pose in poses:
         left = pose.undo(copy) - master
@@ -164,30 +164,34 @@ def _is_one_out_of_place(left: FloatArray, owner: IntArray, *, out_share: float 
     return bool(((rest >= POSE.in_place_share) & (there <= out_share)).any())
 
 
-_PARTS = ((False, False), (True, False), (False, True), (True, True))
+_PARTS = np.array([(False, False), (True, False), (False, True), (True, True)])
 """Whether a pose turns and whether it changes the size, from simple to rich; all of them shift."""
 
 
-def _fit_robust(master: FloatArray, copy: FloatArray, turn: bool, size: bool) -> CharacterPose:
-    """A pose fitted with Geman and McClure's weights, which downweight outliers; their reach shrinks."""
-    pose = _fit_weighted(master, copy, np.ones(len(master)), turn, size)
+def _fit_robust(master: FloatArray, copy: FloatArray) -> list[CharacterPose]:
+    """A pose of each kind, fitted with Geman and McClure's weights, which downweight outliers.
+
+    Their reach shrinks.
+    """
+    linear, shift = _fit_weighted(master, copy, np.ones((len(_PARTS), len(master))))
     for share in POSE.schedule:
-        reach, left = share * POSE.reach, copy - master @ pose.linear.T - pose.shift
-        weight = (reach**2 / (reach**2 + (left * left).sum(axis=1))) ** 2
-        pose = _fit_weighted(master, copy, weight, turn, size)
-    return pose
+        reach = share * POSE.reach
+        left = copy - master @ linear.transpose(0, 2, 1) - shift[:, None]
+        weight = (reach**2 / (reach**2 + (left * left).sum(axis=2))) ** 2
+        linear, shift = _fit_weighted(master, copy, weight)
+    return [CharacterPose(*fit) for fit in zip(linear, shift, strict=True)]
 
 
-def _fit_weighted(
-    master: FloatArray, copy: FloatArray, weight: FloatArray, turn: bool, size: bool
-) -> CharacterPose:
-    """The pose of least weighted squares."""
-    w = weight / weight.sum()
+def _fit_weighted(master: FloatArray, copy: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(k, 2, 2) and (k, 2): of each kind of pose the one of least squares with its weights, (k, n)."""
+    w = weight / weight.sum(axis=1, keepdims=True)
     a, b = w @ master, w @ copy
-    m, c = master - a, copy - b
-    S = (c * w[:, None]).T @ m
-    angle = np.arctan2(S[1, 0] - S[0, 1], S[0, 0] + S[1, 1]) if turn else 0.0
-    R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    scale = float(np.sum(R * S) / max(float(w @ (m * m).sum(axis=1)), 1e-9)) if size else 1.0
-    linear = max(scale, POSE.min_scale) * R
-    return CharacterPose(linear, b - linear @ a)
+    m, c = master - a[:, None], copy - b[:, None]
+    S = (c * w[:, :, None]).transpose(0, 2, 1) @ m
+    angle = np.where(_PARTS[:, 0], np.arctan2(S[:, 1, 0] - S[:, 0, 1], S[:, 0, 0] + S[:, 1, 1]), 0.0)
+    cos, sin = np.cos(angle), np.sin(angle)
+    R = np.stack([cos, -sin, sin, cos], axis=1).reshape(-1, 2, 2)
+    spread = np.maximum((w * (m * m).sum(axis=2)).sum(axis=1), 1e-9)
+    scale = np.where(_PARTS[:, 1], (R * S).sum(axis=(1, 2)) / spread, 1.0)
+    linear = np.maximum(scale, POSE.min_scale)[:, None, None] * R
+    return linear, b - (linear @ a[:, :, None])[:, :, 0]

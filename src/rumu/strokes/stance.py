@@ -182,15 +182,26 @@ def widening(master: FloatArray, copy: FloatArray, owner: IntArray) -> float:
     One stroke that is too long does not make them wide: of the widths without any one of the strokes, and
     of that from edge to edge, the one counts that is nearest to the master's.
     """
-    whole = float(np.std(master))
-    logs = [float(np.log(np.ptp(copy) / max(float(np.ptp(master)), 1e-6) + 1e-9))]
-    for left_out in (-1, *np.unique(owner)):
-        kept = owner != left_out
-        if kept.any() and np.std(master[kept]) >= ASPECT.spread * whole:
-            logs.append(float(np.log(np.std(copy[kept]) / max(np.std(master[kept]), 1e-6) + 1e-9)))
-    if min(logs) < 0 < max(logs):
+    extent = np.ptp(copy) / max(float(np.ptp(master)), 1e-6)
+    own, all_but_one = (_spread_without(values, owner) for values in (master, copy))
+    enough = own >= ASPECT.spread * own[0]
+    logs = np.log(np.append(all_but_one[enough] / np.maximum(own[enough], 1e-6), extent) + 1e-9)
+    if logs.min() < 0 < logs.max():
         return 1.0
-    return float(np.exp(min(logs, key=abs)))
+    return float(np.exp(logs[np.abs(logs).argmin()]))
+
+
+def _spread_without(values: FloatArray, owner: IntArray) -> FloatArray:
+    """(1 + k,) standard deviation of (n,) values, of all and without each of k strokes; -1 of none."""
+    values = values - values.mean()
+    count, total, squares = (
+        np.concatenate([[0.0], np.bincount(owner, weights)[np.bincount(owner) > 0]])
+        for weights in (None, values, values * values)
+    )
+    left = [each.sum() - each for each in (count, total, squares)]
+    mean = left[1] / np.maximum(left[0], 1.0)
+    variance = np.maximum(left[2] / np.maximum(left[0], 1.0) - mean * mean, 0.0)
+    return np.asarray(np.where(left[0] > 0, np.sqrt(variance), -1.0))
 
 
 def _find_squeeze(

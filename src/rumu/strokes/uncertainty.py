@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
-
-import numpy as np
 
 from rumu.strokes.measures import MatchedStroke
 
@@ -52,10 +51,10 @@ def uncertainty_of(changed: list[MatchedStroke]) -> StrokeUncertainty:
     """Uncertainty of a stroke from its perturbed measurements: the sum of the worst two."""
 
     def worst(values: list[float]) -> float:
-        return float(np.sort(np.abs(values))[-2:].sum())  # NaN where any is
+        return math.nan if any(map(math.isnan, values)) else sum(sorted(map(abs, values))[-2:])
 
     return StrokeUncertainty(
-        shift=worst([float(np.hypot(*s.shift)) for s in changed]),
+        shift=worst([math.hypot(*s.shift) for s in changed]),
         turn=worst([s.turn for s in changed]),
         ratios={name: worst([_log(getattr(s, name)) for s in changed]) for name in _RATIOS},
         ends={name: max(abs(getattr(s, name)) for s in changed) for name in _DIFFERENCES},
@@ -63,20 +62,22 @@ def uncertainty_of(changed: list[MatchedStroke]) -> StrokeUncertainty:
 
 
 def _log(ratio: float) -> float:
-    return float(np.log(max(ratio, 1e-6)))
+    return math.log(max(ratio, 1e-6))
 
 
 def surely(found: MatchedStroke, doubt: StrokeUncertainty) -> MatchedStroke:
     """A stroke with each difference soft-thresholded by shares of its uncertainty: what is sure of it."""
 
     def shrink(value: float, by: float) -> float:
-        return float(np.sign(value) * np.maximum(abs(value) - by, 0.0))  # NaN stays NaN
+        if math.isnan(value) or math.isnan(by):
+            return math.nan
+        return math.copysign(max(abs(value) - by, 0.0), value)
 
-    away = float(np.hypot(*found.shift))
+    away = math.hypot(*found.shift)
     kept = max(away - SURE.shift * doubt.shift, 0.0) / max(away, 1e-9)
     shares = {"length": SURE.length, "width": SURE.width}
     ratios: dict[str, Any] = {
-        name: float(np.exp(shrink(_log(getattr(found, name)), shares[name] * by)))
+        name: math.exp(shrink(_log(getattr(found, name)), shares[name] * by))
         for name, by in doubt.ratios.items()
     }
     ends: dict[str, Any] = {

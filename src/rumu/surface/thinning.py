@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -36,7 +36,7 @@ class Segment(Polyline):
 
     def reversed(self) -> Self:
         """The same line from its other end."""
-        return replace(self, points=self.points[::-1], radius=self.radius[::-1], ends=self.ends[::-1])
+        return type(self)(self.points[::-1], self.radius[::-1], self.ends[::-1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +66,7 @@ def thin(mask: BoolArray, *, settings: ThinningSettings | None = None) -> RawSke
     nodes, segments, dots = _trace(line, np.maximum(depth, 0.5).astype(float))
     half_width = depth[1:-1, 1:-1]
     nodes = nodes - 1.0
-    inner = [replace(segment, points=segment.points - 1.0) for segment in segments]
+    inner = [Segment(segment.points - 1.0, segment.radius, segment.ends) for segment in segments]
     inner += [Segment(nodes[k][None], np.array([value_near(half_width, nodes[k])]), (k, k)) for k in dots]
     return RawSkeleton(nodes, inner, half_width)
 
