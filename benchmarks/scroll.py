@@ -3,8 +3,9 @@
 Without `--pages`: a scroll laid out from the 324 crops of the Lanting Xu (`masters/running-lantingxu`) on
 silk, with a mount around it. With it: the printed pages of `pages/printed`. Printed for each: its characters,
 how many works stand within it, how many of the text are there under their right names, in order (of the
-scroll also where each was put), how many of these a search finds, how many were opened as surfaces (none with
-`--names`), and the seconds of processor time to add it and to open all that stands on it.
+scroll also where each was put), how many of these a search finds, and how many were opened as surfaces (none
+with `--names`); the seconds from the picture until all are works with boxes, and until all are surfaces, too,
+which `--jobs` processes make that run already; and the seconds of processors for the one and for the other.
 `--out FILE` keeps the scroll and its text as files.
 """
 
@@ -17,7 +18,10 @@ import os
 import tempfile
 import time
 from collections.abc import Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass
 from difflib import SequenceMatcher
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +29,7 @@ from PIL import Image
 from scipy.ndimage import gaussian_filter
 
 from rumu.errors import RumuError
+from rumu.executors import cores, in_order, open_executor
 from rumu.gallery.add_page import add_page
 from rumu.gallery.assets import assets_of
 from rumu.gallery.catalog import open_gallery, work, works
@@ -38,6 +43,7 @@ DATA = Path(os.environ.get("RUMU_DATA", Path(__file__).parents[2] / "shared" / "
 CELL = 120  # pixels from one character to the next in a column
 COLUMN = 150  # pixels from one column to the next
 ROWS = 12
+_AT_ONCE = 32  # surfaces that a process makes before it is asked for the next
 MARGIN = 110  # pixels of silk around the writing
 MOUNT = (90, 160)  # pixels of the mount at the sides, and above and below
 SILK = np.array([214.0, 196.0, 160.0])
@@ -120,13 +126,40 @@ def in_their_places(matches: list[tuple[int, CharacterWithin]]) -> list[tuple[in
     return [one for one, is_near in zip(matches, near, strict=True) if is_near]
 
 
-def figures(gallery: Gallery, path: Path, text: str, *, open_them: bool, laid_out: bool) -> dict[str, float]:
-    """Add a page and count what became of its characters. laid_out: whether it is the scroll."""
+@dataclass(frozen=True)
+class Makers:
+    """Processes that make surfaces. executor: None where this process makes them."""
+
+    gallery: Gallery
+    folder: Path
+    processes: int
+    executor: Executor | None
+
+    def open_all(self, ids: list[str]) -> tuple[set[str], float]:
+        """The works whose surfaces are made, with ink that stands out, and the seconds of processors."""
+        parts = [ids[first : first + _AT_ONCE] for first in range(0, len(ids), _AT_ONCE)]
+        work = partial(open_some, self.folder)
+        found = list(in_order(work, parts, processes=self.processes, executor=self.executor))
+        return {one for opened, _ in found for one in opened}, sum(seconds for _, seconds in found)
+
+
+def open_some(folder: Path, ids: list[str]) -> tuple[list[str], float]:
+    """Which of some works can be opened as surfaces, and the seconds of processor time that took."""
     started = time.process_time()
+    gallery = gallery_in(folder)
+    opened = [one for one in ids if opens(gallery, one)]
+    return opened, time.process_time() - started
+
+
+def figures(makers: Makers, path: Path, text: str, *, open_them: bool, laid_out: bool) -> dict[str, float]:
+    """Add a page and count what became of its characters. laid_out: whether it is the scroll."""
+    gallery, started, used = makers.gallery, time.perf_counter(), time.process_time()
     metadata = WorkMetadata(title=Bilingual(path.stem, path.stem), script="running")
     added = add_page(gallery, path, text=text, metadata=metadata)
-    seconds = time.process_time() - started
     within = characters_within(gallery, added.id)
+    boxes, busy = time.perf_counter() - started, time.process_time() - used
+    opened, opening = makers.open_all([one.id for one in within] if open_them else [])
+    surfaces = time.perf_counter() - started
     given = read_text(text).characters
     blocks = SequenceMatcher(None, given, [one.character for one in within], autojunk=False)
     ranges = [(block.a, block.b, block.size) for block in blocks.get_matching_blocks()]
@@ -136,17 +169,22 @@ def figures(gallery: Gallery, path: Path, text: str, *, open_them: bool, laid_ou
         character: {one.id for one in works(gallery, within=added.id, query=character, limit=1000).items}
         for character in {one.character for one in right}
     }
-    started = time.process_time()
-    opened = {one.id for one in within if open_them and opens(gallery, one.id)}
     return {
         "characters": len(given),
         "works": added.characters,
         "right": len(right),
         "searched": sum(one.id in found[one.character] for one in right),
         "opened": sum(one.id in opened for one in right),
-        "seconds": seconds,
-        "opening": time.process_time() - started,
+        "boxes": boxes,
+        "surfaces": surfaces,
+        "busy boxes": busy,
+        "busy surfaces": opening,
     }
+
+
+def gallery_in(folder: Path) -> Gallery:
+    """The gallery of a run."""
+    return open_gallery(database=folder / "a.sqlite", files=folder / "files", starter=False)
 
 
 def opens(gallery: Gallery, work_id: str) -> bool:
@@ -166,9 +204,14 @@ def main() -> None:
     parser.add_argument("--count", type=int, help="how many characters it holds")
     parser.add_argument("--pages", action="store_true")
     parser.add_argument("--names", action="store_true", help="open no surfaces")
+    parser.add_argument("--jobs", type=int, default=cores(), help="processes that make surfaces")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        gallery = open_gallery(database=Path(folder, "a.sqlite"), files=Path(folder, "files"), starter=False)
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        open_executor(options.jobs) as (executor, processes),
+    ):
+        makers = Makers(gallery_in(Path(folder)), Path(folder), processes, executor)
+        makers.open_all([""] * _AT_ONCE * processes)  # they load their libraries
         if options.pages:
             pages = list(printed_pages())
         else:
@@ -178,11 +221,12 @@ def main() -> None:
             path.with_suffix(".txt").write_text(text + "\n", encoding="utf-8")
             pages = [(path, text)]
         print(
-            f"{'page':<28}{'text':>6}{'works':>7}{'right':>7}{'found':>7}{'opened':>8}{'seconds':>9}{'opening':>9}"
+            f"{'page':<28}{'text':>6}{'works':>7}{'right':>7}{'found':>7}{'opened':>8}{'boxes':>8}{'surfaces':>10}"
+            f"{'of processors':>18}"
         )
         rows = []
         for path, text in pages:
-            rows.append(figures(gallery, path, text, open_them=not options.names, laid_out=not options.pages))
+            rows.append(figures(makers, path, text, open_them=not options.names, laid_out=not options.pages))
             print(f"{path.stem:<28}" + line_of(rows[-1]), flush=True)
         total = {name: sum(row[name] for row in rows) for name in rows[0]}
         print(f"{'all':<28}" + line_of(total))
@@ -196,7 +240,8 @@ def line_of(row: dict[str, float]) -> str:
         f"{row[name]:>{width}.0f}"
         for name, width in (("characters", 6), ("works", 7), ("right", 7), ("searched", 7), ("opened", 8))
     )
-    return f"{counts}{row['seconds']:>9.1f}{row['opening']:>9.1f}"
+    seconds = f"{row['boxes']:>7.1f}s{row['surfaces']:>9.1f}s"
+    return f"{counts}{seconds}{row['busy boxes']:>9.1f} +{row['busy surfaces']:>5.1f} s"
 
 
 if __name__ == "__main__":

@@ -6,15 +6,14 @@ share of cells that are found and right; how far their corners lie from the trut
 megapixels; the overlap of the ink; by how much marks differ from those of the unphotographed copies; what was
 refused. With --marks 0 nothing is marked; --save FOLDER writes a picture of each cell whose mark differs by
 more than 3 points, beside the copy in it; --every-copy writes each of the copies once, instead of drawing
-them; --time measures one photograph of 24 cells instead, whole and, in one process with one thread, by its
-parts.
+them, and --seed draws other sheets of them; --time measures one photograph of 24 cells instead, whole and, in
+one process with one thread, by its parts.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
-import functools
 import os
 import tempfile
 import time
@@ -33,7 +32,7 @@ from rumu.gallery.sheet_masters import SheetMasters, choose_masters
 from rumu.pages.sheet_layout import GRIDS, HELPS, PAPERS, SheetPage, lay_out
 from rumu.pages.sheet_pdf import sheet_pdf
 from rumu.pages.sheet_reading import WrittenCell, locate_sheet, read_cells
-from rumu.studio.sheet_marks import surface_of_cell
+from rumu.studio.sheet_marks import prepared_master, surface_of_cell
 from rumu.surface.ink import find_ink
 from rumu_lab.simulation.camera import Conditions, draw_conditions, take_photograph
 
@@ -138,10 +137,10 @@ def read_every_copy(
 ) -> None:
     """Read sheets in which every copy is written once; of these sheets the asked ones."""
     every = [(character, path) for character in sorted(copies) for path in copies[character]]
-    np.random.default_rng(0).shuffle(every)
+    np.random.default_rng(asked.seed).shuffle(every)
     sheets = [every[k : k + CELLS] for k in range(0, len(every), CELLS)]
     for number in range(asked.first, min(asked.first + asked.count, len(sheets))):
-        rng = np.random.default_rng([1, number])
+        rng = np.random.default_rng([asked.seed, number])
         text = "".join(character for character, _ in sheets[number])
         masters = choose_masters(text, (str(folder),), script="regular")
         waiting = [path for _, path in sheets[number]]
@@ -201,9 +200,8 @@ def read_one(
         )
     for k, one in enumerate(found):
         if (one.cell.row, one.cell.column) in right:
-            master = masters.by_character[one.cell.character].picture if k < asked.marks else None
             copy = written[one.cell.row, one.cell.column]
-            off = _compare(one, copy, master, figures)
+            off = _compare(one, copy, page.master if k < asked.marks else None, figures)
             if asked.save and off > 3:
                 size = (len(copy), len(copy))
                 pair = np.hstack([cv2.resize(one.picture, size, interpolation=cv2.INTER_CUBIC), copy])
@@ -211,21 +209,21 @@ def read_one(
                 cv2.imwrite(str(asked.save / f"{number}-{page.number}-{k}.png"), pair)
 
 
-def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figures: Figures) -> float:
-    """Ink and, with a master, mark of a photographed cell against its copy; by how much the mark is off."""
+def _compare(one: WrittenCell, copy: np.ndarray, masters: str | None, figures: Figures) -> float:
+    """Ink and, with masters, mark of a photographed cell against its copy; by how much the mark is off."""
     side, character = len(copy), one.cell.character
     surface = surface_of_cell(one.picture)
     if isinstance(surface, np.ndarray):
         print(f"{character} {len(one.picture)} px: nothing written is seen", flush=True)
         figures.overlaps.append(0.0)
-        if master is not None:
+        if masters is not None:
             figures.off.append(100.0)
         return 100.0
     ink = cv2.resize(surface.mask.astype(np.float32), (side, side)) > 0.5
     true = find_ink(copy).mask
     figures.overlaps.append(float(np.count_nonzero(ink & true) / np.count_nonzero(ink | true)))
-    if master is not None:
-        prepared = _prepare(master.tobytes(), master.shape, character)
+    if masters is not None:
+        prepared, _ = prepared_master(masters, character)
         both = [pipeline.assess(each, prepared, framed=True, remarks=False).score for each in (surface, copy)]
         if None not in both:
             figures.off.append(abs(both[0] - both[1]))
@@ -239,13 +237,6 @@ def _compare(one: WrittenCell, copy: np.ndarray, master: np.ndarray | None, figu
     return 0.0
 
 
-@functools.lru_cache(maxsize=64)
-def _prepare(samples: bytes, shape: tuple[int, ...], character: str) -> pipeline.PreparedMaster:
-    return pipeline.prepare_master(
-        np.frombuffer(samples, np.uint8).reshape(shape).copy(), character=character
-    )
-
-
 def main() -> None:
     """Read many sheets and print the figures."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -256,6 +247,7 @@ def main() -> None:
     parser.add_argument("--gamma", type=float, help="of the camera's tone curve; that of sRGB unless given")
     parser.add_argument("--bend", type=float, help="height of the wave of every sheet, in its widths")
     parser.add_argument("--every-copy", action="store_true")
+    parser.add_argument("--seed", type=int, default=1, help="of the sheets of every copy")
     parser.add_argument("--time", action="store_true")
     asked = parser.parse_args()
     copies, templates = read_copies()
