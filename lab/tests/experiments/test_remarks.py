@@ -32,6 +32,13 @@ def test_faults_that_nobody_sees_are_counted_apart():
     assert short["too_small"] == {"copies": 1, "told": 0.0, "first": 0.0}
 
 
+def test_faults_that_take_ink_far_off_its_place_are_counted_besides():
+    some = [replace(named("angle", 0), moved=0.03), named("angle", None)]
+    angle = remarks.figures(some)["faults"]["angle"]
+    assert angle["held_out"] == {"copies": 2, "told": 0.5, "first": 0.5}
+    assert angle["moved"] == {"copies": 1, "told": 1.0, "first": 1.0}
+
+
 def test_a_severity_that_was_asked_for_besides_counts_in_its_own_row():
     faults = remarks.figures([named("lean", 0, severity=1.5), named("lean", None, severity=3.0)])["faults"]
     assert faults["lean"]["held_out"]["copies"] == 1 and faults["lean"]["held_out"]["told"] == 0.0
@@ -48,7 +55,7 @@ def test_the_text_and_the_table_say_what_was_found(tmp_path):
     some = (named("shift", 1, kinds=["lean", "displaced"]), named("clean half", None, kinds=["missing"]))
     text = remarks.text(remarks.figures(some))
     line = next(line for line in text.splitlines() if line.startswith("shift"))
-    assert line.split() == ["shift", "1", "100%", "0%", "0%", "of", "0", "0%", "of", "0"]
+    assert line.split() == ["shift", "1", "100%", "0%", *["0%", "of", "0"] * 3]
     assert "1, of which 1 got a remark on a stroke" in text
     remarks.write_table(some, tmp_path / "remarks.csv")
     with (tmp_path / "remarks.csv").open(encoding="utf-8", newline="") as stream:

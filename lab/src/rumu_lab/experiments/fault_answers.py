@@ -77,6 +77,15 @@ def is_seen(copy: FaultyGlyph, glyph: Glyph) -> bool:
     return bool((copy.mask ^ glyph.mask).sum() >= SEEN_CHANGE * own)
 
 
+def farthest_change(copy: FaultyGlyph, glyph: Glyph) -> float:
+    """How far ink of the copy lies off the master's at most, or the other way; fraction of the picture."""
+    import cv2
+
+    ways = ((copy.mask, glyph.mask), (glyph.mask, copy.mask))
+    away = (cv2.distanceTransform((~of).astype(np.uint8), cv2.DIST_L2, 5)[ink] for ink, of in ways)
+    return float(max(each.max(initial=0.0) for each in away) / max(glyph.mask.shape))
+
+
 def find_position(
     remarks: Sequence[Remark], untold: Sequence[Remark], copy: FaultyGlyph, glyph: Glyph
 ) -> int | None:

@@ -22,7 +22,14 @@ import numpy as np
 from rumu.errors import CalibrationError, RumuError, SurfaceError
 from rumu.pipeline import PreparedMaster
 from rumu.values import BoolArray, Remark
-from rumu_lab.experiments.fault_answers import ANSWERS, can_be_named, find_position, is_seen
+from rumu_lab.experiments.fault_answers import (
+    ANSWERS,
+    SEEN_PUSH,
+    can_be_named,
+    farthest_change,
+    find_position,
+    is_seen,
+)
 from rumu_lab.experiments.findings import Findings
 from rumu_lab.experiments.marked_copies import FOLDERS, read_templates
 from rumu_lab.experiments.measuring import measure_each
@@ -63,7 +70,7 @@ class FaultTrial:
 
     position: of the remark that names the fault among the remarks, 0 first; None when none does.
     kinds: of the remarks. refused: why the copy was not marked. visible: whether the fault is large enough
-    to be seen, see `fault_answers`.
+    to be seen, see `fault_answers`. moved: how far ink lies off its place at most, fraction of the picture.
     """
 
     master: str
@@ -74,6 +81,7 @@ class FaultTrial:
     kinds: tuple[str, ...]
     refused: str | None = None
     visible: bool = True
+    moved: float = 0.0
 
 
 def run(
@@ -98,13 +106,14 @@ def run(
 
 def text(facts: Mapping[str, Any]) -> str:
     """The figures as a person reads them."""
-    head = ("fault", "copies", "told back", "told first", "", "on seen masters", "too small to be seen")
+    large = f"ink {SEEN_PUSH:.0%} off its place"
+    head = ("fault", "copies", "told back", "told first", large, "on seen masters", "too small to be seen")
     rows = [head]
     for name, f in facts["faults"].items():
-        held, seen, small = f["held_out"], f["seen"], f["too_small"]
+        held, seen, small, large = f["held_out"], f["seen"], f["too_small"], f["moved"]
         shares = (f"{held[k]:.0%}" for k in ("told", "first"))
-        others = (f"{some['told']:.0%} of {some['copies']}" for some in (seen, small))
-        rows.append((name, str(held["copies"]), *shares, "", *others))
+        others = (f"{some['told']:.0%} of {some['copies']}" for some in (large, seen, small))
+        rows.append((name, str(held["copies"]), *shares, *others))
     widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
     table = "\n".join(
         "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows
@@ -176,7 +185,17 @@ def try_master(master: RemarkMaster, severities: tuple[float, ...]) -> list[Faul
         position = find_position(remarks, untold, copy, glyph)
         kinds, visible = tuple(r.kind for r in remarks), is_seen(copy, glyph)
         trials.append(
-            FaultTrial(master.name, master.seen, fault, severity, position, kinds, refused, visible)
+            FaultTrial(
+                master.name,
+                master.seen,
+                fault,
+                severity,
+                position,
+                kinds,
+                refused,
+                visible,
+                farthest_change(copy, glyph),
+            )
         )
     for name, ink in _clean_copies(glyph).items():
         remarks, _, refused = _remarks(ink, prepared)
@@ -250,6 +269,7 @@ def figures(trials: Sequence[FaultTrial]) -> dict[str, Any]:
         "faults": {
             name: {
                 "held_out": _shares([t for t in some if not t.seen and t.visible]),
+                "moved": _shares([t for t in some if not t.seen and t.visible and t.moved >= SEEN_PUSH]),
                 "too_small": _shares([t for t in some if not t.seen and not t.visible]),
                 "seen": _shares([t for t in some if t.seen and t.visible]),
                 "by_severity": {
@@ -287,8 +307,10 @@ def write_table(trials: Sequence[FaultTrial], path: Path) -> None:
 
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
-        writer.writerow(["master", "seen", "fault", "severity", "told", "kinds", "refused", "visible"])
+        head = ["master", "seen", "fault", "severity", "told", "kinds", "refused", "visible", "moved"]
+        writer.writerow(head)
         for t in trials:
             told = "" if t.position is None else t.position + 1
             kinds, severity = " ".join(t.kinds), f"{t.severity:g}"
-            writer.writerow([t.master, t.seen, t.fault, severity, told, kinds, t.refused or "", t.visible])
+            fault = (t.master, t.seen, t.fault, severity)
+            writer.writerow([*fault, told, kinds, t.refused or "", t.visible, f"{t.moved:.4f}"])
