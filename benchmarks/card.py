@@ -41,7 +41,7 @@ class Case:
     """One way to photograph.
 
     distance: of the lamp, mm. curve: exponent that the phone adds to light. lobe: of the lamp, which shines
-    with this power of the cosine from its axis.
+    with this power of the cosine from its axis. aim: standard deviation, mm, of where that meets the card.
     """
 
     name: str
@@ -52,6 +52,7 @@ class Case:
     curve: float = 1.0
     exif: bool = True
     lobe: float = 0.0
+    aim: float = 0.0
 
 
 CASES = (
@@ -68,6 +69,7 @@ CASES = (
     Case("no ball, 3 lamps at 0.33 m", ball=False, lamps=3, distance=330.0),
     Case("no ball, 6 lamps, LED (cosine)", ball=False, lobe=1.0),
     Case("no ball, 6 lamps, beam (cosine cubed)", ball=False, lobe=3.0),
+    Case("no ball, 6 lamps, beam aimed badly", ball=False, lobe=3.0, aim=25.0),
     Case("no ball, 6 lamps at 1 m", ball=False, distance=1000.0),
 )
 
@@ -97,7 +99,8 @@ def photograph(
             roll=rng.normal(0, 2),
             white=0.5 * rng.uniform(0.8, 1.1),
         )
-        data = take_card_photograph(scene, held, HandLamp(tuple(lamps[-1]), lobe=case.lobe), seed=k)
+        aim = tuple(rng.normal(0, case.aim, 2)) if case.aim else (0.0, 0.0)
+        data = take_card_photograph(scene, held, HandLamp(tuple(lamps[-1]), lobe=case.lobe, aim=aim), seed=k)
         (folder / f"{k}.jpg").write_bytes(data)
     return np.array(lamps) - _middle()
 

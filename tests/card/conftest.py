@@ -46,14 +46,14 @@ def lamps_around(count: int, *, distance: float = 400.0, slant: float = 42.0) ->
 def shoot(printed):
     """Photograph a sheet on the card into a folder, a lamp each; the hand moves a little."""
 
-    def take(folder: Path, lamps, *, sheet=None, ball=BALL, phone=PHONE, room=0.0) -> Path:
+    def take(folder: Path, lamps, *, sheet=None, ball=BALL, phone=PHONE, room=0.0, lobe=0.0) -> Path:
         rng = np.random.default_rng(5)
         folder.mkdir(parents=True, exist_ok=True)
         scene = CardScene(printed, (210.0, 297.0), sheet=sheet, ball=ball, room=room)
         for number, lamp in enumerate(lamps):
             place = tuple(np.array(phone.position) + rng.normal(0, 2.5, 3))
             held = replace(phone, position=place, lean=tuple(rng.normal(0, 0.6, 2)), roll=rng.normal(0, 2))
-            data = take_card_photograph(scene, held, HandLamp(tuple(lamp)), seed=number)
+            data = take_card_photograph(scene, held, HandLamp(tuple(lamp), lobe=lobe), seed=number)
             (folder / f"{number}.jpg").write_bytes(data)
         return folder
 

@@ -45,9 +45,10 @@ def _scale_beside(found, true, inside):
     return 1 + (shifts[1] - shifts[0]) / (right - third - left)
 
 
-def test_white_alone_tells_near_lamps(shoot, tmp_path):
+@pytest.mark.parametrize("lobe", [0.0, 3.0])
+def test_white_alone_tells_near_lamps(shoot, tmp_path, lobe):
     lamps = lamps_around(5, distance=330.0)
-    made = read_card_capture(shoot(tmp_path / "card", lamps, ball=None))
+    made = read_card_capture(shoot(tmp_path / "card", lamps, ball=None, lobe=lobe))
     assert made.ball is None
     off = angles(np.array(lamps) - window_middle(), made.capture.lights)
     assert off.max() < 3.0

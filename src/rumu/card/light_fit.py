@@ -1,6 +1,8 @@
 """Where the lamps stood, from how the card's white falls off; and what the camera makes of light.
 
-Blank paper under a lamp at height Z and distance r shows s Z / r^3. The lens darkens what is far from the
+Blank paper under a lamp at height Z and distance r shows s Z / r^3, times a power of the cosine from the
+axis of the lamp, which is aimed at the middle of the card: 0 of a bulb, 1 of a bare LED, more of a beam. All
+lamps of a capture are one lamp in several places, and share it. The lens darkens what is far from the
 picture's middle, in the same way in all photographs; a photograph stores u = (1 + a) m + b m^2 of the
 logarithm m of light (both of full scale), where a = b = 0 if the file's own curve (sRGB) is true. Gray
 patches show the same shares of the white wherever they are and however bright. All is fitted at once, by
@@ -31,7 +33,8 @@ class LightFitSettings:
     is near lens_usual. distance: logarithm of the distance, around usual_distance millimetres.
     alike: cells of white whose errors are one error, since paper and light are uneven over some millimetres.
     shadow: share by which white may be off before it is taken for shadowed or printed, and left out.
-    room: of the light from all sides, as a share of the lamp's in the middle of the card. turns: most
+    room: of the light from all sides, as a share of the lamp's in the middle of the card. beam: of the power
+    of the cosine by which a lamp's light falls off beside its axis, around beam_usual. turns: most
     evaluations of the fit.
     """
 
@@ -47,6 +50,8 @@ class LightFitSettings:
     alike: float = 120.0
     shadow: float = 0.06
     room: float = 0.03
+    beam: float = 1.0
+    beam_usual: float = 0.0
     turns: int = 60
 
 
@@ -133,16 +138,17 @@ def light_of(stored: FloatArray, curve: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Shared:
-    """What all photographs have in common. lens, curve: see `LightFit`. grays: logarithms. room: a share."""
+    """What all photographs have in common. lens, curve, room, beam: see `LightFit`. grays: logarithms."""
 
     lens: FloatArray
     curve: FloatArray
     room: float
     grays: FloatArray
+    beam: float
 
 
 class _Problem:
-    """The unknowns: for each photograph log power, X, Y and log Z; lens; curve; room; logarithms of grays."""
+    """The unknowns: for each photograph log power, X, Y and log Z; lens; curve; room; beam; log grays."""
 
     def __init__(
         self,
@@ -176,7 +182,7 @@ class _Problem:
             place = np.array([away * plane[1] / slope, away * plane[2] / slope, away])
             power = float(np.median(seen)) - np.log(away / _UNIT) + 3 * np.log(distance / _UNIT)
             unknowns += [power, place[0] / _UNIT, place[1] / _UNIT, np.log(place[2] / _UNIT)]
-        return np.array([*unknowns, settings.lens_usual, 0.0, 0.0, 0.0, 0.0, 0.0, *self._meant])
+        return np.array([*unknowns, settings.lens_usual, *(0.0,) * 5, settings.beam_usual, *self._meant])
 
     def leave_out_shadows(self, x: FloatArray) -> None:
         """Look no more at white that is clearly off."""
@@ -188,7 +194,8 @@ class _Problem:
         n = len(self._samples)
         lamps, rest = x[: 4 * n].reshape(n, 4), x[4 * n :]
         places = _UNIT * np.column_stack([lamps[:, 1], lamps[:, 2], np.exp(lamps[:, 3])])
-        return places, np.exp(lamps[:, 0]), _Shared(rest[:3], rest[3:5], float(rest[5]), rest[6:])
+        shared = _Shared(rest[:3], rest[3:5], float(rest[5]), rest[7:], float(rest[6]))
+        return places, np.exp(lamps[:, 0]), shared
 
     def white_residuals(self, x: FloatArray) -> list[FloatArray]:
         """Of each photograph, what its lit white contradicts, in standard deviations."""
@@ -217,6 +224,7 @@ class _Problem:
         parts.append(shared.curve / (settings.curve, settings.bend))
         parts.append((shared.lens - (settings.lens_usual, 0.0, 0.0)) / settings.lens)
         parts.append(np.array([shared.room / settings.room]))
+        parts.append(np.array([(shared.beam - settings.beam_usual) / settings.beam]))
         distance = np.linalg.norm(positions, axis=1)
         parts.append(np.log(distance / settings.usual_distance) / settings.distance)
         if self._ball is not None:
@@ -251,10 +259,18 @@ def _light(
     """
     place, power = lamp
     away = (points[:, 0] - place[0]) ** 2 + (points[:, 1] - place[1]) ** 2 + place[2] ** 2
-    falls = power * place[2] / _UNIT * (away / _UNIT**2) ** -1.5
+    falls = power * place[2] / _UNIT * (away / _UNIT**2) ** -1.5 * _beside_axis(points, place) ** shared.beam
     middle = power * place[2] / _UNIT * (float(place @ place) / _UNIT**2) ** -1.5
     light = np.log(np.maximum(falls + shared.room * middle, _FLOOR**2))
     return np.asarray(light + passed_by_lens(out, shared.lens))
+
+
+def _beside_axis(points: FloatArray, place: FloatArray) -> FloatArray:
+    """(n,) cosine between the axis of a lamp, which is aimed at the middle, and its rays to points (n, 2)."""
+    own = float(place @ place)
+    away = (points[:, 0] - place[0]) ** 2 + (points[:, 1] - place[1]) ** 2 + place[2] ** 2
+    toward = own - points @ place[:2]
+    return np.asarray(np.maximum(toward, 1e-3 * own) / np.sqrt(away * own))
 
 
 def passed_by_lens(out: FloatArray, lens: FloatArray) -> FloatArray:

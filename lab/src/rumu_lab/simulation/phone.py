@@ -96,15 +96,17 @@ class PhoneCamera:
 
 @dataclass(frozen=True, slots=True)
 class HandLamp:
-    """A small lamp that is aimed at the card's middle.
+    """A small lamp that is aimed at the card's middle, or near it.
 
     position: millimetres from there. radius: of its disc, as a ball shows it. lobe: its light falls off with
-    this power of the cosine from its axis; 0 shines alike to all sides, a bare LED has 1.
+    this power of the cosine from its axis; 0 shines alike to all sides, a bare LED has 1. aim: millimetres
+    from the card's middle, where its axis meets the card.
     """
 
     position: tuple[float, float, float]
     radius: float = 12.0
     lobe: float = 0.0
+    aim: tuple[float, float] = (0.0, 0.0)
 
 
 def reflectance_of_print(picture: npt.NDArray[np.uint8]) -> FloatArray:
@@ -249,7 +251,7 @@ def _irradiance(place: FloatArray, normals: FloatArray, lamp: HandLamp) -> Float
     toward = np.array(lamp.position, np.float32) - place
     squared = np.einsum("hwk,hwk->hw", toward, toward)
     cosine = np.einsum("hwk,hwk->hw", toward, normals) / np.sqrt(squared)
-    axis = np.array(lamp.position, np.float32)
+    axis = np.array(lamp.position, np.float32) - np.array([*lamp.aim, 0.0], np.float32)
     beside = np.maximum(toward @ axis, 0.0) / np.sqrt(squared) / np.linalg.norm(axis)
     return np.asarray(np.maximum(cosine, 0.0) * beside**lamp.lobe * _REACH**2 / squared)
 
