@@ -78,10 +78,15 @@ def figures(assessment: Any) -> Figures:
             a.refused_zh,
             *(word for r in a.remarks for word in (r.kind, r.zh, r.en)),
         ],
-        "drawings": hashlib.sha256(repr([(r.region, r.outline) for r in a.remarks]).encode()).hexdigest()[
-            :16
-        ],
+        "drawings": hashlib.sha256(
+            repr([(_rounded(r.region), r.outline) for r in a.remarks]).encode()
+        ).hexdigest()[:16],
     }
+
+
+def _rounded(region: tuple[float, ...] | None) -> tuple[float, ...] | None:
+    """A box as fine as outlines are: its last digits are noise."""
+    return None if region is None else tuple(round(float(side), 4) for side in region)
 
 
 def surfaces() -> dict[str, Figures]:
