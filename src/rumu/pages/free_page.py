@@ -13,6 +13,7 @@ from rumu.pages.furniture import text_only
 from rumu.pages.page import Direction
 from rumu.pages.page_characters import ColumnPlaces, part_register
 from rumu.pages.page_ink import Picture, find_page_ink
+from rumu.pages.page_marks import without_marks
 from rumu.pages.page_parts import find_parts
 from rumu.values import BoolArray, IntArray
 
@@ -67,9 +68,10 @@ def find_free_page(picture: Picture) -> FreePage:
     direction = find_direction(parts.ink, size=parts.size)
     if direction == "horizontal":
         parts = find_parts(_turned(page.ink), faint=_turned(page.faint))
-    registers = text_only(find_columns(parts), size=parts.size)
+    registers = text_only(find_columns(parts), size=parts.size, signed=direction == "vertical")
     if direction == "horizontal":  # swapped, the first row is the leftmost column
         registers = [columns[::-1] for columns in registers]
+    registers = [without_marks(columns, direction) for columns in registers]
     written = [
         WrittenColumn(r, c, column, places, tuple(shapes_of(column, places)))
         for r, columns in enumerate(registers)

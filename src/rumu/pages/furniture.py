@@ -32,21 +32,31 @@ class FurnitureSettings:
     longest: float = 2.5
     breadth: tuple[float, float] = (0.4, 1.6)
     ink: tuple[float, float] = (0.25, 1.8)
+    signature: tuple[float, float, float] = (0.38, 3.6, 0.3)
 
 
 def text_only(
-    registers: list[list[Column]], *, size: float, settings: FurnitureSettings | None = None
+    registers: list[list[Column]],
+    *,
+    size: float,
+    signed: bool = False,
+    settings: FurnitureSettings | None = None,
 ) -> list[list[Column]]:
     """The registers and columns that belong to the text.
 
-    size: about what a character measures, in pixels.
+    size: about what a character measures, in pixels. signed: whether the last column of a page of one
+    register may be a signature (落款), smaller than the text.
     """
     settings = settings or FurnitureSettings()
     registers = _writing(registers, size, settings)
     kept = []
     for columns in registers:
-        text = _without_notes(columns, size, settings)
-        kept.append(_without_edge(_without_edge(text, size, settings)[::-1], size, settings)[::-1])
+        signature = (
+            columns[-1:] if signed and len(registers) == 1 and _is_signature(columns, settings) else []
+        )
+        text = _without_notes(columns[: len(columns) - len(signature)], size, settings)
+        text = _without_edge(_without_edge(text, size, settings)[::-1], size, settings)[::-1]
+        kept.append(text + signature)
     return [columns for columns in kept if columns]
 
 
@@ -98,6 +108,23 @@ def _without_notes(columns: list[Column], size: float, settings: FurnitureSettin
         )
 
     return [column for column in columns if not is_note(column)]
+
+
+def _is_signature(columns: list[Column], settings: FurnitureSettings) -> bool:
+    """Whether the last column is slender and long, and stands low beside the others, within their rows."""
+    *text, last = columns
+    if len(text) < 2:
+        return False
+    usual = _usual([column.breadth for column in text], text)
+    slender, long, low = settings.signature
+    top, bottom = min(one.extent[0] for one in text), max(one.extent[1] for one in text)
+    return (
+        slender * usual < last.breadth < settings.note[1] * usual
+        and last.length > long * last.breadth
+        and last.extent[0] > top + low * (bottom - top)
+        and last.extent[1] < bottom + usual
+        and distance(last, text) > (usual + last.breadth) / 2
+    )
 
 
 def _without_edge(columns: list[Column], size: float, settings: FurnitureSettings) -> list[Column]:

@@ -28,15 +28,17 @@ class RegisterSettings:
 
     full: by how many paces a column may fall short of the longest and still count as full. agree: share of
     the full columns that must hold the same number of characters. weight: what another number then costs.
-    slender: a column more slender than this share of the usual has a pace of its own. double: share of small
-    characters below which a register has no double rows. lower: how high small characters are at most, as a
-    share of the usual height of the others: clerical characters are low for their pace.
+    slender, broad: a column more slender than this share of the usual, or broader, has a pace of its own.
+    double: share of small characters below which a register has no double rows. lower: how high small
+    characters are at most, as a share of the usual height of the others: clerical characters are low for
+    their pace.
     """
 
     full: float = 0.7
     agree: float = 0.5
     weight: float = 2.5
     slender: float = 0.8
+    broad: float = 1.35
     double: float = 0.03
     lower: float = 0.84
 
@@ -118,7 +120,9 @@ def _where_known(
 def _own_pace(
     column: Column, pace: float, breadth: float, rhythm: RhythmSettings, register: RegisterSettings
 ) -> float:
-    """The pace of a column: that of its register, unless its characters are smaller."""
+    """The pace of a column: that of its register, unless its characters are smaller, or those of a title."""
+    if column.breadth > register.broad * breadth:
+        return max(find_pace([column], settings=rhythm), pace)
     if column.breadth > register.slender * breadth:
         return pace
     own = find_pace([column], settings=rhythm)
