@@ -116,7 +116,7 @@ def _marks(
         return np.asarray(marks)
     marks |= (np.maximum(along, across) < settings.tiny) & (np.minimum(before, after) > settings.tiny / 2)
     slim = (along < settings.slim) & (across < settings.high) & clear & ~marks
-    for k in np.flatnonzero(slim):
+    for k in map(int, np.flatnonzero(slim)):
         closes = np.isfinite(before[k]) and after[k] > settings.open
         opens = np.isfinite(after[k]) and before[k] > settings.open
         marks[k] = (closes and _is_beside(own, marks, k, -1, side=side, pace=pace, settings=settings)) or (
